@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ttf/base/err.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+int ttf_err_set(struct ttf_err *err, int code, const char *where, const char *fmt, ...)
+{
+    va_list ap;
+
+    if (!err)
+        return code;
+    err->code = code;
+    err->hint[0] = '\0';
+    snprintf(err->where, sizeof(err->where), "%s", where ? where : "");
+    va_start(ap, fmt);
+    vsnprintf(err->what, sizeof(err->what), fmt, ap);
+    va_end(ap);
+    return code;
+}
+
+int ttf_err_hint(struct ttf_err *err, const char *fmt, ...)
+{
+    va_list ap;
+
+    if (!err)
+        return 0;
+    va_start(ap, fmt);
+    vsnprintf(err->hint, sizeof(err->hint), fmt, ap);
+    va_end(ap);
+    return err->code;
+}
+
+int ttf_err_prefix(struct ttf_err *err, const char *fmt, ...)
+{
+    char old[sizeof(err->what)];
+    va_list ap;
+    int n;
+
+    if (!err)
+        return 0;
+    memcpy(old, err->what, sizeof(old));
+    va_start(ap, fmt);
+    n = vsnprintf(err->what, sizeof(err->what), fmt, ap);
+    va_end(ap);
+    if (n >= 0 && (size_t)n < sizeof(err->what))
+        snprintf(err->what + n, sizeof(err->what) - (size_t)n, ": %s", old);
+    return err->code;
+}
+
+const char *ttf_err_text(const struct ttf_err *err, char *buf, unsigned size)
+{
+    const char *what = err->what[0] ? err->what : strerror(-err->code);
+
+    snprintf(buf, size, "%s%s%s%s%s", err->where, err->where[0] ? ": " : "", what,
+             err->hint[0] ? "; " : "", err->hint);
+    return buf;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* guided_calibration.h: acquiring the frames that a calibration is fitted from. */
+#ifndef TTF_CAPTURE_GUIDED_CALIBRATION_H
+#define TTF_CAPTURE_GUIDED_CALIBRATION_H
+
+#include "ttf/base/err.h"
+#include "ttf/capture/plan.h"
+#include "ttf/dataset/calibration.h"
+#include "ttf/hal/box.h"
+
+struct ttf_guided_config {
+    struct ttf_box *box;
+    const struct ttf_plan_shot *shot; /* exposure and lamp levels to calibrate for */
+    double mains_hz;
+    int64_t settle_ns;  /* of the lamps; 0: their warm_up */
+    unsigned frames;    /* averaged, 1..1000 */
+    double reflectance; /* flat: of the target */
+};
+
+/* All lamps off, `frames` frames at the shot's exposure, fitted into *calibration. */
+TTF_MUST_USE int ttf_guided_dark(const struct ttf_guided_config *config,
+                                 struct ttf_calibration *calibration, struct ttf_err *err);
+
+/* The shot's lamps on and settled, an even target in view. */
+TTF_MUST_USE int ttf_guided_flat(const struct ttf_guided_config *config,
+                                 struct ttf_calibration *calibration, struct ttf_err *err);
+
+#endif

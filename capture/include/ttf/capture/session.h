@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * session.h: the loop that turns due slots into committed frames.
+ *
+ * One session = one run of a plan on a box into a dataset: new, or gone on with.
+ * It creates its own committing thread and returns when the plan is done,
+ * stopped, or cannot go on. Everything that is not lasting ends as a record or an
+ * event, never as the end of the run.
+ */
+#ifndef TTF_CAPTURE_SESSION_H
+#define TTF_CAPTURE_SESSION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ttf/base/err.h"
+#include "ttf/capture/plan.h"
+#include "ttf/dataset/io.h"
+#include "ttf/hal/box.h"
+
+/* What a watcher is told, from the session's threads (serialised). */
+enum ttf_progress_kind {
+    TTF_PROGRESS_ARMED = 0, /* exposure locked, first slot waits */
+    TTF_PROGRESS_SLOT,      /* a slot's record is committed */
+    TTF_PROGRESS_EVENT      /* a line went to events.jsonl */
+};
+
+struct ttf_progress {
+    enum ttf_progress_kind kind;
+    int64_t index, total;
+    int result;        /* enum ttf_result of a slot */
+    const char *text;  /* reason or event; valid during the call */
+    int64_t now_ns;    /* boot clock */
+    int64_t error_ns;  /* achieved middle - due; TTF_NS_UNKNOWN */
+    int64_t wakeup_ns; /* how late the loop woke for this slot; TTF_NS_UNKNOWN */
+};
+
+typedef void ttf_progress_fn(void *ctx, const struct ttf_progress *progress);
+
+struct ttf_session_config {
+    struct ttf_box *box;            /* borrowed */
+    struct ttf_io *io;              /* borrowed */
+    const char *path;               /* of the dataset */
+    const struct ttf_plan *plan;    /* borrowed, checked */
+    const char *plan_yaml;          /* as given, for plans/0.yaml; NULL allowed */
+    const char *calibration_folder; /* NULL: none */
+    unsigned threads;               /* of the tile pool; 0: all */
+    ttf_progress_fn *progress;      /* NULL allowed */
+    void *progress_ctx;
+    const volatile int *stop; /* becomes non-zero: end cleanly within a slot; NULL allowed */
+    int64_t rehearse;      /* > 0: so many slots at once, nothing sealed, figures in the result */
+    bool skip_speed_check; /* of the disk's write speed */
+};
+
+struct ttf_session_result {
+    int64_t slots, captured, partial, missed, failed, paused, power; /* of the whole dataset */
+    int64_t error_p99_ns, error_max_ns;   /* abs(middle - due) of this run's captured slots */
+    int64_t wakeup_p99_ns, wakeup_max_ns; /* of the loop's waking */
+    bool resumed, sealed;
+    char digest[65];
+    /* rehearsal */
+    int64_t busy_ns;       /* per slot, from the first lamp command to the commit */
+    double headroom_stops; /* between the brightest and saturation */
+    double sharpness;
+    double
+        settle_change; /* relative change of level between the first and the last slot's reference */
+    int64_t slot_bytes;
+    int64_t
+        sustained_interval_ns; /* shortest interval that exposing and committing can keep up with */
+};
+
+/*
+ * Runs. 0 when the plan is done (sealed) or a stop was asked for (not sealed).
+ * -EINVAL: the plan does not fit the box or the dataset. -EBUSY: dataset in use.
+ * -ENOSPC, -EROFS, -EIO: storage gave out (all committed slots are safe).
+ * -ENODEV: no camera after the whole ladder at arming. -ESHUTDOWN: the (simulated) box lost power; run
+ * again to resume. -TTF_EDAMAGED: the dataset is damaged.
+ */
+TTF_MUST_USE int ttf_session_run(const struct ttf_session_config *config,
+                                 struct ttf_session_result *ret, struct ttf_err *err);
+
+#endif

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+# Compiler flags of the whole tree.
+set(CMAKE_C_STANDARD 17)
+set(CMAKE_C_STANDARD_REQUIRED ON)
+set(CMAKE_C_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_BUILD_TYPE)
+    set(CMAKE_BUILD_TYPE RelWithDebInfo)
+endif()
+
+add_compile_definitions(_GNU_SOURCE _FILE_OFFSET_BITS=64 TTFBOX_VERSION="${PROJECT_VERSION}")
+add_compile_options(
+    -Wall -Wextra -Wshadow -Wpointer-arith -Wstrict-prototypes -Wmissing-prototypes
+    -Wwrite-strings -Wformat=2 -Wvla -Wundef -Wno-unused-parameter
+    # The same bits everywhere: no fused multiply-add behind our back (ARCHITECTURE.md).
+    -ffp-contract=off -fno-common -fstack-protector-strong)
+# No fortify under sanitizers or without optimisation.
+if(TTFBOX_WERROR)
+    add_compile_options(-Werror)
+endif()
+if(TTFBOX_SANITIZE)
+    add_compile_options(-fsanitize=${TTFBOX_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    add_link_options(-fsanitize=${TTFBOX_SANITIZE})
+endif()

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * calibration.h: what is known of a camera under its lamps, as data; fitting it
+ * from frames and storing it. Pure: acquiring the frames is capture's.
+ *
+ * A calibration folder (calibration/ID/ in a dataset, or by itself):
+ * calibration.json, and dark.tif, flat.tif where they exist. The format is in
+ * FORMAT.md.
+ */
+#ifndef TTF_DATASET_CALIBRATION_H
+#define TTF_DATASET_CALIBRATION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ttf/base/err.h"
+#include "ttf/base/frame.h"
+#include "ttf/dataset/io.h"
+
+/* A sum of equal raw frames: averages accumulate as they come. */
+struct ttf_raw_sum {
+    struct ttf_frame_format format; /* of each frame that went in */
+    struct ttf_exposure settings;   /* of the first */
+    uint32_t *sum;                  /* width x height, tightly packed */
+    unsigned n;                     /* frames in it */
+};
+
+/* Room for frames of that format (RAW16, GREY8, GREY16), n = 0. -ENOTSUP for other packings. */
+TTF_MUST_USE int ttf_raw_sum_init(struct ttf_raw_sum *sum, const struct ttf_frame_format *format);
+void ttf_raw_sum_reset(struct ttf_raw_sum *sum); /* n = 0 again, memory kept */
+/* -EINVAL if the frame's format or bytes do not fit; -EOVERFLOW beyond 65,535 frames. */
+TTF_MUST_USE int ttf_raw_sum_add(struct ttf_raw_sum *sum, const struct ttf_frame *frame);
+void ttf_raw_sum_free(struct ttf_raw_sum *sum);
+
+struct ttf_hot_pixel {
+    uint16_t x, y;
+};
+
+/* A calibration. Fields are read freely; made by the functions below. Owns its arrays. */
+struct ttf_calibration {
+    char id[64]; /* [a-z0-9-]; from the content's hash when fitted */
+    char camera[32];
+    bool simulated;
+    uint32_t width, height; /* of the raw frame, 0 = nothing per pixel */
+    enum ttf_cfa cfa;
+    uint16_t black_level, white_level;
+
+    /* dark: codes in 1/16 above black_level, per pixel, per second of exposure (rate) and fixed (offset) */
+    bool has_dark;
+    int32_t *dark_offset_16; /* width x height: measured at the shortest exposure */
+    unsigned dark_frames;
+    struct ttf_exposure dark_settings;
+    int32_t dark_temp_mdegc; /* INT32_MIN: not known */
+    unsigned n_hot;
+    struct ttf_hot_pixel *hot; /* sorted by y, x */
+
+    /* flat: gain per pixel in 1/16384 that makes a perfect diffuser code `flat_level` above black */
+    bool has_flat;
+    uint16_t *flat_gain; /* width x height */
+    unsigned flat_frames;
+    struct ttf_exposure flat_settings;
+    double flat_reflectance; /* of the target, 0..1 */
+    double
+        flat_level; /* codes above black that a perfect diffuser gives at flat_settings, gain applied */
+
+    /* camera RGB (white balanced by the flat) to linear sRGB, row-major; identity by default */
+    double colour_matrix[9];
+};
+
+/* Nothing known: identity. */
+void ttf_calibration_init(struct ttf_calibration *calibration);
+void ttf_calibration_free(struct ttf_calibration *calibration);
+
+/*
+ * Fits the dark part from frames taken with all lamps off (plain average; hot
+ * pixels are those over the median by 10 robust standard deviations and 8
+ * codes). -EINVAL with a reason a user understands if the frames are not dark.
+ */
+TTF_MUST_USE int ttf_calibration_fit_dark(struct ttf_calibration *calibration,
+                                          const struct ttf_raw_sum *dark, struct ttf_err *err);
+
+/*
+ * Fits the flat part from frames of an even target of known reflectance
+ * (plain average, dark applied first). Refused with a reason when saturated, too
+ * dark, or more uneven than 8 to 1.
+ */
+TTF_MUST_USE int ttf_calibration_fit_flat(struct ttf_calibration *calibration,
+                                          const struct ttf_raw_sum *flat, double reflectance,
+                                          struct ttf_err *err);
+
+/* Gives it its id from its content; call after fitting. */
+TTF_MUST_USE int ttf_calibration_name(struct ttf_calibration *calibration, struct ttf_err *err);
+
+TTF_MUST_USE int ttf_calibration_save(const struct ttf_calibration *calibration, struct ttf_io *io,
+                                      const char *folder, struct ttf_err *err);
+TTF_MUST_USE int ttf_calibration_load(struct ttf_io *io, const char *folder,
+                                      struct ttf_calibration *ret, struct ttf_err *err);
+
+#endif

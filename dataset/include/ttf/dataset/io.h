@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * io.h: the table that all file access of a dataset goes through.
+ *
+ * So that a test can cut power at every operation, and the simulated box can
+ * have a full disk. Paths are those of the process; handles are small integers
+ * of the table's own. Ops return 0, a count or a handle, or a negative errno.
+ * Thread-safe; one file's handle is used by one thread at a time.
+ */
+#ifndef TTF_DATASET_IO_H
+#define TTF_DATASET_IO_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+
+enum ttf_io_mode {
+    TTF_IO_READ = 0,
+    TTF_IO_CREATE_NEW, /* read and write; -EEXIST if it is there */
+    TTF_IO_APPEND      /* read and append; created where missing */
+};
+
+struct ttf_io_stat {
+    bool is_dir;
+    bool is_regular;
+    int64_t bytes;
+};
+
+struct ttf_io_space {
+    int64_t free_bytes, total_bytes;
+    bool read_only;
+};
+
+struct ttf_io;
+
+/* Called for each entry of a folder, in no order; return non-zero to stop. */
+typedef int ttf_io_entry_fn(void *ctx, const char *name, bool is_dir);
+
+/* All mandatory. */
+struct ttf_io_ops {
+    const char *name;
+    int (*open)(struct ttf_io *io, const char *path, enum ttf_io_mode mode);
+    int64_t (*pread)(struct ttf_io *io, int file, void *buf, size_t n, int64_t offset);
+    int64_t (*pwrite)(struct ttf_io *io, int file, const void *buf, size_t n, int64_t offset);
+    int64_t (*append)(struct ttf_io *io, int file, const void *buf, size_t n);
+    int (*size)(struct ttf_io *io, int file, int64_t *ret_bytes);
+    int (*truncate)(struct ttf_io *io, int file, int64_t bytes);
+    int (*sync)(struct ttf_io *io, int file, bool data_only);
+    int (*close)(struct ttf_io *io, int file);
+    int (*rename)(struct ttf_io *io, const char *from, const char *to);
+    int (*unlink)(struct ttf_io *io, const char *path);
+    int (*mkdir)(struct ttf_io *io, const char *path);
+    int (*sync_dir)(struct ttf_io *io, const char *path);
+    int (*stat)(struct ttf_io *io, const char *path, struct ttf_io_stat *ret);
+    int (*list)(struct ttf_io *io, const char *path, ttf_io_entry_fn *fn, void *ctx);
+    int (*space)(struct ttf_io *io, const char *path, struct ttf_io_space *ret);
+    int (*lock)(struct ttf_io *io, int file); /* exclusive, not blocking: -EAGAIN */
+};
+
+struct ttf_io {
+    const struct ttf_io_ops *ops;
+};
+
+/* The machine's file system. Never freed. */
+struct ttf_io *ttf_io_posix(void);
+
+/* What the faulty twin asks before each operation that changes something: 0, or the errno to fail with. */
+typedef int ttf_io_fault_fn(void *ctx, const char *op, const char *path);
+
+/* A twin of `base` that fails when told to. base must outlive it. NULL: no memory. */
+struct ttf_io *ttf_io_faulty_create(struct ttf_io *base, ttf_io_fault_fn *fault, void *ctx);
+void ttf_io_faulty_destroy(struct ttf_io *io);
+
+/* ---- whole operations on top of the table ---- */
+
+/* Writes or appends all of it, going on after short counts and EINTR. 0 or a negative errno. */
+TTF_MUST_USE int ttf_io_pwrite_all(struct ttf_io *io, int file, const void *buf, size_t n,
+                                   int64_t offset);
+TTF_MUST_USE int ttf_io_append_all(struct ttf_io *io, int file, const void *buf, size_t n);
+
+/* Reads n bytes or up to the end; returns how many. */
+TTF_MUST_USE int64_t ttf_io_pread_all(struct ttf_io *io, int file, void *buf, size_t n,
+                                      int64_t offset);
+
+/* The whole file, zero-terminated, to be freed with free(); -EFBIG beyond max_bytes. */
+TTF_MUST_USE int ttf_io_slurp(struct ttf_io *io, const char *path, size_t max_bytes,
+                              char **ret_text, size_t *ret_bytes, struct ttf_err *err);
+
+/* Temporary name, sync, rename, sync of the folder: all or nothing. Replaces what was there. */
+TTF_MUST_USE int ttf_io_write_file(struct ttf_io *io, const char *path, const void *data, size_t n,
+                                   struct ttf_err *err);
+
+/* Makes a folder and those above it, each synced. */
+TTF_MUST_USE int ttf_io_mkdirs(struct ttf_io *io, const char *path, struct ttf_err *err);
+
+#endif

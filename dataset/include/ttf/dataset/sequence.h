@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * sequence.h: one stream of a dataset as a time-varying texture p(x, y, t):
+ * frames 0..n-1 without holes (slots that hold no image are left out), read by
+ * rows, in any order. What synthesis, export and develop read from.
+ *
+ * Threads: read_rows may be called from any thread at once.
+ */
+#ifndef TTF_DATASET_SEQUENCE_H
+#define TTF_DATASET_SEQUENCE_H
+
+#include <stdint.h>
+
+#include "ttf/base/err.h"
+#include "ttf/dataset/colour.h"
+#include "ttf/dataset/manifest.h"
+#include "ttf/dataset/reader.h"
+
+struct ttf_sequence;
+
+struct ttf_sequence_ops {
+    /*
+     * Rows y0..y0+rows-1 of frame t as 16-bit RGB codes, tightly packed, into
+     * dst (rows x width x 3). 0 or a negative errno.
+     */
+    int (*read_rows)(struct ttf_sequence *sequence, uint32_t t, uint32_t y0, uint32_t rows,
+                     uint16_t *dst, struct ttf_err *err);
+    void (*destroy)(struct ttf_sequence *sequence);
+};
+
+/* Embedded first in an implementation's struct. Public fields are constant. */
+struct ttf_sequence {
+    const struct ttf_sequence_ops *ops;
+    uint32_t width, height; /* pixels */
+    uint32_t n;             /* frames, >= 1 */
+    struct ttf_encoding encoding;
+    /* Of each frame: the slot's index, and its due time from the first frame's. n entries each. */
+    const int64_t *index;
+    const int64_t *time_ns;
+};
+
+/*
+ * The developed images of a stream (NULL: the primary) in slot order. Of a
+ * bracket or a stream with several images per slot, the reference one. Grey
+ * streams are read as three equal samples, u8 as u16 through the encoding.
+ * -ENODATA if the stream has no image. The reader must outlive it.
+ */
+TTF_MUST_USE int ttf_sequence_of_dataset(struct ttf_reader *reader, const char *stream,
+                                         struct ttf_sequence **ret, struct ttf_err *err);
+
+/*
+ * Frames in memory: n x height x width x 3 codes; copied not, owned not (they
+ * must outlive it). Frames count as 1 s apart.
+ */
+TTF_MUST_USE int ttf_sequence_of_memory(const uint16_t *frames, uint32_t width, uint32_t height,
+                                        uint32_t n, const struct ttf_encoding *encoding,
+                                        struct ttf_sequence **ret, struct ttf_err *err);
+
+TTF_MUST_USE static inline int ttf_sequence_read_rows(struct ttf_sequence *s, uint32_t t,
+                                                      uint32_t y0, uint32_t rows, uint16_t *dst,
+                                                      struct ttf_err *err)
+{
+    return s->ops->read_rows(s, t, y0, rows, dst, err);
+}
+
+static inline void ttf_sequence_destroy(struct ttf_sequence *s)
+{
+    if (s)
+        s->ops->destroy(s);
+}
+
+#endif
