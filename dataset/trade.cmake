@@ -1,0 +1,1 @@
+set(TTF_DATASET_TRADE)
