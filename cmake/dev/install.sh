@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+# What a fresh Debian 12 needs, by purpose; sourced by ./dev. Mirrors are the
+# machine's own: apt is used as it is configured.
+
+ttf_build_packages="gcc libc6-dev cmake ninja-build pkg-config git ca-certificates
+ libtiff-dev libspng-dev libjpeg-dev liblcms2-dev libjansson-dev libyaml-dev nettle-dev
+ zlib1g-dev libkissfft-dev libcmocka-dev"
+# Oracles and players that the tests hold our files against.
+ttf_test_packages="ffmpeg python3-minimal libpython3-stdlib libraw-bin libimage-exiftool-perl libtiff-tools rt-tests man-db groff"
+ttf_demo_packages="ffmpeg"
+ttf_lint_packages="clang-format clang-tidy shellcheck"
+
+# Installs those of the named packages that are missing; says nothing if none is.
+ttf_install() {
+    local missing=() p
+    for p in "$@"; do
+        dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || missing+=("$p")
+    done
+    [ ${#missing[@]} -eq 0 ] && return 0
+    echo "dev: installing ${missing[*]}" >&2
+    local sudo=()
+    if [ "$(id -u)" -ne 0 ]; then
+        command -v sudo >/dev/null || {
+            echo "dev: packages are missing and neither root nor sudo is here: install them with" >&2
+            echo "     apt-get install ${missing[*]}" >&2
+            exit 1
+        }
+        sudo=(sudo)
+    fi
+    local log
+    log=$(mktemp)
+    if ! { "${sudo[@]}" apt-get -q update && "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive \
+        apt-get -q install -y --no-install-recommends "${missing[@]}"; } >"$log" 2>&1; then
+        tail -n 30 "$log" >&2
+        echo "dev: apt-get failed (whole log: $log)" >&2
+        exit 1
+    fi
+    rm -f "$log"
+}
+
+# shellcheck disable=SC2086 # the lists are meant to be split
+ttf_install_build() { ttf_install $ttf_build_packages; }
+# shellcheck disable=SC2086
+ttf_install_test() { ttf_install $ttf_test_packages; }
+# shellcheck disable=SC2086
+ttf_install_demo() { ttf_install $ttf_demo_packages; }
+# shellcheck disable=SC2086
+ttf_install_lint() { ttf_install $ttf_lint_packages; }

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Everything that is wrong without running the programs. Called by ./dev lint from the root.
+set -uo pipefail
+failed=0
+step() { # NAME COMMAND...
+    local name=$1
+    shift
+    if "$@" >build/lint.log 2>&1; then
+        echo "lint: $name: clean"
+    else
+        echo "lint: $name: FAILED"
+        head -n 60 build/lint.log
+        failed=1
+    fi
+}
+
+format() { git ls-files -z '*.c' '*.h' | xargs -0 clang-format --style=file --dry-run -Werror; }
+
+tidy() {
+    git ls-files -z '*.c' | grep -zv '^tests/fuzz/' | xargs -0 -n 4 -P "$(nproc)" clang-tidy -p build --quiet
+}
+
+spdx() {
+    local missing
+    missing=$(git ls-files '*.c' '*.h' '*.sh' '*.py' dev | xargs grep -L 'SPDX-License-Identifier: Apache-2.0')
+    [ -z "$missing" ] || { echo "without a licence line:"; echo "$missing"; return 1; }
+}
+
+sizes() { # no file near 1,000 lines, base under 400
+    local bad
+    bad=$(git ls-files '*.c' '*.h' '*.py' '*.sh' dev | xargs wc -l | awk '$2 != "total" && $1 > 900')
+    [ -z "$bad" ] || { echo "too long:"; echo "$bad"; return 1; }
+    local base
+    base=$(cat base/*.c base/include/ttf/base/*.h | wc -l)
+    [ "$base" -lt 400 ] || { echo "base/ has $base lines; it is to stay under 400"; return 1; }
+}
+
+spaces() { ! git grep -nI -E '[[:space:]]+$' -- '*.c' '*.h' '*.sh' '*.py' '*.cmake' '*CMakeLists.txt' dev '*.yaml'; }
+
+step format format
+step 'licence lines' spdx
+step 'file sizes' sizes
+step 'trailing space' spaces
+step 'shell scripts' shellcheck -x -P SCRIPTDIR -P . dev .ci/run cmake/dev/*.sh $(git ls-files 'tests/*.sh')
+step arrows python3 tests/arrows/arrows.py .
+step clang-tidy tidy
+exit $failed
