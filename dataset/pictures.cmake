@@ -1,1 +1,2 @@
-set(TTF_DATASET_PICTURES placeholder.c)
+set(TTF_DATASET_PICTURES
+    colour.c pixbuf.c pixbuf_resample.c pool.c)
