@@ -48,7 +48,7 @@ def main():
         script = Path(tmp) / "CMakeLists.txt"
         script.write_text("cmake_minimum_required(VERSION 3.25)\nproject(x LANGUAGES NONE)\n"
                           f"include({root}/cmake/Rooms.cmake)\nttf_check_arrows(synth base capture)\n")
-        run = subprocess.run(["cmake", "-S", tmp, "-B", tmp + "/b"], capture_output=True, text=True)
+        run = subprocess.run(["cmake", "-G", "Ninja", "-S", tmp, "-B", tmp + "/b"], capture_output=True, text=True)
         if run.returncode == 0 or "may not use room 'capture'" not in run.stderr.replace("\n", " "):
             print("CMake let synth use capture\n" + run.stderr)
             bad += 1
