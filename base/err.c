@@ -51,8 +51,11 @@ int ttf_err_prefix(struct ttf_err *err, const char *fmt, ...)
 
 const char *ttf_err_text(const struct ttf_err *err, char *buf, unsigned size)
 {
-    const char *what = err->what[0] ? err->what : strerror(-err->code);
+    /* Not strerror: it is not thread-safe. */
+    const char *what = err->what[0] ? err->what : strerrordesc_np(-err->code);
 
+    if (!what)
+        what = "unknown error";
     snprintf(buf, size, "%s%s%s%s%s", err->where, err->where[0] ? ": " : "", what,
              err->hint[0] ? "; " : "", err->hint);
     return buf;

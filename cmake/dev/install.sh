@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # SPDX-License-Identifier: Apache-2.0
 # What a fresh Debian 12 needs, by purpose; sourced by ./dev. Mirrors are the
 # machine's own: apt is used as it is configured.
