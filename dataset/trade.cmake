@@ -1,1 +1,2 @@
-set(TTF_DATASET_TRADE)
+set(TTF_DATASET_TRADE
+    sequence_memory.c)
