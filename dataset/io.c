@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whole operations on top of an I/O table. */
+#include "ttf/dataset/io.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io_path.h"
+
+#define TEMPORARY ".tmp"
+
+int ttf_io_pwrite_all(struct ttf_io *io, int file, const void *buf, size_t n, int64_t offset)
+{
+    const char *at = buf;
+    int64_t put;
+
+    while (n > 0) {
+        put = io->ops->pwrite(io, file, at, n, offset);
+        if (put == -EINTR)
+            continue;
+        if (put <= 0)
+            return put < 0 ? (int)put : -EIO;
+        at += put;
+        n -= (size_t)put;
+        offset += put;
+    }
+    return 0;
+}
+
+int ttf_io_append_all(struct ttf_io *io, int file, const void *buf, size_t n)
+{
+    const char *at = buf;
+    int64_t put;
+
+    while (n > 0) {
+        put = io->ops->append(io, file, at, n);
+        if (put == -EINTR)
+            continue;
+        if (put <= 0)
+            return put < 0 ? (int)put : -EIO;
+        at += put;
+        n -= (size_t)put;
+    }
+    return 0;
+}
+
+int64_t ttf_io_pread_all(struct ttf_io *io, int file, void *buf, size_t n, int64_t offset)
+{
+    char *at = buf;
+    size_t done = 0;
+    int64_t got;
+
+    while (done < n) {
+        got = io->ops->pread(io, file, at + done, n - done, offset + (int64_t)done);
+        if (got == -EINTR)
+            continue;
+        if (got < 0)
+            return got;
+        if (got == 0)
+            break;
+        done += (size_t)got;
+    }
+    return (int64_t)done;
+}
+
+int ttf_io_slurp(struct ttf_io *io, const char *path, size_t max_bytes, char **ret_text,
+                 size_t *ret_bytes, struct ttf_err *err)
+{
+    int64_t bytes, got;
+    char *text = NULL;
+    int file, r;
+
+    file = io->ops->open(io, path, TTF_IO_READ);
+    if (file < 0)
+        return ttf_err_set(err, file, path, "cannot be opened: %s", strerrordesc_np(-file));
+    r = io->ops->size(io, file, &bytes);
+    if (r) {
+        ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
+        goto out;
+    }
+    if ((uint64_t)bytes > max_bytes) {
+        r = ttf_err_set(err, -EFBIG, path, "is %lld bytes long, more than the %zu allowed",
+                        (long long)bytes, max_bytes);
+        goto out;
+    }
+    text = malloc((size_t)bytes + 1);
+    if (!text) {
+        r = ttf_err_set(err, -ENOMEM, path, "no memory for %lld bytes", (long long)bytes);
+        goto out;
+    }
+    got = ttf_io_pread_all(io, file, text, (size_t)bytes, 0);
+    if (got < 0) {
+        r = ttf_err_set(err, (int)got, path, "cannot be read: %s", strerrordesc_np((int)-got));
+        goto out;
+    }
+    text[got] = '\0';
+    *ret_text = text;
+    text = NULL;
+    if (ret_bytes)
+        *ret_bytes = (size_t)got;
+out:
+    free(text);
+    io->ops->close(io, file);
+    return r;
+}
+
+int ttf_io_sync_parent(struct ttf_io *io, const char *path)
+{
+    char *parent = ttf_path_parent(path);
+    int r;
+
+    if (!parent)
+        return -ENOMEM;
+    r = io->ops->sync_dir(io, parent);
+    free(parent);
+    return r;
+}
+
+int ttf_io_write_file(struct ttf_io *io, const char *path, const void *data, size_t n,
+                      struct ttf_err *err)
+{
+    char *temporary = ttf_path_format("%s" TEMPORARY, path);
+    int file = -1, r = -ENOMEM;
+    bool made = false;
+
+    if (!temporary)
+        goto out;
+    r = io->ops->unlink(io, temporary); /* of a run that was cut off */
+    if (r && r != -ENOENT)
+        goto out;
+    file = io->ops->open(io, temporary, TTF_IO_CREATE_NEW);
+    r = file < 0 ? file : 0;
+    if (r)
+        goto out;
+    made = true;
+    r = ttf_io_append_all(io, file, data, n);
+    if (r == 0)
+        r = io->ops->sync(io, file, false);
+    if (r)
+        goto out;
+    r = io->ops->close(io, file);
+    file = -1;
+    if (r == 0)
+        r = io->ops->rename(io, temporary, path);
+    if (r == 0) {
+        made = false;
+        r = ttf_io_sync_parent(io, path);
+    }
+out:
+    if (file >= 0)
+        io->ops->close(io, file);
+    if (made)
+        io->ops->unlink(io, temporary);
+    free(temporary);
+    return r ? ttf_err_set(err, r, path, "cannot be written: %s", strerrordesc_np(-r)) : 0;
+}
+
+static int make_one(struct ttf_io *io, const char *path)
+{
+    struct ttf_io_stat st;
+    int r;
+
+    /* Asked first: on a read-only mount mkdir of what is there may say EROFS. */
+    r = io->ops->stat(io, path, &st);
+    if (r == 0)
+        return st.is_dir ? 0 : -ENOTDIR;
+    r = io->ops->mkdir(io, path);
+    if (r == -EEXIST)
+        return 0; /* somebody else was faster */
+    return r ? r : ttf_io_sync_parent(io, path);
+}
+
+int ttf_io_mkdirs(struct ttf_io *io, const char *path, struct ttf_err *err)
+{
+    char *copy = strdup(path);
+    size_t i;
+    int r = 0;
+
+    if (!copy)
+        return ttf_err_set(err, -ENOMEM, path, "no memory");
+    for (i = 1; r == 0 && copy[0] != '\0'; i++) {
+        if (copy[i] != '/' && copy[i] != '\0')
+            continue;
+        if (copy[i] == '\0') {
+            r = make_one(io, copy);
+            break;
+        }
+        if (copy[i - 1] == '/')
+            continue;
+        copy[i] = '\0';
+        r = make_one(io, copy);
+        copy[i] = '/';
+    }
+    if (r)
+        ttf_err_set(err, r, path, "this folder cannot be made: %s", strerrordesc_np(-r));
+    free(copy);
+    return r;
+}
+
+char *ttf_path_format(const char *fmt, ...)
+{
+    char *text = NULL;
+    va_list args;
+    int n;
+
+    va_start(args, fmt);
+    n = vasprintf(&text, fmt, args);
+    va_end(args);
+    return n < 0 ? NULL : text;
+}
+
+char *ttf_path_parent(const char *path)
+{
+    const char *slash;
+    size_t n = strlen(path);
+
+    while (n > 1 && path[n - 1] == '/') /* "a/b/" is "a/b" */
+        n--;
+    slash = memrchr(path, '/', n);
+    if (!slash)
+        return strdup(".");
+    while (slash > path && slash[-1] == '/')
+        slash--;
+    return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+}
