@@ -56,6 +56,13 @@ TTF_MUST_USE int ttf_sequence_of_memory(const uint16_t *frames, uint32_t width, 
                                         uint32_t n, const struct ttf_encoding *encoding,
                                         struct ttf_sequence **ret, struct ttf_err *err);
 
+/*
+ * One picture file (PNG, JPEG, TIFF; of a stack its first page) as a sequence of one
+ * frame, in linear light (pedestal 0, scale 65535). Errors as ttf_image_read.
+ */
+TTF_MUST_USE int ttf_sequence_of_image(struct ttf_io *io, const char *path,
+                                       struct ttf_sequence **ret, struct ttf_err *err);
+
 TTF_MUST_USE static inline int ttf_sequence_read_rows(struct ttf_sequence *s, uint32_t t,
                                                       uint32_t y0, uint32_t rows, uint16_t *dst,
                                                       struct ttf_err *err)
