@@ -1,2 +1,3 @@
 set(TTF_DATASET_PICTURES
-    colour.c pixbuf.c pixbuf_resample.c pool.c)
+    colour.c icc.c pixbuf.c pixbuf_resample.c pool.c
+    tiff_client.c tiff_read.c tiff_times.c tiff_unpack.c tiff_write.c)

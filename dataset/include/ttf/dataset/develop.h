@@ -19,6 +19,7 @@
 #include "ttf/dataset/io.h"
 #include "ttf/dataset/pixbuf.h"
 #include "ttf/dataset/pool.h"
+#include "ttf/dataset/tiff.h"
 
 struct ttf_develop;
 
@@ -60,11 +61,6 @@ TTF_MUST_USE int ttf_develop_run(struct ttf_develop *develop, const struct ttf_r
                                  struct ttf_image_figures *ret_figures, struct ttf_err *err);
 
 /* The same into a 16-bit linear TIFF at a file handle, by strips: bounded memory. */
-struct ttf_tiff_times {
-    int64_t start_utc_ns; /* exposure start; TTF_NS_UNKNOWN: not written */
-    int zone_offset_s;
-    int64_t exposure_ns; /* 0: not written */
-};
 TTF_MUST_USE int ttf_develop_tiff(struct ttf_develop *develop, const struct ttf_raw_sum *raw,
                                   struct ttf_pool *pool, const struct ttf_tiff_times *times,
                                   struct ttf_io *io, int file,

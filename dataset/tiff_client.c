@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "tiff_client.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ttf/base/checked.h"
+
+static tmsize_t client_read(thandle_t handle, void *buf, tmsize_t n)
+{
+    struct tiff_client *client = handle;
+    int64_t got;
+
+    if (n < 0 || client->position < 0)
+        return -1;
+    got = ttf_io_pread_all(client->io, client->file, buf, (size_t)n, client->position);
+    if (got < 0) {
+        if (client->io_error == 0)
+            client->io_error = (int)got;
+        return -1;
+    }
+    client->position += got;
+    return (tmsize_t)got;
+}
+
+static tmsize_t client_write(thandle_t handle, void *buf, tmsize_t n)
+{
+    struct tiff_client *client = handle;
+    int r;
+
+    if (n < 0 || client->position < 0)
+        return -1;
+    r = ttf_io_pwrite_all(client->io, client->file, buf, (size_t)n, client->position);
+    if (r < 0) {
+        if (client->io_error == 0)
+            client->io_error = r;
+        return -1;
+    }
+    client->position += n;
+    if (client->position > client->size)
+        client->size = client->position;
+    return n;
+}
+
+static toff_t client_seek(thandle_t handle, toff_t offset, int whence)
+{
+    struct tiff_client *client = handle;
+    int64_t base = 0, to;
+
+    if (whence == SEEK_CUR)
+        base = client->position;
+    else if (whence == SEEK_END)
+        base = client->size;
+    if (!ttf_add_i64(base, (int64_t)offset, &to) || to < 0)
+        return (toff_t)-1;
+    client->position = to;
+    return (toff_t)to;
+}
+
+/* The handle outlives libtiff's: tiff_client_close closes it where it is ours. */
+static int client_close(thandle_t handle)
+{
+    return 0;
+}
+
+static toff_t client_size(thandle_t handle)
+{
+    const struct tiff_client *client = handle;
+
+    return (toff_t)client->size;
+}
+
+static int on_error(TIFF *tiff, void *user_data, const char *module, const char *fmt, va_list args)
+    TTF_PRINTF(4, 0);
+static int on_error(TIFF *tiff, void *user_data, const char *module, const char *fmt, va_list args)
+{
+    struct tiff_client *client = user_data;
+
+    if (client->message[0] == '\0')
+        vsnprintf(client->message, sizeof(client->message), fmt, args);
+    return 1; /* dealt with: libtiff's own handler would print */
+}
+
+static int on_warning(TIFF *tiff, void *user_data, const char *module, const char *fmt,
+                      va_list args) TTF_PRINTF(4, 0);
+static int on_warning(TIFF *tiff, void *user_data, const char *module, const char *fmt,
+                      va_list args)
+{
+    return 1;
+}
+
+static int open_handle(struct tiff_client *client, const char *mode)
+{
+    TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
+
+    if (!options)
+        return -ENOMEM;
+    TIFFOpenOptionsSetMaxSingleMemAlloc(options, (tmsize_t)TIFF_ALLOC_MAX);
+    TIFFOpenOptionsSetErrorHandlerExtR(options, on_error, client);
+    TIFFOpenOptionsSetWarningHandlerExtR(options, on_warning, client);
+    client->tiff = TIFFClientOpenExt(client->where[0] ? client->where : "TIFF", mode, client,
+                                     client_read, client_write, client_seek, client_close,
+                                     client_size, NULL, NULL, options);
+    TIFFOpenOptionsFree(options);
+    return client->tiff ? 0 : -TTF_EDAMAGED;
+}
+
+int tiff_client_attach(struct tiff_client *client, struct ttf_io *io, int file, const char *mode,
+                       struct ttf_err *err)
+{
+    int r;
+
+    memset(client, 0, sizeof(*client));
+    client->io = io;
+    client->file = file;
+    r = io->ops->size(io, file, &client->size);
+    if (r < 0)
+        return ttf_err_set(err, r, NULL, "cannot tell the size of a file: %s", strerrordesc_np(-r));
+    r = open_handle(client, mode);
+    if (r < 0)
+        return tiff_client_fail(client, err, r, "opening a TIFF file");
+    return 0;
+}
+
+int tiff_client_open(struct tiff_client *client, struct ttf_io *io, const char *path,
+                     struct ttf_err *err)
+{
+    int r, file = io->ops->open(io, path, TTF_IO_READ);
+
+    memset(client, 0, sizeof(*client));
+    if (file < 0)
+        return ttf_err_set(err, file, path, "cannot open: %s", strerrordesc_np(-file));
+    client->io = io;
+    client->file = file;
+    client->owns_file = true;
+    snprintf(client->where, sizeof(client->where), "%s", path);
+    r = io->ops->size(io, file, &client->size);
+    if (r < 0)
+        client->io_error = r;
+    else
+        r = open_handle(client, "rm");
+    if (r < 0) {
+        r = tiff_client_fail(client, err, r, "opening the file as TIFF");
+        tiff_client_drop(client);
+    }
+    return r;
+}
+
+void tiff_client_drop(struct tiff_client *client)
+{
+    if (client->tiff)
+        TIFFCleanup(client->tiff);
+    client->tiff = NULL;
+    (void)tiff_client_close(client);
+}
+
+int tiff_client_close(struct tiff_client *client)
+{
+    int r;
+
+    if (client->tiff)
+        TIFFClose(client->tiff);
+    client->tiff = NULL;
+    r = client->io_error;
+    if (client->owns_file) {
+        int closed = client->io->ops->close(client->io, client->file);
+
+        if (r == 0)
+            r = closed;
+    }
+    client->owns_file = false;
+    return r;
+}
+
+int tiff_client_fail(const struct tiff_client *client, struct ttf_err *err, int code,
+                     const char *doing)
+{
+    const char *where = client->where[0] ? client->where : NULL;
+
+    if (client->io_error < 0)
+        return ttf_err_set(err, client->io_error, where, "%s: %s", doing,
+                           strerrordesc_np(-client->io_error));
+    if (client->message[0])
+        return ttf_err_set(err, code, where, "%s: %s", doing, client->message);
+    return ttf_err_set(err, code, where, "%s failed", doing);
+}

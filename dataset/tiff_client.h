@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* tiff_client.h: a libtiff handle on top of the I/O table; and times as tags. Private to the pictures. */
+#ifndef TTF_DATASET_TIFF_CLIENT_H
+#define TTF_DATASET_TIFF_CLIENT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <tiffio.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+#include "ttf/dataset/io.h"
+#include "ttf/dataset/tiff.h"
+
+/* No single allocation for the sake of a file is larger. */
+#define TIFF_ALLOC_MAX ((size_t)1 << 30)
+
+struct tiff_client {
+    struct ttf_io *io;
+    int file;
+    bool owns_file;
+    int64_t position, size;
+    int io_error;      /* the first negative errno of the I/O table */
+    char message[256]; /* the first thing that libtiff complained of */
+    char where[256];
+    TIFF *tiff;
+};
+
+/* Opens over an open handle; mode as TIFFOpen's. Nothing is printed, ever. */
+TTF_MUST_USE int tiff_client_attach(struct tiff_client *client, struct ttf_io *io, int file,
+                                    const char *mode, struct ttf_err *err);
+/* Opens a file for reading; the handle is closed by tiff_client_close. */
+TTF_MUST_USE int tiff_client_open(struct tiff_client *client, struct ttf_io *io, const char *path,
+                                  struct ttf_err *err);
+/* Flushes and closes; a zeroed client is fine. 0 or what the I/O table said. */
+int tiff_client_close(struct tiff_client *client);
+
+/* Closes without writing another byte. */
+void tiff_client_drop(struct tiff_client *client);
+
+/* Sets err from what went wrong: the I/O error if there was one, else `code` with libtiff's words. Returns the code. */
+int tiff_client_fail(const struct tiff_client *client, struct ttf_err *err, int code,
+                     const char *doing);
+
+/*
+ * Writes the EXIF folder (times) at the file's present end and hands back its
+ * offset, 0 if there is nothing to say. Before any other tag is set.
+ */
+TTF_MUST_USE int tiff_write_exif(struct tiff_client *client, const struct ttf_tiff_times *times,
+                                 uint64_t *ret_offset, struct ttf_err *err);
+/* DateTime of the current folder. */
+bool tiff_set_date_time(TIFF *tiff, const struct ttf_tiff_times *times);
+/* Times of the current page, from its EXIF folder and DateTime. The current directory is kept. */
+void tiff_read_times(TIFF *tiff, struct ttf_tiff_times *ret, bool *ret_zone_known);
+
+#endif

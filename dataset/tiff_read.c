@@ -1,0 +1,412 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Reads by bands: a strip, or a row of tiles, is decoded whole and kept, so that
+ * rows asked for downwards decode each once.
+ */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tiff_client.h"
+#include "tiff_unpack.h"
+#include "ttf/base/checked.h"
+
+#define PAGES_MAX 65535u
+
+struct ttf_tiff_reader {
+    struct tiff_client client;
+    struct ttf_tiff_info info;
+    const void *icc;
+    size_t icc_bytes;
+
+    /* of the current page */
+    struct tiff_layout layout;
+    bool tiled, planar, palette;
+    const uint16_t *tables[3];
+    uint32_t tile_width;
+    uint32_t band_rows;     /* rows of a strip or of a tile */
+    size_t chunk_bytes;     /* of a strip or a tile, decoded */
+    size_t chunk_row_bytes; /* of one row in it */
+    unsigned char *chunk;   /* one of them */
+    unsigned char *band;    /* band_rows x band_stride, unpacked */
+    size_t band_stride;
+    uint32_t band_index; /* UINT32_MAX: none */
+};
+
+static int fail(const struct ttf_tiff_reader *reader, struct ttf_err *err, int code,
+                const char *doing)
+{
+    return tiff_client_fail(&reader->client, err, code, doing);
+}
+
+static int unsupported(const struct ttf_tiff_reader *reader, struct ttf_err *err, const char *what,
+                       unsigned value)
+{
+    const char *where = reader->client.where[0] ? reader->client.where : NULL;
+
+    return ttf_err_set(err, -ENOTSUP, where, "TIFF images with %s %u are not read", what, value);
+}
+
+/* Samples of the pixel without the alpha ones, which come last. */
+static unsigned kept_samples(TIFF *tiff, unsigned samples)
+{
+    uint16_t n = 0;
+    const uint16_t *kinds = NULL;
+
+    if (TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &n, &kinds) != 1 || !kinds)
+        return samples;
+    while (n > 0 && samples > 1 &&
+           (kinds[n - 1] == EXTRASAMPLE_ASSOCALPHA || kinds[n - 1] == EXTRASAMPLE_UNASSALPHA)) {
+        n--;
+        samples--;
+    }
+    return samples;
+}
+
+static int read_layout(struct ttf_tiff_reader *reader, struct ttf_err *err)
+{
+    TIFF *tiff = reader->client.tiff;
+    struct tiff_layout *layout = &reader->layout;
+    uint16_t bits = 0, samples = 0, kind = SAMPLEFORMAT_UINT, planar = PLANARCONFIG_CONTIG;
+
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &bits);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &samples);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &kind);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &planar);
+    layout->is_float = kind == SAMPLEFORMAT_IEEEFP;
+    if (kind != SAMPLEFORMAT_UINT && kind != SAMPLEFORMAT_VOID && !layout->is_float)
+        return unsupported(reader, err, "sample format", kind);
+    if (layout->is_float ? bits != 16 && bits != 32 : bits < 1 || (bits > 16 && bits != 32))
+        return unsupported(reader, err, "bits per sample", bits);
+    if (samples < 1 || samples > 64)
+        return unsupported(reader, err, "samples per pixel", samples);
+    reader->planar = planar == PLANARCONFIG_SEPARATE && samples > 1;
+    layout->bits = bits;
+    layout->kept = kept_samples(tiff, samples);
+    layout->in_pixel = reader->planar ? 1 : samples;
+    layout->spread = bits < 8;
+    layout->format = tiff_format_of(bits, layout->is_float);
+    if (layout->kept > 4)
+        return unsupported(reader, err, "samples per pixel", samples);
+    return 0;
+}
+
+static int read_photometric(struct ttf_tiff_reader *reader, struct ttf_err *err)
+{
+    TIFF *tiff = reader->client.tiff;
+    uint16_t photometric = PHOTOMETRIC_MINISBLACK, compression = COMPRESSION_NONE;
+    uint16_t *r, *g, *b;
+
+    TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
+    if (!TIFFIsCODECConfigured(compression))
+        return unsupported(reader, err, "compression", compression);
+    switch (photometric) {
+    case PHOTOMETRIC_MINISWHITE:
+        reader->layout.inverted = true;
+        return 0;
+    case PHOTOMETRIC_MINISBLACK:
+    case PHOTOMETRIC_RGB:
+    case PHOTOMETRIC_CFA:
+        return 0;
+    case PHOTOMETRIC_YCBCR:
+        if (compression != COMPRESSION_JPEG || reader->planar)
+            return unsupported(reader, err, "YCbCr and compression", compression);
+        if (TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB) != 1)
+            return fail(reader, err, -TTF_EDAMAGED, "reading a JPEG image");
+        return 0;
+    case PHOTOMETRIC_PALETTE:
+        if (reader->layout.bits > 8 || reader->layout.is_float || reader->planar ||
+            TIFFGetField(tiff, TIFFTAG_COLORMAP, &r, &g, &b) != 1)
+            return unsupported(reader, err, "a palette and bits", reader->layout.bits);
+        reader->palette = true;
+        reader->tables[0] = r;
+        reader->tables[1] = g;
+        reader->tables[2] = b;
+        return 0;
+    default:
+        return unsupported(reader, err, "photometric interpretation", photometric);
+    }
+}
+
+/* Strips or tiles: their sizes as libtiff will hand them out, checked against what we make of them. */
+static int read_chunks(struct ttf_tiff_reader *reader, struct ttf_err *err)
+{
+    TIFF *tiff = reader->client.tiff;
+    uint32_t rows = 0;
+    uint64_t chunk, row, width = reader->info.width;
+    size_t band;
+
+    reader->tiled = TIFFIsTiled(tiff) != 0;
+    if (reader->tiled) {
+        uint32_t tile_width = 0;
+
+        TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &tile_width);
+        TIFFGetField(tiff, TIFFTAG_TILELENGTH, &rows);
+        reader->tile_width = tile_width;
+        width = tile_width;
+        chunk = TIFFTileSize64(tiff);
+        row = TIFFTileRowSize64(tiff);
+    } else {
+        TIFFGetFieldDefaulted(tiff, TIFFTAG_ROWSPERSTRIP, &rows);
+        if (rows > reader->info.height)
+            rows = reader->info.height;
+        chunk = TIFFStripSize64(tiff);
+        row = TIFFScanlineSize64(tiff);
+    }
+    if (rows == 0 || width == 0 || width > 1u << 20 || rows > 1u << 20)
+        return fail(reader, err, -TTF_EDAMAGED, "reading a TIFF file's strips");
+    if (row < (width * reader->layout.in_pixel * reader->layout.bits + 7) / 8 || chunk < row * rows)
+        return fail(reader, err, -TTF_EDAMAGED, "reading a TIFF file's strips");
+    reader->band_rows = rows;
+    reader->chunk_bytes = (size_t)chunk;
+    reader->chunk_row_bytes = (size_t)row;
+    reader->band_stride =
+        (size_t)reader->info.width * reader->info.samples * ttf_sample_bytes(reader->info.format);
+    if (chunk > TIFF_ALLOC_MAX || !ttf_mul_size(reader->band_stride, rows, &band) ||
+        band > TIFF_ALLOC_MAX)
+        return ttf_err_set(err, -EFBIG, reader->client.where,
+                           "a strip of %llu bytes is too large to read", (unsigned long long)chunk);
+    reader->chunk = malloc(reader->chunk_bytes);
+    reader->band = malloc(band);
+    if (!reader->chunk || !reader->band)
+        return ttf_err_set(err, -ENOMEM, reader->client.where, "no memory for a strip");
+    return 0;
+}
+
+static void read_profile(struct ttf_tiff_reader *reader)
+{
+    uint32_t n = 0;
+    void *icc = NULL;
+    int linear = -1;
+
+    if (TIFFGetField(reader->client.tiff, TIFFTAG_ICCPROFILE, &n, &icc) == 1 && icc && n > 0) {
+        reader->icc = icc;
+        reader->icc_bytes = n;
+        reader->info.has_icc = true;
+        linear = ttf_icc_is_linear(icc, n);
+    }
+    if (linear >= 0)
+        reader->info.display_encoded = linear == 0;
+    else
+        reader->info.display_encoded = reader->info.format == TTF_SAMPLE_U8;
+}
+
+static int open_page(struct ttf_tiff_reader *reader, struct ttf_err *err)
+{
+    TIFF *tiff = reader->client.tiff;
+    struct ttf_tiff_info *info = &reader->info;
+    unsigned pages = info->pages;
+    int r;
+
+    memset(info, 0, sizeof(*info));
+    memset(&reader->layout, 0, sizeof(reader->layout));
+    reader->palette = false;
+    reader->icc = NULL;
+    reader->icc_bytes = 0;
+    reader->band_index = UINT32_MAX;
+    free(reader->chunk);
+    free(reader->band);
+    reader->chunk = reader->band = NULL;
+    info->pages = pages;
+    /* First: it goes to another folder of the file and back, which frees what was read of this one. */
+    tiff_read_times(tiff, &info->times, &info->zone_known);
+    TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &info->width);
+    TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &info->height);
+    if (info->width == 0 || info->height == 0)
+        return fail(reader, err, -TTF_EDAMAGED, "reading a TIFF file's tags");
+    if (info->width > 1u << 20 || info->height > 1u << 20)
+        return unsupported(reader, err, "a side of",
+                           info->width > info->height ? info->width : info->height);
+    r = read_layout(reader, err);
+    if (r == 0)
+        r = read_photometric(reader, err);
+    if (r < 0)
+        return r;
+    info->samples = reader->palette ? 3 : reader->layout.kept;
+    info->bits = reader->palette ? 8 : reader->layout.bits;
+    info->format = reader->palette ? TTF_SAMPLE_U8 : reader->layout.format;
+    r = read_chunks(reader, err);
+    if (r < 0)
+        return r;
+    read_profile(reader);
+    return 0;
+}
+
+int ttf_tiff_reader_open(struct ttf_io *io, const char *path, struct ttf_tiff_reader **ret,
+                         struct ttf_err *err)
+{
+    struct ttf_tiff_reader *reader = calloc(1, sizeof(*reader));
+    int r;
+
+    if (!reader)
+        return ttf_err_set(err, -ENOMEM, path, "no memory for a TIFF reader");
+    r = tiff_client_open(&reader->client, io, path, err);
+    if (r < 0) {
+        free(reader);
+        return r;
+    }
+    reader->info.pages = TIFFNumberOfDirectories(reader->client.tiff);
+    if (reader->info.pages == 0 || TIFFSetDirectory(reader->client.tiff, 0) != 1)
+        r = fail(reader, err, -TTF_EDAMAGED, "reading a TIFF file");
+    else
+        r = open_page(reader, err);
+    if (r < 0) {
+        ttf_tiff_reader_close(reader);
+        return r;
+    }
+    *ret = reader;
+    return 0;
+}
+
+int ttf_tiff_reader_page(struct ttf_tiff_reader *reader, unsigned page, struct ttf_err *err)
+{
+    if (page >= reader->info.pages || page >= PAGES_MAX)
+        return ttf_err_set(err, -EINVAL, reader->client.where, "there is no page %u of %u", page,
+                           reader->info.pages);
+    if (TIFFSetDirectory(reader->client.tiff, (tdir_t)page) != 1)
+        return fail(reader, err, -TTF_EDAMAGED, "going to a page of a TIFF file");
+    return open_page(reader, err);
+}
+
+const struct ttf_tiff_info *ttf_tiff_reader_info(const struct ttf_tiff_reader *reader)
+{
+    return &reader->info;
+}
+
+const void *ttf_tiff_reader_icc(const struct ttf_tiff_reader *reader, size_t *ret_bytes)
+{
+    *ret_bytes = reader->icc_bytes;
+    return reader->icc;
+}
+
+/* A decoded chunk of n pixels in each of `rows` rows goes to column x, plane c of the band. */
+static void unpack_chunk(struct ttf_tiff_reader *reader, uint32_t x, uint32_t n, uint32_t rows,
+                         unsigned plane)
+{
+    size_t sample = ttf_sample_bytes(reader->info.format);
+    size_t at = ((size_t)x * reader->info.samples + plane) * sample;
+    struct tiff_layout layout = reader->layout;
+
+    if (reader->planar)
+        layout.kept = 1;
+    for (uint32_t y = 0; y < rows; y++) {
+        const uint8_t *src = reader->chunk + y * reader->chunk_row_bytes;
+        unsigned char *dst = reader->band + y * reader->band_stride + at;
+
+        if (reader->palette)
+            tiff_unpack_palette(&layout, src, n, reader->tables, dst);
+        else
+            tiff_unpack_row(&layout, src, n, dst, reader->info.samples);
+    }
+}
+
+static int decode_strip(struct ttf_tiff_reader *reader, uint32_t index, unsigned plane,
+                        uint32_t rows, struct ttf_err *err)
+{
+    TIFF *tiff = reader->client.tiff;
+    uint32_t strip = TIFFComputeStrip(tiff, index * reader->band_rows, (uint16_t)plane);
+    tmsize_t need = (tmsize_t)(rows * reader->chunk_row_bytes);
+    tmsize_t got = TIFFReadEncodedStrip(tiff, strip, reader->chunk, (tmsize_t)reader->chunk_bytes);
+
+    if (got < need)
+        return fail(reader, err, -TTF_EDAMAGED, "decoding a strip");
+    unpack_chunk(reader, 0, reader->info.width, rows, plane);
+    return 0;
+}
+
+static int decode_tiles(struct ttf_tiff_reader *reader, uint32_t index, unsigned plane,
+                        uint32_t rows, struct ttf_err *err)
+{
+    TIFF *tiff = reader->client.tiff;
+
+    for (uint32_t x = 0; x < reader->info.width; x += reader->tile_width) {
+        uint32_t tile = TIFFComputeTile(tiff, x, index * reader->band_rows, 0, (uint16_t)plane);
+        uint32_t n = reader->info.width - x;
+        tmsize_t got =
+            TIFFReadEncodedTile(tiff, tile, reader->chunk, (tmsize_t)reader->chunk_bytes);
+
+        if (got < (tmsize_t)(rows * reader->chunk_row_bytes))
+            return fail(reader, err, -TTF_EDAMAGED, "decoding a tile");
+        unpack_chunk(reader, x, n < reader->tile_width ? n : reader->tile_width, rows, plane);
+    }
+    return 0;
+}
+
+static int decode_band(struct ttf_tiff_reader *reader, uint32_t index, struct ttf_err *err)
+{
+    uint32_t rows = reader->info.height - index * reader->band_rows;
+    unsigned planes = reader->planar ? reader->layout.kept : 1;
+
+    if (rows > reader->band_rows)
+        rows = reader->band_rows;
+    reader->band_index = UINT32_MAX;
+    for (unsigned plane = 0; plane < planes; plane++) {
+        int r = reader->tiled ? decode_tiles(reader, index, plane, rows, err)
+                              : decode_strip(reader, index, plane, rows, err);
+
+        if (r < 0)
+            return r;
+    }
+    reader->band_index = index;
+    return 0;
+}
+
+int ttf_tiff_reader_rows(struct ttf_tiff_reader *reader, uint32_t y0, uint32_t n, void *dst,
+                         size_t stride, struct ttf_err *err)
+{
+    if (y0 > reader->info.height || n > reader->info.height - y0)
+        return ttf_err_set(err, -EINVAL, reader->client.where, "rows %u and on are outside", y0);
+    for (uint32_t y = 0; y < n; y++) {
+        uint32_t index = (y0 + y) / reader->band_rows;
+        int r = index == reader->band_index ? 0 : decode_band(reader, index, err);
+
+        if (r < 0)
+            return r;
+        memcpy((char *)dst + (size_t)y * stride,
+               reader->band + (size_t)((y0 + y) % reader->band_rows) * reader->band_stride,
+               reader->band_stride);
+    }
+    return 0;
+}
+
+void ttf_tiff_reader_close(struct ttf_tiff_reader *reader)
+{
+    if (!reader)
+        return;
+    tiff_client_drop(&reader->client);
+    free(reader->chunk);
+    free(reader->band);
+    free(reader);
+}
+
+int ttf_tiff_read(struct ttf_io *io, const char *path, unsigned page, struct ttf_pixbuf *ret,
+                  struct ttf_err *err)
+{
+    struct ttf_tiff_reader *reader = NULL;
+    struct ttf_pixbuf buf = {0};
+    const struct ttf_tiff_info *info;
+    int r = ttf_tiff_reader_open(io, path, &reader, err);
+
+    if (r < 0)
+        return r;
+    if (page > 0)
+        r = ttf_tiff_reader_page(reader, page, err);
+    if (r < 0)
+        goto out;
+    info = ttf_tiff_reader_info(reader);
+    r = ttf_pixbuf_alloc(&buf, info->width, info->height, info->samples, info->format);
+    if (r < 0) {
+        ttf_err_set(err, r, path, "no memory for an image of %u x %u", info->width, info->height);
+        goto out;
+    }
+    r = ttf_tiff_reader_rows(reader, 0, info->height, buf.data, buf.stride, err);
+    if (r == 0) {
+        *ret = buf;
+        buf.owned = false;
+    }
+out:
+    ttf_pixbuf_free(&buf);
+    ttf_tiff_reader_close(reader);
+    return r;
+}
