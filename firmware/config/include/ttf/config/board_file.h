@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * board_file.h: a board's description from YAML: which back-end drives each
+ * device, with which parameters. The language: firmware/config/README.md.
+ */
+#ifndef TTF_CONFIG_BOARD_FILE_H
+#define TTF_CONFIG_BOARD_FILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+#include "ttf/hal/box.h"
+#include "ttf/hal/sim.h"
+
+/* The kinds of device that a back-end may drive. */
+enum ttf_device_kind {
+    TTF_DEVICE_CAMERA = 0,
+    TTF_DEVICE_CLOCK,
+    TTF_DEVICE_LAMPS,
+    TTF_DEVICE_SENSORS,
+    TTF_DEVICE_PANEL,
+    TTF_DEVICE_WATCHDOG,
+    TTF_DEVICE_KIND_COUNT
+};
+
+/* Back-ends by name: one line each in registry.c. */
+struct ttf_backend_entry {
+    const char *name;  /* as a board writes it */
+    unsigned devices;  /* bit per enum ttf_device_kind */
+    const char *about; /* a line for people */
+};
+
+/* The i-th entry, or NULL; and by name, NULL if there is none. */
+const struct ttf_backend_entry *ttf_backend_entry(unsigned i);
+const struct ttf_backend_entry *ttf_backend_find(const char *name);
+
+/* What the simulated camera looks at. Exactly one of name, images, dataset is set. */
+struct ttf_board_scene {
+    char name[32];     /* procedural, or "white": an even target */
+    char images[512];  /* a folder of pictures, in natural order of their names */
+    char dataset[512]; /* a TTF dataset */
+    int64_t span_ns;   /* the time from its first to its last state */
+};
+
+struct ttf_board_camera {
+    char name[32];
+    const struct ttf_backend_entry *backend;
+    struct ttf_camera_mode mode; /* asked for; 0: native */
+};
+
+struct ttf_board {
+    char path[512]; /* of the file */
+    char name[64];
+    char title[128];
+    char serial[64];
+    unsigned n_cameras;
+    struct ttf_board_camera cameras[TTF_BOX_CAMERAS_MAX];
+    const struct ttf_backend_entry *device[TTF_DEVICE_KIND_COUNT]; /* NULL: the board has none */
+    bool simulated; /* some device is: then sim and scene hold */
+    struct ttf_sim_config sim;
+    struct ttf_board_scene scene;
+};
+
+/* An override from a command line: `path` of keys ("sim.optics.blur") and its value's YAML. */
+struct ttf_board_set {
+    const char *path, *value;
+};
+
+/*
+ * Where the board called `name` lies: a path to a file or folder as it is, else
+ * NAME/board.yaml below the first of the folders (NULL-ended) that has it.
+ * -ENOENT naming what was tried.
+ */
+TTF_MUST_USE int ttf_board_locate(const char *name, const char *const *folders, char *ret_path,
+                                  size_t size, struct ttf_err *err);
+
+/* Reads, applies the overrides, decodes. Errors as ttf_plan_file_load. */
+TTF_MUST_USE int ttf_board_load(const char *path, const struct ttf_board_set *sets, unsigned n_sets,
+                                struct ttf_board *ret, struct ttf_err *err);
+TTF_MUST_USE int ttf_board_parse(const char *name, const char *text, size_t bytes,
+                                 const struct ttf_board_set *sets, unsigned n_sets,
+                                 struct ttf_board *ret, struct ttf_err *err);
+
+#endif

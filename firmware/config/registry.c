@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* registry.c: the back-ends that a board may name. A new one is a line here and one in box/. */
+#include <string.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/config/board_file.h"
+
+#define ALL_DEVICES ((1u << TTF_DEVICE_KIND_COUNT) - 1)
+
+static const struct ttf_backend_entry BACKENDS[] = {
+    {"sim", ALL_DEVICES, "the simulated box"},
+};
+
+const struct ttf_backend_entry *ttf_backend_entry(unsigned i)
+{
+    return i < TTF_COUNT_OF(BACKENDS) ? &BACKENDS[i] : NULL;
+}
+
+const struct ttf_backend_entry *ttf_backend_find(const char *name)
+{
+    for (unsigned i = 0; i < TTF_COUNT_OF(BACKENDS); i++)
+        if (strcmp(BACKENDS[i].name, name) == 0)
+            return &BACKENDS[i];
+    return NULL;
+}
