@@ -89,6 +89,9 @@ TTF_MUST_USE int ttf_camera_configure(struct ttf_camera *camera, const struct tt
 /* Valid after configure; belongs to the camera. */
 const struct ttf_camera_caps *ttf_camera_caps(const struct ttf_camera *camera);
 
+/* What frames will look like, as granted; NULL before configure. Belongs to the camera. */
+const struct ttf_frame_format *ttf_camera_format(const struct ttf_camera *camera);
+
 /* Starts streaming. -EINVAL before configure; -EALREADY when streaming. */
 TTF_MUST_USE int ttf_camera_start(struct ttf_camera *camera, struct ttf_err *err);
 

@@ -9,7 +9,10 @@
  *
  * Mandatory: configure, start, stop, submit, next, release, cancel, destroy.
  * Optional:  recover (NULL: the wrapper does requeue by cancel, restart by
- *            stop and start, and reopen gives -ENOTSUP).
+ *            stop and start, and reopen gives -ENOTSUP). When recover returns 0
+ *            the camera streams; when it fails, `streaming` stays as it was.
+ * next returns -ENODATA when it knows that the rest of the set was lost; the
+ * set is then over.
  */
 #ifndef TTF_HAL_CAMERA_BACKEND_H
 #define TTF_HAL_CAMERA_BACKEND_H
@@ -38,6 +41,7 @@ struct ttf_camera {
     struct ttf_frame_format format;
     bool configured;
     bool streaming;
+    unsigned set_n; /* settings in the set under way; kept by the wrappers */
     unsigned
         outstanding; /* buffers of the set that next has yet to deliver; kept by the wrappers */
 };

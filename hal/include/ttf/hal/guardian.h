@@ -12,6 +12,9 @@
  * temperature, cooling below the hysteresis; for a lease, a new lease; for the
  * door, closing it; for duty, the window to have room again.
  *
+ * Nothing lights up by itself: when its cause is gone, a lamp that tripped stays
+ * dark until the client commands it again.
+ *
  * Threads: none of its own; the caller serialises.
  */
 #ifndef TTF_HAL_GUARDIAN_H
@@ -65,6 +68,12 @@ int64_t ttf_guardian_next_ns(const struct ttf_guardian *g);
 int ttf_guardian_acquire(struct ttf_guardian *g, int64_t now_ns);
 int ttf_guardian_renew(struct ttf_guardian *g, int64_t now_ns);
 
+/*
+ * The same as renewing now and every TTF_LEASE_RENEW_NS from then up to
+ * until_ns, told at once: for a box whose renewer is simulated. -ESTALE.
+ */
+int ttf_guardian_renew_through(struct ttf_guardian *g, int64_t now_ns, int64_t until_ns);
+
 /* Lease given back: all off, no trip. */
 void ttf_guardian_release(struct ttf_guardian *g, int64_t now_ns);
 
@@ -73,6 +82,10 @@ int ttf_guardian_set(struct ttf_guardian *g, int64_t now_ns, unsigned i, unsigne
 
 /* A temperature reading; a missing one is simply not reported. */
 void ttf_guardian_temp(struct ttf_guardian *g, int64_t now_ns, int32_t temp_mdegc);
+
+/* The same as readings of this temperature from now_ns on, the last at until_ns, told at once. */
+void ttf_guardian_temp_through(struct ttf_guardian *g, int64_t now_ns, int64_t until_ns,
+                               int32_t temp_mdegc);
 
 void ttf_guardian_door(struct ttf_guardian *g, int64_t now_ns, bool open);
 

@@ -16,6 +16,9 @@ struct ttf_lamps_ops {
     void (*destroy)(struct ttf_lamps *lamps);
 };
 
+/* The level nearest to `permille` that a lamp of this kind can do (see ttf_lamps_set). */
+unsigned ttf_lamp_round(const struct ttf_lamp_info *info, unsigned permille);
+
 /* Embedded first in the back-end's own struct. */
 struct ttf_lamps {
     const struct ttf_lamps_ops *ops;

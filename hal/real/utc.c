@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "utc.h"
+
+#include <stdio.h>
+#include <sys/timex.h>
+#include <time.h>
+
+/* A wall clock earlier than 2024-01-01 was never set: no ttfbox is that old. */
+#define PLAUSIBLE_UTC_NS   (INT64_C(1704067200) * TTF_NS_PER_S)
+/* An RTC may be seconds off; two, as it is read in whole seconds and drifts. */
+#define RTC_UNCERTAINTY_NS (2 * TTF_NS_PER_S)
+#define STEP_NS            (5 * TTF_NS_PER_MS)
+
+static int64_t read_ns(clockid_t id)
+{
+    struct timespec ts = {0};
+
+    clock_gettime(id, &ts);
+    return (int64_t)ts.tv_sec * TTF_NS_PER_S + ts.tv_nsec;
+}
+
+int64_t real_boot_ns(void)
+{
+    return read_ns(CLOCK_BOOTTIME);
+}
+
+void real_utc_init(struct real_utc *u)
+{
+    FILE *f = fopen("/sys/class/rtc/rtc0/hctosys", "re");
+
+    *u = (struct real_utc){0};
+    if (f) {
+        u->rtc = fgetc(f) == '1';
+        fclose(f);
+    }
+}
+
+void real_utc_note(struct real_utc *u, int64_t boot_ns, int64_t utc_ns, int64_t reading_ns)
+{
+    if (u->known) {
+        int64_t passed = boot_ns - u->boot_ns;
+        int64_t moved = utc_ns - u->utc_ns - passed;
+        int64_t allowed = STEP_NS + passed / 2000 + reading_ns;
+
+        if (moved > allowed || moved < -allowed)
+            u->steps++;
+    }
+    u->known = true;
+    u->boot_ns = boot_ns;
+    u->utc_ns = utc_ns;
+}
+
+/* UTC between two readings of the boot clock; the tightest of a few. */
+static int64_t bracket(int64_t *ret_boot, int64_t *ret_utc)
+{
+    int64_t best = TTF_NS_NEVER;
+
+    for (int i = 0; i < 4; i++) {
+        int64_t before = real_boot_ns(), utc = read_ns(CLOCK_REALTIME), after = real_boot_ns();
+
+        if (after - before < best) {
+            best = after - before;
+            *ret_boot = before + best / 2;
+            *ret_utc = utc;
+        }
+    }
+    return best;
+}
+
+void real_utc_look(struct real_utc *u, struct ttf_utc *ret)
+{
+    struct timex tx = {.modes = 0};
+    int64_t boot = 0, utc = 0;
+    int64_t reading = bracket(&boot, &utc);
+    int state = adjtimex(&tx);
+
+    real_utc_note(u, boot, utc, reading);
+    ret->boot_ns = boot;
+    ret->utc_ns = utc;
+    ret->steps = u->steps;
+    ret->trust = TTF_TRUST_NONE;
+    ret->uncertainty_ns = TTF_NS_UNKNOWN;
+    if (utc < PLAUSIBLE_UTC_NS)
+        return;
+    if (state >= 0 && state != TIME_ERROR && !(tx.status & STA_UNSYNC)) {
+        ret->trust = TTF_TRUST_NTP;
+        ret->uncertainty_ns = (int64_t)tx.maxerror * TTF_NS_PER_US + reading;
+    } else if (u->rtc) {
+        ret->trust = TTF_TRUST_RTC;
+        ret->uncertainty_ns = RTC_UNCERTAINTY_NS;
+    }
+}
