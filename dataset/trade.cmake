@@ -1,2 +1,3 @@
 set(TTF_DATASET_TRADE
-    sequence_memory.c)
+    image_file.c image_file_exif.c image_file_linear.c jpeg.c png.c
+    sequence_image.c sequence_memory.c)
