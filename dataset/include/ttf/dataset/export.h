@@ -55,15 +55,15 @@ struct ttf_export_config {
     uint32_t frames_max;       /* at most so many frames; 0: all */
     uint32_t fps_num, fps_den; /* of mp4, gif, y4m; 0: 24/1 (gif: 12/1) */
     uint32_t width_max,
-        height_max;            /* shrunk in linear light to fit, proportions kept; 0: no limit */
-    double white;              /* value shown as full white; 0: see below */
-    unsigned png_bits;         /* 8 or 16; 0: 8 */
-    unsigned chroma;           /* y4m: 420 or 444; 0: 444 */
-    unsigned sheet_frames;     /* 0: 12 */
-    unsigned sheet_columns;    /* 0: as near to 4:3 as the frames allow */
-    uint32_t sheet_cell;       /* longest side of a cell in pixels; 0: 256 */
-    const char *ffmpeg;        /* program; NULL: of this name on PATH */
-    ttf_progress_fn *progress; /* may be NULL */
+        height_max;         /* shrunk in linear light to fit, proportions kept; 0: no limit */
+    double white;           /* value shown as full white; 0: see below */
+    unsigned png_bits;      /* 8 or 16; 0: 8 */
+    unsigned chroma;        /* y4m: 420 or 444; 0: 444 */
+    unsigned sheet_frames;  /* 0: 12 */
+    unsigned sheet_columns; /* 0: as near to 4:3 as the frames allow */
+    uint32_t sheet_cell;    /* longest side of a cell in pixels; 0: 256 */
+    const char *ffmpeg;     /* program; NULL: of this name on PATH */
+    ttf_trade_progress_fn *progress; /* may be NULL */
     void *progress_ctx;
 };
 

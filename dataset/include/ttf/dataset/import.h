@@ -32,7 +32,7 @@ int ttf_import_order_find(const char *name);
  * After each frame: `total` frames in all, 0 where that is not known (video). Return
  * non-zero to stop: -ECANCELED.
  */
-typedef int ttf_progress_fn(void *ctx, int64_t done, int64_t total);
+typedef int ttf_trade_progress_fn(void *ctx, int64_t done, int64_t total);
 
 /* Zero-initialised it means: natural order, one stream "main", nothing assumed. */
 struct ttf_import_config {
@@ -54,7 +54,7 @@ struct ttf_import_config {
     const char *title;            /* NULL: from the first input's name */
     const char *stream;           /* NULL: "main" */
     const char *ffmpeg, *ffprobe; /* programs; NULL: of these names on PATH */
-    ttf_progress_fn *progress;    /* may be NULL */
+    ttf_trade_progress_fn *progress; /* may be NULL */
     void *progress_ctx;
 };
 

@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* sequence_dataset.c: the developed images of one stream, read by rows from their TIFFs. */
+#include <errno.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sequence_frames.h"
+#include "ttf/base/checked.h"
+#include "ttf/dataset/sequence.h"
+#include "ttf/dataset/tiff.h"
+
+/* Open files kept: a walk down all rows of a few frames does not open them anew each time. */
+#define OPEN_MAX 16
+
+struct open_file {
+    struct ttf_tiff_reader *tiff; /* NULL: slot is free */
+    uint32_t t;
+    uint64_t used; /* larger is later */
+    bool busy;     /* some thread reads from it */
+};
+
+struct dataset_sequence {
+    struct ttf_sequence base; /* first: downcast by address */
+    struct ttf_io *io;
+    struct sequence_frames frames;
+    uint32_t samples; /* of the files */
+    enum ttf_sample format;
+    pthread_mutex_t lock; /* guards what follows */
+    uint64_t uses;
+    struct open_file open[OPEN_MAX];
+};
+
+static int open_frame(const struct dataset_sequence *dataset, uint32_t t,
+                      struct ttf_tiff_reader **ret, struct ttf_err *err)
+{
+    const char *path = dataset->frames.path[t];
+    struct ttf_tiff_reader *tiff;
+    const struct ttf_tiff_info *info;
+    int code = ttf_tiff_reader_open(dataset->io, path, &tiff, err);
+
+    if (code)
+        return code;
+    info = ttf_tiff_reader_info(tiff);
+    if (info->width != dataset->base.width || info->height != dataset->base.height ||
+        info->samples != dataset->samples || info->format != dataset->format) {
+        code = ttf_err_set(err, -TTF_EDAMAGED, path,
+                           "the image is %u x %u x %u %s, but its stream is %u x %u x %u %s",
+                           info->width, info->height, info->samples, ttf_sample_name(info->format),
+                           dataset->base.width, dataset->base.height, dataset->samples,
+                           ttf_sample_name(dataset->format));
+        ttf_tiff_reader_close(tiff);
+        return code;
+    }
+    *ret = tiff;
+    return 0;
+}
+
+/* Takes an idle open file of frame t out of the cache, marked busy; NULL if there is none. */
+static struct ttf_tiff_reader *take_open(struct dataset_sequence *dataset, uint32_t t)
+{
+    struct ttf_tiff_reader *tiff = NULL;
+
+    pthread_mutex_lock(&dataset->lock);
+    for (int i = 0; i < OPEN_MAX && !tiff; i++) {
+        struct open_file *file = &dataset->open[i];
+
+        if (file->tiff && !file->busy && file->t == t) {
+            file->busy = true;
+            tiff = file->tiff;
+        }
+    }
+    pthread_mutex_unlock(&dataset->lock);
+    return tiff;
+}
+
+/* The place of a file in the cache; of one that is not in it, the place that it may have. NULL: all are busy. */
+static struct open_file *place_for(struct dataset_sequence *dataset,
+                                   const struct ttf_tiff_reader *tiff)
+{
+    struct open_file *best = NULL;
+
+    for (int i = 0; i < OPEN_MAX; i++) {
+        struct open_file *file = &dataset->open[i];
+
+        if (file->tiff == tiff)
+            return file;
+        if (!file->busy && (!best || file->used < best->used))
+            best = file;
+    }
+    return best;
+}
+
+/* Gives a file back (bad: it is not to be used again); what falls out of the cache is closed. */
+static void give_back(struct dataset_sequence *dataset, uint32_t t, struct ttf_tiff_reader *tiff,
+                      bool bad)
+{
+    struct ttf_tiff_reader *drop = tiff;
+    struct open_file *place;
+
+    pthread_mutex_lock(&dataset->lock);
+    place = place_for(dataset, tiff);
+    if (place && place->tiff == tiff && bad) {
+        *place = (struct open_file){0};
+    } else if (place && !bad) {
+        drop = place->tiff != tiff ? place->tiff : NULL;
+        *place = (struct open_file){.tiff = tiff, .t = t, .used = ++dataset->uses};
+    }
+    pthread_mutex_unlock(&dataset->lock);
+    ttf_tiff_reader_close(drop);
+}
+
+/* The file's samples, in the first part of dst, to three 16-bit ones, from the end so that nothing is overwritten. */
+static void widen(const struct dataset_sequence *dataset, uint16_t *dst, size_t pixels)
+{
+    const uint8_t *bytes = (const uint8_t *)dst;
+    uint32_t samples = dataset->samples;
+
+    for (size_t i = pixels; i-- > 0;) {
+        uint16_t rgb[3];
+
+        for (uint32_t c = 0; c < 3; c++) {
+            size_t at = i * samples + (samples >= 3 ? c : 0);
+
+            rgb[c] = dataset->format == TTF_SAMPLE_U8 ? (uint16_t)(bytes[at] * 257u) : dst[at];
+        }
+        memcpy(dst + i * 3, rgb, sizeof(rgb));
+    }
+}
+
+static int dataset_read_rows(struct ttf_sequence *sequence, uint32_t t, uint32_t y0, uint32_t rows,
+                             uint16_t *dst, struct ttf_err *err)
+{
+    struct dataset_sequence *dataset = (struct dataset_sequence *)sequence;
+    size_t stride = (size_t)sequence->width * dataset->samples * ttf_sample_bytes(dataset->format);
+    struct ttf_tiff_reader *tiff;
+    int code;
+
+    if (t >= sequence->n || y0 > sequence->height || rows > sequence->height - y0)
+        return ttf_err_set(err, -EINVAL, NULL, "rows %u+%u of frame %u are outside of the sequence",
+                           y0, rows, t);
+    if (rows == 0)
+        return 0;
+    tiff = take_open(dataset, t);
+    if (!tiff) {
+        code = open_frame(dataset, t, &tiff, err);
+        if (code)
+            return code;
+    }
+    code = ttf_tiff_reader_rows(tiff, y0, rows, dst, stride, err);
+    give_back(dataset, t, tiff, code != 0);
+    if (code)
+        return code;
+    if (dataset->samples != 3 || dataset->format != TTF_SAMPLE_U16)
+        widen(dataset, dst, (size_t)rows * sequence->width);
+    return 0;
+}
+
+static void dataset_destroy(struct ttf_sequence *sequence)
+{
+    struct dataset_sequence *dataset = (struct dataset_sequence *)sequence;
+
+    for (int i = 0; i < OPEN_MAX; i++)
+        ttf_tiff_reader_close(dataset->open[i].tiff);
+    pthread_mutex_destroy(&dataset->lock);
+    sequence_frames_free(&dataset->frames);
+    free(dataset);
+}
+
+static const struct ttf_sequence_ops dataset_ops = {
+    .read_rows = dataset_read_rows,
+    .destroy = dataset_destroy,
+};
+
+/* A sequence hands out 16-bit grey or RGB; anything else is a quantity that is read by other ways. */
+static int check_stream(const struct ttf_stream *stream, const char *path, struct ttf_err *err)
+{
+    if (stream->format != TTF_SAMPLE_U8 && stream->format != TTF_SAMPLE_U16)
+        return ttf_err_set(err, -ENOTSUP, path,
+                           "stream '%s' holds %s samples and is not read as images", stream->id,
+                           ttf_sample_name(stream->format));
+    if (stream->samples != 1 && stream->samples != 3)
+        return ttf_err_set(err, -ENOTSUP, path, "stream '%s' has %u samples a pixel, not 1 or 3",
+                           stream->id, stream->samples);
+    if (stream->width == 0 || stream->height == 0 || !(stream->encoding.scale > 0))
+        return ttf_err_set(err, -EINVAL, path, "stream '%s' has no size or no scale", stream->id);
+    return 0;
+}
+
+int ttf_sequence_of_dataset(struct ttf_reader *reader, const char *stream_id,
+                            struct ttf_sequence **ret, struct ttf_err *err)
+{
+    const struct ttf_manifest *manifest = ttf_reader_manifest(reader);
+    const struct ttf_stream *stream =
+        stream_id ? ttf_manifest_stream(manifest, stream_id) : ttf_manifest_primary(manifest);
+    const char *path = ttf_reader_path(reader);
+    struct dataset_sequence *dataset;
+    double factor;
+    int code;
+
+    if (!stream)
+        return ttf_err_set(err, -ENODATA, path, "there is no stream '%s'",
+                           stream_id ? stream_id : "primary");
+    code = check_stream(stream, path, err);
+    if (code)
+        return code;
+    dataset = calloc(1, sizeof(*dataset));
+    if (!dataset)
+        return ttf_err_set(err, -ENOMEM, path, "no memory for a sequence");
+    code = sequence_frames_collect(reader, stream, &dataset->frames, err);
+    if (code) {
+        free(dataset);
+        return code;
+    }
+    pthread_mutex_init(&dataset->lock, NULL);
+    dataset->io = ttf_reader_io(reader);
+    dataset->samples = stream->samples;
+    dataset->format = stream->format;
+    factor = stream->format == TTF_SAMPLE_U8 ? 257.0 : 1.0;
+    dataset->base = (struct ttf_sequence){
+        .ops = &dataset_ops,
+        .width = stream->width,
+        .height = stream->height,
+        .n = dataset->frames.n,
+        .encoding = {stream->encoding.pedestal * factor, stream->encoding.scale * factor},
+        .index = dataset->frames.index,
+        .time_ns = dataset->frames.time_ns,
+    };
+    *ret = &dataset->base;
+    return 0;
+}

@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sequence_frames.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io_path.h"
+
+void sequence_frames_free(struct sequence_frames *frames)
+{
+    for (uint32_t i = 0; i < frames->n; i++)
+        free(frames->path[i]);
+    free(frames->path);
+    free(frames->index);
+    free(frames->time_ns);
+    memset(frames, 0, sizeof(*frames));
+}
+
+static int grow(struct sequence_frames *frames)
+{
+    uint32_t room = frames->room ? frames->room * 2 : 64;
+    void *more;
+
+    if (frames->n < frames->room)
+        return 0;
+    if (room < frames->room)
+        return -EOVERFLOW;
+    more = realloc(frames->path, room * sizeof(*frames->path));
+    if (!more)
+        return -ENOMEM;
+    frames->path = more;
+    more = realloc(frames->index, room * sizeof(*frames->index));
+    if (!more)
+        return -ENOMEM;
+    frames->index = more;
+    more = realloc(frames->time_ns, room * sizeof(*frames->time_ns));
+    if (!more)
+        return -ENOMEM;
+    frames->time_ns = more;
+    frames->room = room;
+    return 0;
+}
+
+static const struct ttf_file_ref *developed_of(const struct ttf_image *image)
+{
+    for (unsigned i = 0; i < image->n_files; i++) {
+        if (strcmp(image->files[i].role, "developed") == 0)
+            return &image->files[i];
+    }
+    return NULL;
+}
+
+/* How far a bracket's image is from its reference, in stops; 0: it is the one, or there is no bracket. */
+static double stops_away(const struct ttf_image *image)
+{
+    if (image->bracket < 0)
+        return 0.0;
+    return image->relative_exposure > 0.0 ? fabs(log2(image->relative_exposure)) : 1e6;
+}
+
+static const struct ttf_file_ref *reference_image(const struct ttf_slot_record *record,
+                                                  const char *stream)
+{
+    const struct ttf_file_ref *best = NULL;
+    double best_stops = 0.0;
+
+    for (unsigned i = 0; i < record->n_images; i++) {
+        const struct ttf_image *image = &record->images[i];
+        const struct ttf_file_ref *file = developed_of(image);
+
+        if (!file || image->lacking[0] || strcmp(image->stream, stream) != 0)
+            continue;
+        if (!best || stops_away(image) < best_stops) {
+            best = file;
+            best_stops = stops_away(image);
+        }
+    }
+    return best;
+}
+
+/* Paths in records stay inside of the dataset. */
+static bool is_inside(const char *path)
+{
+    if (path[0] == '/' || path[0] == 0)
+        return false;
+    for (const char *p = path; p; p = strchr(p, '/')) {
+        p += *p == '/';
+        if (strncmp(p, "..", 2) == 0 && (p[2] == '/' || p[2] == 0))
+            return false;
+    }
+    return true;
+}
+
+/* Carries time over from segment to segment, whose boot clocks have nothing to do with one another. */
+struct time_line {
+    struct ttf_reader *reader;
+    bool begun;
+    int segment;
+    int64_t segment_due_ns, segment_time_ns; /* of the segment's first frame */
+    int64_t first_utc_ns;
+    int64_t last_index, last_time_ns;
+};
+
+static int64_t time_of(struct time_line *line, const struct ttf_slot_record *record)
+{
+    int64_t utc_ns = ttf_reader_due_utc_ns(line->reader, record);
+    struct ttf_segment segment;
+    int64_t time_ns = TTF_NS_UNKNOWN;
+
+    if (!line->begun) {
+        line->first_utc_ns = utc_ns;
+        time_ns = 0;
+    } else if (record->segment == line->segment) {
+        time_ns = line->segment_time_ns + (record->due_ns - line->segment_due_ns);
+    } else if (utc_ns != TTF_NS_UNKNOWN && line->first_utc_ns != TTF_NS_UNKNOWN &&
+               utc_ns - line->first_utc_ns > line->last_time_ns) {
+        time_ns = utc_ns - line->first_utc_ns;
+    } else {
+        /* Nobody knows how long the outage was: as if the grid had gone on. */
+        int64_t interval_ns = TTF_NS_PER_S;
+
+        if (ttf_reader_segment(line->reader, record->segment, &segment) == 0 &&
+            segment.interval_ns > 0)
+            interval_ns = segment.interval_ns;
+        time_ns = line->last_time_ns + (record->index - line->last_index) * interval_ns;
+    }
+    if (!line->begun || record->segment != line->segment) {
+        line->segment = record->segment;
+        line->segment_due_ns = record->due_ns;
+        line->segment_time_ns = time_ns;
+    }
+    line->begun = true;
+    line->last_index = record->index;
+    line->last_time_ns = time_ns;
+    return time_ns;
+}
+
+static int add_slot(struct sequence_frames *frames, struct time_line *line,
+                    const struct ttf_slot_record *record, const struct ttf_file_ref *file,
+                    struct ttf_err *err)
+{
+    const char *folder = ttf_reader_path(line->reader);
+    char *path;
+    int code;
+
+    if (!is_inside(file->path))
+        return ttf_err_set(err, -TTF_EDAMAGED, folder, "slot %lld names a file outside: %s",
+                           (long long)record->index, file->path);
+    code = grow(frames);
+    path = code ? NULL : ttf_path_format("%s/%s", folder, file->path);
+    if (!path)
+        return ttf_err_set(err, code ? code : -ENOMEM, folder, "no memory for a sequence");
+    frames->path[frames->n] = path;
+    frames->index[frames->n] = record->index;
+    frames->time_ns[frames->n] = time_of(line, record);
+    frames->n++;
+    return 0;
+}
+
+int sequence_frames_collect(struct ttf_reader *reader, const struct ttf_stream *stream,
+                            struct sequence_frames *ret, struct ttf_err *err)
+{
+    struct sequence_frames frames = {0};
+    struct time_line line = {.reader = reader};
+    int64_t slots = ttf_reader_summary(reader)->slots;
+    int code = 0;
+
+    for (int64_t i = 0; i < slots && !code; i++) {
+        struct ttf_slot_record record;
+        const struct ttf_file_ref *file;
+
+        code = ttf_reader_slot(reader, i, &record, err);
+        if (code)
+            break;
+        file = reference_image(&record, stream->id);
+        if (file)
+            code = add_slot(&frames, &line, &record, file, err);
+        ttf_slot_record_free(&record);
+    }
+    if (!code && frames.n == 0) {
+        code = ttf_err_set(err, -ENODATA, ttf_reader_path(reader),
+                           "stream '%s' has no developed image", stream->id);
+        ttf_err_hint(err, "if only raw frames were kept, develop the dataset first");
+    }
+    if (code) {
+        sequence_frames_free(&frames);
+        return code;
+    }
+    *ret = frames;
+    return 0;
+}
