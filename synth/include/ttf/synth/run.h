@@ -46,7 +46,7 @@ struct ttf_quilt_check {
  * Is every output trajectory, bit for bit, that of one source pixel? With a
  * map: of the pixel the map names. Without (NULL): of any, found by hashing the
  * trajectories and then compared in full. Reads both sequences frame by frame;
- * memory: two frames of each and 12 bytes per pixel. -EINVAL if lengths or the
+ * memory: a frame of each and about 16 bytes per pixel of each. -EINVAL if lengths or the
  * map's sizes differ.
  */
 TTF_MUST_USE int ttf_quilt_verify(struct ttf_sequence *source, struct ttf_sequence *output,

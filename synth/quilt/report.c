@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ttf/synth/report.h"
+
+#include <stdio.h>
+
+static void put_hex(struct ttf_json *json, const char *key, uint64_t value)
+{
+    char text[17];
+
+    snprintf(text, sizeof(text), "%016llx", (unsigned long long)value);
+    ttf_json_kstring(json, key, text);
+}
+
+/* A name and two sizes. */
+static void put_size(struct ttf_json *json, const char *key, uint32_t width, uint32_t height)
+{
+    ttf_json_key(json, key);
+    ttf_json_array(json);
+    ttf_json_int(json, width);
+    ttf_json_int(json, height);
+    ttf_json_array_end(json);
+}
+
+static void put_parameters(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    const struct ttf_quilt_config *config = &report->config;
+    char seed[21];
+
+    ttf_json_key(json, "parameters");
+    ttf_json_object(json);
+    put_size(json, "size", config->width, config->height);
+    put_size(json, "block", config->block_width, config->block_height);
+    put_size(json, "overlap", report->overlap_x, report->overlap_y);
+    ttf_json_kdouble(json, "tolerance", config->tolerance);
+    snprintf(seed, sizeof(seed), "%llu", (unsigned long long)config->seed);
+    ttf_json_kstring(json, "seed", seed);
+    ttf_json_kstring(json, "metric", ttf_metric_name(config->metric));
+    ttf_json_kbool(json, "per_frame", config->per_frame);
+    ttf_json_kint(json, "feather_px", config->feather_px);
+    ttf_json_kint(json, "threads", report->threads);
+    ttf_json_object_end(json);
+}
+
+static void put_activity(struct ttf_json *json, const char *key,
+                         const struct ttf_activity_figures *figures)
+{
+    ttf_json_key(json, key);
+    ttf_json_object(json);
+    ttf_json_kdouble(json, "mean_difference", figures->mean_difference);
+    ttf_json_kdouble(json, "second_difference", figures->second_difference);
+    ttf_json_key(json, "mean_rgb");
+    ttf_json_array(json);
+    for (int c = 0; c < 3; c++)
+        ttf_json_double(json, figures->mean_rgb[c]);
+    ttf_json_array_end(json);
+    ttf_json_object_end(json);
+}
+
+static void put_coherence(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    ttf_json_key(json, "temporal_coherence");
+    ttf_json_object(json);
+    ttf_json_kdouble(json, "difference_ratio", report->coherence);
+    if (report->config.per_frame) {
+        ttf_json_key(json, "difference_ratio_copied");
+        ttf_json_null(json);
+    } else {
+        ttf_json_kdouble(json, "difference_ratio_copied", report->coherence_copied);
+    }
+    ttf_json_kdouble(json, "second_difference_ratio", report->flicker);
+    put_activity(json, "input", &report->input);
+    put_activity(json, "output", &report->output);
+    ttf_json_object_end(json);
+}
+
+static void put_seams(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    const struct ttf_seams_figures *seams = &report->seams;
+
+    ttf_json_key(json, "seams");
+    ttf_json_object(json);
+    ttf_json_kint(json, "pairs", (int64_t)seams->pairs);
+    ttf_json_kdouble(json, "pair_share", seams->pair_share);
+    ttf_json_kint(json, "frames", seams->frames);
+    ttf_json_kdouble(json, "seam_gradient", seams->seam_gradient);
+    ttf_json_kdouble(json, "source_gradient", seams->source_gradient);
+    ttf_json_kdouble(json, "input_gradient", seams->input_gradient);
+    ttf_json_kdouble(json, "excess", seams->excess);
+    ttf_json_kdouble(json, "excess_over_input", seams->input_excess);
+    ttf_json_object_end(json);
+}
+
+static void put_blocks(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    const struct ttf_repetition_figures *repetition = &report->repetition;
+
+    ttf_json_key(json, "blocks");
+    ttf_json_object(json);
+    ttf_json_kint(json, "count", report->blocks);
+    ttf_json_kdouble(json, "mean_candidates", report->mean_candidates);
+    ttf_json_kint(json, "with_one_candidate", report->single_candidate_blocks);
+    ttf_json_kdouble(json, "mean_rms_error", report->mean_rms_error);
+    ttf_json_kdouble(json, "max_rms_error", report->max_rms_error);
+    ttf_json_object_end(json);
+    ttf_json_key(json, "repetition");
+    ttf_json_object(json);
+    ttf_json_kdouble(json, "verbatim_share", repetition->verbatim_share);
+    ttf_json_kdouble(json, "source_coverage", repetition->source_coverage);
+    ttf_json_kdouble(json, "mean_uses", repetition->mean_uses);
+    ttf_json_kint(json, "max_uses", repetition->max_uses);
+    ttf_json_object_end(json);
+}
+
+static void put_search(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    const struct ttf_quilt_search_figures *search = &report->search;
+
+    ttf_json_key(json, "search");
+    ttf_json_object(json);
+    ttf_json_kint(json, "positions", (int64_t)search->positions);
+    ttf_json_kint(json, "past_cells", (int64_t)search->survived_cells);
+    ttf_json_kint(json, "past_rank", (int64_t)search->survived_rank);
+    ttf_json_kint(json, "exact", (int64_t)search->exact);
+    ttf_json_kdouble(json, "noise_variance", search->noise_variance);
+    ttf_json_object_end(json);
+}
+
+static void put_cost(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    ttf_json_key(json, "memory_bytes");
+    ttf_json_object(json);
+    ttf_json_kint(json, "matching", (int64_t)report->search.matching_bytes);
+    ttf_json_kint(json, "frames", (int64_t)report->frame_bytes);
+    ttf_json_object_end(json);
+    if (!report->config.now_ns)
+        return;
+    ttf_json_key(json, "times_ns");
+    ttf_json_object(json);
+    ttf_json_kint(json, "load", report->search.load_ns);
+    ttf_json_kint(json, "prepare", report->search.prepare_ns);
+    ttf_json_kint(json, "search", report->search.search_ns);
+    ttf_json_kint(json, "cut", report->search.cut_ns);
+    ttf_json_kint(json, "render", report->render_ns);
+    ttf_json_kint(json, "metrics", report->metrics_ns);
+    ttf_json_kint(json, "sink", report->sink_ns);
+    ttf_json_kint(json, "total", report->total_ns);
+    ttf_json_object_end(json);
+}
+
+void ttf_quilt_report_json(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    ttf_json_object(json);
+    ttf_json_kstring(json, "synthesis", "quilt");
+    put_parameters(report, json);
+    put_size(json, "source_size", report->source_width, report->source_height);
+    ttf_json_kint(json, "frames", report->frames);
+    put_hex(json, "map_digest", report->map_digest);
+    put_coherence(report, json);
+    put_seams(report, json);
+    put_blocks(report, json);
+    put_search(report, json);
+    put_cost(report, json);
+    ttf_json_object_end(json);
+}

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Is the output made of whole trajectories? Two passes over both sequences: the
+ * first hashes each pixel's trajectory and so finds a source pixel for each output
+ * pixel (or takes the map's word); the second compares bit for bit.
+ */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "search/hash.h"
+#include "ttf/synth/run.h"
+
+#define NOBODY UINT32_MAX
+
+struct entry {
+    uint64_t hash;
+    uint32_t pixel;
+};
+
+struct verify {
+    struct ttf_sequence *source, *output;
+    size_t source_pixels, output_pixels;
+    uint16_t *source_frame, *output_frame;
+    struct entry *entries; /* of source pixels, then sorted */
+    uint64_t *hashes;      /* of output pixels */
+    uint32_t *found;       /* source pixel of each output pixel, or NOBODY */
+};
+
+static int read_frames(struct verify *v, uint32_t t, struct ttf_err *err)
+{
+    int r = ttf_sequence_read_rows(v->source, t, 0, v->source->height, v->source_frame, err);
+
+    if (r < 0)
+        return r;
+    return ttf_sequence_read_rows(v->output, t, 0, v->output->height, v->output_frame, err);
+}
+
+static uint64_t add_pixel(uint64_t hash, const uint16_t *codes)
+{
+    return ttf_mix64(hash + ((uint64_t)codes[0] << 32 | (uint64_t)codes[1] << 16 | codes[2]));
+}
+
+static int hash_all(struct verify *v, struct ttf_err *err)
+{
+    for (size_t i = 0; i < v->source_pixels; i++)
+        v->entries[i] = (struct entry){1, (uint32_t)i};
+    for (size_t i = 0; i < v->output_pixels; i++)
+        v->hashes[i] = 1;
+    for (uint32_t t = 0; t < v->source->n; t++) {
+        int r = read_frames(v, t, err);
+
+        if (r < 0)
+            return r;
+        for (size_t i = 0; i < v->source_pixels; i++)
+            v->entries[i].hash = add_pixel(v->entries[i].hash, v->source_frame + 3 * i);
+        for (size_t i = 0; i < v->output_pixels; i++)
+            v->hashes[i] = add_pixel(v->hashes[i], v->output_frame + 3 * i);
+    }
+    return 0;
+}
+
+static int by_hash(const void *a, const void *b)
+{
+    uint64_t x = ((const struct entry *)a)->hash, y = ((const struct entry *)b)->hash;
+
+    return (x > y) - (x < y);
+}
+
+/* Any pixel of an equal hash will do: trajectories are compared in full afterwards. */
+static void look_up(struct verify *v)
+{
+    qsort(v->entries, v->source_pixels, sizeof(*v->entries), by_hash);
+    for (size_t i = 0; i < v->output_pixels; i++) {
+        const struct entry key = {v->hashes[i], 0};
+        const struct entry *entry =
+            bsearch(&key, v->entries, v->source_pixels, sizeof(key), by_hash);
+
+        v->found[i] = entry ? entry->pixel : NOBODY;
+    }
+}
+
+static int compare_all(struct verify *v, struct ttf_err *err)
+{
+    for (uint32_t t = 0; t < v->source->n; t++) {
+        int r = read_frames(v, t, err);
+
+        if (r < 0)
+            return r;
+        for (size_t i = 0; i < v->output_pixels; i++) {
+            if (v->found[i] != NOBODY &&
+                memcmp(v->output_frame + 3 * i, v->source_frame + 3 * (size_t)v->found[i],
+                       3 * sizeof(uint16_t)) != 0)
+                v->found[i] = NOBODY;
+        }
+    }
+    return 0;
+}
+
+static void sum_up(const struct verify *v, struct ttf_quilt_check *ret)
+{
+    *ret = (struct ttf_quilt_check){.pixels = v->output_pixels};
+    for (size_t i = 0; i < v->output_pixels; i++) {
+        if (v->found[i] != NOBODY)
+            continue;
+        if (ret->unmatched++ == 0) {
+            ret->first_x = (uint32_t)(i % v->output->width);
+            ret->first_y = (uint32_t)(i / v->output->width);
+        }
+    }
+}
+
+static int check_sizes(const struct ttf_sequence *source, const struct ttf_sequence *output,
+                       const struct ttf_quilt_map *map, struct ttf_err *err)
+{
+    if (source->n != output->n)
+        return ttf_err_set(err, -EINVAL, NULL, "the output has %u frames, the source %u", output->n,
+                           source->n);
+    if (map && (map->width != output->width || map->height != output->height ||
+                map->source_width != source->width || map->source_height != source->height))
+        return ttf_err_set(err, -EINVAL, NULL,
+                           "a map of %u x %u from %u x %u does not suit %u x %u from %u x %u",
+                           map->width, map->height, map->source_width, map->source_height,
+                           output->width, output->height, source->width, source->height);
+    return 0;
+}
+
+int ttf_quilt_verify(struct ttf_sequence *source, struct ttf_sequence *output,
+                     const struct ttf_quilt_map *map, struct ttf_quilt_check *ret,
+                     struct ttf_err *err)
+{
+    struct verify v = {.source = source,
+                       .output = output,
+                       .source_pixels = (size_t)source->width * source->height,
+                       .output_pixels = (size_t)output->width * output->height};
+    int r = check_sizes(source, output, map, err);
+
+    if (r < 0)
+        return r;
+    v.source_frame = malloc(v.source_pixels * 3 * sizeof(uint16_t));
+    v.output_frame = malloc(v.output_pixels * 3 * sizeof(uint16_t));
+    v.entries = malloc((map ? 1 : v.source_pixels) * sizeof(*v.entries));
+    v.hashes = malloc((map ? 1 : v.output_pixels) * sizeof(*v.hashes));
+    v.found = malloc(v.output_pixels * sizeof(*v.found));
+    if (!v.source_frame || !v.output_frame || !v.entries || !v.hashes || !v.found) {
+        r = ttf_err_set(err, -ENOMEM, NULL, "no memory to compare %u x %u pixels", output->width,
+                        output->height);
+        goto out;
+    }
+    if (map) {
+        memcpy(v.found, map->source, v.output_pixels * sizeof(*v.found));
+    } else {
+        r = hash_all(&v, err);
+        if (r < 0)
+            goto out;
+        look_up(&v);
+    }
+    r = compare_all(&v, err);
+    if (r == 0)
+        sum_up(&v, ret);
+out:
+    free(v.source_frame);
+    free(v.output_frame);
+    free(v.entries);
+    free(v.hashes);
+    free(v.found);
+    return r;
+}
