@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* events.h: what happened, on its way to events.jsonl. Any thread. */
+#ifndef TTF_CAPTURE_PRIVATE_EVENTS_H
+#define TTF_CAPTURE_PRIVATE_EVENTS_H
+
+#include "queue.h"
+
+struct ttf_events {
+    struct ttf_queue *queue;
+    struct ttf_clock *clock;
+};
+
+/* kind: "retry", "camera", "lamp-trip", "lamp-level", "clock-step", "clock", "resume", "disk", "door", "sensor", "button", "stop", "rehearsal". */
+void ttf_events_emit(struct ttf_events *events, const char *kind, const char *fmt, ...)
+    TTF_PRINTF(3, 4);
+
+#endif

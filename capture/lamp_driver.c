@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "lamp_driver.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+/*
+ * A measured level this far below its command, or above it, is no longer warm-up
+ * or ageing but a lamp that does not do as told.
+ */
+#define LEVEL_LOW_SHARE  2   /* less than 1/2 of the command */
+#define LEVEL_HIGH_ABOVE 150 /* permille above it */
+
+int ttf_lamp_driver_begin(struct ttf_lamp_driver *driver, struct ttf_lamps *lamps,
+                          struct ttf_events *events, int64_t alive_until_ns, struct ttf_err *err)
+{
+    memset(driver, 0, sizeof(*driver));
+    driver->events = events;
+    if (!lamps)
+        return 0;
+    driver->n = ttf_lamps_count(lamps);
+    driver->lamps = lamps;
+    if (driver->n > 0) {
+        int r = ttf_lamps_acquire(lamps, alive_until_ns, err);
+
+        if (r < 0) {
+            driver->lamps = NULL;
+            return r;
+        }
+    }
+    return 0;
+}
+
+void ttf_lamp_driver_end(struct ttf_lamp_driver *driver)
+{
+    if (driver->lamps && driver->n > 0)
+        ttf_lamps_release(driver->lamps);
+    driver->lamps = NULL;
+}
+
+static void command(struct ttf_lamp_driver *driver, unsigned i)
+{
+    struct ttf_err err = {0};
+    int r = ttf_lamps_set(driver->lamps, i, driver->wanted[i], &err);
+
+    if (r < 0 && !driver->refused[i])
+        ttf_events_emit(driver->events, "lamp-trip", "lamp %s cannot be set to %u permille: %s",
+                        ttf_lamps_info(driver->lamps, i)->name, driver->wanted[i], err.what);
+    driver->refused[i] = r < 0;
+}
+
+bool ttf_lamp_driver_want(struct ttf_lamp_driver *driver, const unsigned levels[TTF_LAMPS_MAX])
+{
+    bool changed = false;
+
+    for (unsigned i = 0; driver->lamps && i < driver->n; i++) {
+        if (driver->wanted[i] == levels[i])
+            continue;
+        driver->wanted[i] = levels[i];
+        command(driver, i);
+        changed = true;
+    }
+    return changed;
+}
+
+static void look_after(struct ttf_lamp_driver *driver, unsigned i)
+{
+    const char *name = ttf_lamps_info(driver->lamps, i)->name;
+    struct ttf_lamp_state state;
+
+    if (ttf_lamps_state(driver->lamps, i, &state) < 0)
+        return;
+    if (state.trip != driver->trip[i]) {
+        if (state.trip != TTF_TRIP_NONE)
+            ttf_events_emit(driver->events, "lamp-trip", "lamp %s went off: %s", name,
+                            ttf_lamp_trip_name(state.trip));
+        else
+            ttf_events_emit(driver->events, "lamp-trip", "lamp %s may be lit again", name);
+        driver->trip[i] = state.trip;
+    }
+    if (driver->wanted[i] > 0 && state.actual_permille == 0 && state.trip == TTF_TRIP_NONE)
+        command(driver, i);
+}
+
+void ttf_lamp_driver_alive(struct ttf_lamp_driver *driver, int64_t alive_until_ns)
+{
+    struct ttf_err err = {0};
+    int r;
+
+    if (!driver->lamps || driver->n == 0)
+        return;
+    r = ttf_lamps_alive(driver->lamps, alive_until_ns, NULL);
+    if (r == -ESTALE) {
+        ttf_events_emit(driver->events, "lamp-trip", "the lamps' lease had lapsed: taken anew");
+        r = ttf_lamps_acquire(driver->lamps, alive_until_ns, &err);
+        if (r < 0)
+            ttf_events_emit(driver->events, "lamp-trip", "no new lease on the lamps: %s", err.what);
+    }
+    for (unsigned i = 0; i < driver->n; i++)
+        look_after(driver, i);
+}
+
+static bool far_off(const struct ttf_lamp_driver *driver, unsigned i,
+                    const struct ttf_lamp_state *state)
+{
+    int wanted = (int)driver->wanted[i];
+
+    if (state->measured_permille < 0 || state->trip != TTF_TRIP_NONE)
+        return false;
+    return state->measured_permille * LEVEL_LOW_SHARE < wanted ||
+           state->measured_permille > wanted + LEVEL_HIGH_ABOVE;
+}
+
+unsigned ttf_lamp_driver_sample(struct ttf_lamp_driver *driver, struct ttf_shot *shot)
+{
+    unsigned marks = 0;
+
+    shot->n_lamps = 0;
+    for (unsigned i = 0; driver->lamps && i < driver->n && i < TTF_SHOT_LAMPS_MAX; i++) {
+        struct ttf_shot_lamp *lamp = &shot->lamps[shot->n_lamps];
+        struct ttf_lamp_state state;
+        bool off;
+
+        if (ttf_lamps_state(driver->lamps, i, &state) < 0)
+            continue;
+        shot->n_lamps++;
+        snprintf(lamp->name, sizeof(lamp->name), "%s", ttf_lamps_info(driver->lamps, i)->name);
+        lamp->commanded_permille = (int)driver->wanted[i];
+        lamp->measured_permille = state.measured_permille;
+        if (driver->wanted[i] > 0 && state.actual_permille == 0)
+            marks |= TTF_LAMP_MARK_TRIPPED;
+        off = far_off(driver, i, &state);
+        if (off)
+            marks |= TTF_LAMP_MARK_LEVEL;
+        if (off != driver->off_level[i])
+            ttf_events_emit(driver->events, "lamp-level",
+                            off ? "lamp %s: commanded %u permille, measured %d"
+                                : "lamp %s does as told again: commanded %u permille, measured %d",
+                            lamp->name, driver->wanted[i], state.measured_permille);
+        driver->off_level[i] = off;
+    }
+    return marks;
+}

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "plan_figures.h"
+
+#include <string.h>
+
+#include "exposure.h"
+#include "lamp_programme.h"
+#include "ttf/base/checked.h"
+#include "ttf/base/time.h"
+#include "ttf/hal/camera_backend.h"
+
+#define FILE_OVERHEAD_BYTES 8192
+#define RECORD_BYTES        2048
+
+struct ttf_camera *ttf_box_camera_find(const struct ttf_box *box, const char *name)
+{
+    for (unsigned i = 0; i < box->n_cameras; i++) {
+        if (strcmp(box->cameras[i].name, name) == 0)
+            return box->cameras[i].camera;
+    }
+    return NULL;
+}
+
+const struct ttf_frame_format *ttf_box_camera_format(const struct ttf_camera *camera)
+{
+    return camera->configured ? &camera->format : NULL;
+}
+
+enum ttf_keep ttf_plan_keep(const struct ttf_plan *plan, const struct ttf_frame_format *format)
+{
+    if (plan->keep != TTF_KEEP_DEFAULT)
+        return plan->keep;
+    return (int64_t)format->width * format->height > TTF_KEEP_RAW_ABOVE_PIXELS ? TTF_KEEP_RAW
+                                                                               : TTF_KEEP_BOTH;
+}
+
+struct ttf_region ttf_plan_region(const struct ttf_plan *plan,
+                                  const struct ttf_frame_format *format)
+{
+    struct ttf_region whole = {0, 0, format->width, format->height};
+
+    return plan->region.width ? plan->region : whole;
+}
+
+/* Exposing all images of a shot, from the submission of the first set on. */
+static int64_t exposing_ns(const struct ttf_plan *plan, const struct ttf_plan_shot *shot,
+                           const struct ttf_camera *camera)
+{
+    const struct ttf_camera_caps *caps = ttf_camera_caps(camera);
+    int64_t total = 0;
+
+    for (unsigned i = 0; i < ttf_shot_images(shot); i++) {
+        struct ttf_exposure e = ttf_shot_exposure(shot, i, plan->mains_hz, caps->exposure_max_ns);
+
+        total += ttf_exposure_lead_ns(caps, e.exposure_ns) +
+                 ttf_exposures_span_ns(caps, e.exposure_ns, shot->average);
+    }
+    return total;
+}
+
+int64_t ttf_shot_busy_ns(const struct ttf_plan *plan, const struct ttf_plan_shot *shot,
+                         const struct ttf_box *box)
+{
+    struct ttf_camera *camera = ttf_box_camera_find(box, shot->camera);
+
+    return ttf_lamp_settle_ns(plan, shot, box->lamps) +
+           (camera ? exposing_ns(plan, shot, camera) : 0);
+}
+
+int64_t ttf_slot_lead_ns(const struct ttf_plan *plan, const struct ttf_box *box)
+{
+    const struct ttf_plan_shot *shot = &plan->shots[0];
+    struct ttf_camera *camera = ttf_box_camera_find(box, shot->camera);
+    const struct ttf_camera_caps *caps = ttf_camera_caps(camera);
+    struct ttf_exposure e = ttf_shot_exposure(shot, 0, plan->mains_hz, caps->exposure_max_ns);
+
+    return ttf_lamp_settle_ns(plan, shot, box->lamps) + ttf_exposure_lead_ns(caps, e.exposure_ns);
+}
+
+/* Time on at `on_ns` in each `period_ns`, at worst, within any window. */
+static int64_t worst_in_window(int64_t on_ns, int64_t period_ns, int64_t window_ns)
+{
+    int64_t rest = window_ns % period_ns;
+    int64_t worst;
+
+    if (on_ns >= period_ns)
+        return window_ns;
+    worst = window_ns / period_ns * on_ns;
+    /* The window can begin with one stretch and end with another. */
+    worst += rest < on_ns ? rest : on_ns;
+    return worst < window_ns ? worst : window_ns;
+}
+
+static unsigned level_of(const struct ttf_lamp_level *levels, unsigned n, const char *lamp)
+{
+    for (unsigned i = 0; i < n; i++) {
+        if (strcmp(levels[i].lamp, lamp) == 0)
+            return levels[i].permille;
+    }
+    return 0;
+}
+
+/* Time that a lamp burns within one slot's own work. */
+static int64_t lamp_slot_ns(const struct ttf_plan *plan, const struct ttf_box *box,
+                            const char *lamp, unsigned *ret_stretches)
+{
+    int64_t on = 0;
+    bool lit = false;
+
+    *ret_stretches = 0;
+    for (unsigned i = 0; i < plan->n_shots; i++) {
+        const struct ttf_plan_shot *shot = &plan->shots[i];
+        bool now = level_of(shot->levels, shot->n_levels, lamp) > 0;
+
+        if (now)
+            on += ttf_shot_busy_ns(plan, shot, box);
+        if (now && !lit)
+            (*ret_stretches)++;
+        lit = now;
+    }
+    return on;
+}
+
+static void fill_lamp(const struct ttf_plan *plan, const struct ttf_box *box, unsigned i,
+                      struct ttf_plan_figures *f)
+{
+    const struct ttf_lamp_info *info = ttf_lamps_info(box->lamps, i);
+    int64_t whole = f->duration_ns + f->slot_busy_ns;
+    int64_t window = info->duty_window_ns > 0 ? info->duty_window_ns : whole;
+    unsigned stretches = 0;
+    int64_t slot_ns = lamp_slot_ns(plan, box, info->name, &stretches);
+    bool by_day = level_of(plan->day_levels, plan->n_day_levels, info->name) > 0;
+    int64_t worst = 0;
+
+    if (plan->lamps == TTF_LAMPS_CONTINUOUS) {
+        bool on = level_of(plan->shots[0].levels, plan->shots[0].n_levels, info->name) > 0;
+
+        f->lamp_on_ns[i] = on ? whole : slot_ns * f->slots;
+        f->lamp_switchings[i] = on ? 1 : stretches * f->slots;
+        worst = on ? window : worst_in_window(slot_ns, plan->interval_ns, window);
+    } else {
+        f->lamp_on_ns[i] = slot_ns * f->slots;
+        f->lamp_switchings[i] = stretches * f->slots;
+        worst = worst_in_window(slot_ns, plan->interval_ns, window);
+    }
+    if (plan->lamps == TTF_LAMPS_PHOTOPERIOD && by_day) {
+        int64_t periods = whole / plan->period_ns;
+        int64_t rest = whole % plan->period_ns;
+
+        f->lamp_on_ns[i] = periods * plan->day_ns + (rest < plan->day_ns ? rest : plan->day_ns) +
+                           (int64_t)((double)f->lamp_on_ns[i] *
+                                     (1 - (double)plan->day_ns / (double)plan->period_ns));
+        f->lamp_switchings[i] += periods + 1;
+        worst += worst_in_window(plan->day_ns, plan->period_ns, window);
+    }
+    if (worst > window)
+        worst = window;
+    f->lamp_duty_permille[i] =
+        window > 0 ? (unsigned)((double)worst * 1000 / (double)window + 0.5) : 0;
+}
+
+static void fill_shot(const struct ttf_plan *plan, const struct ttf_box *box, unsigned i,
+                      struct ttf_plan_figures *f)
+{
+    const struct ttf_plan_shot *shot = &plan->shots[i];
+    const struct ttf_camera *camera = ttf_box_camera_find(box, shot->camera);
+    const struct ttf_frame_format *format = ttf_box_camera_format(camera);
+    enum ttf_keep keep = ttf_plan_keep(plan, format);
+    struct ttf_region region = ttf_plan_region(plan, format);
+    int64_t raw_px = (int64_t)format->width * format->height;
+    int64_t kept_px = (int64_t)region.width * region.height;
+    int64_t image = 0;
+    int64_t memory;
+
+    if (keep != TTF_KEEP_DEVELOPED)
+        image += raw_px * 2 + FILE_OVERHEAD_BYTES;
+    if (keep != TTF_KEEP_RAW)
+        image += kept_px * 6 + FILE_OVERHEAD_BYTES;
+    f->slot_bytes += image * (int64_t)ttf_shot_images(shot) + RECORD_BYTES;
+    f->slot_busy_ns += ttf_shot_busy_ns(plan, shot, box);
+    f->exposure_ns[i] = ttf_shot_exposure(&plan->shots[i], 0, plan->mains_hz,
+                                          ttf_camera_caps(camera)->exposure_max_ns)
+                            .exposure_ns;
+    /* Two raw sums, the camera's own buffers, dark and flat per pixel, strips of work. */
+    memory = raw_px * (2 * 4 + 4 + 2) +
+             (int64_t)ttf_camera_caps(camera)->buffers * (int64_t)format->stride * format->height +
+             (INT64_C(8) << 20);
+    if (memory > f->memory_bytes)
+        f->memory_bytes = memory;
+}
+
+void ttf_plan_figures_fill(const struct ttf_plan *plan, const struct ttf_box *box,
+                           struct ttf_plan_figures *ret)
+{
+    struct ttf_plan_figures f = {.slots = plan->count};
+
+    if (!ttf_mul_i64(plan->count - 1, plan->interval_ns, &f.duration_ns))
+        f.duration_ns = TTF_NS_NEVER;
+    for (unsigned i = 0; i < plan->n_shots; i++) {
+        if (box)
+            fill_shot(plan, box, i, &f);
+        else
+            f.exposure_ns[i] = ttf_shot_exposure(&plan->shots[i], 0, plan->mains_hz, 0).exposure_ns;
+    }
+    if (!ttf_mul_i64(f.slot_bytes, plan->count, &f.bytes))
+        f.bytes = INT64_MAX;
+    for (unsigned i = 0; box && box->lamps && i < ttf_lamps_count(box->lamps); i++)
+        fill_lamp(plan, box, i, &f);
+    *ret = f;
+}

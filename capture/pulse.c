@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "pulse.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "resume.h"
+
+void ttf_pulse_begin(struct ttf_pulse *pulse, struct ttf_box *box, struct ttf_queue *queue,
+                     struct ttf_events *events, struct ttf_lamp_driver *lamps,
+                     const volatile int *stop)
+{
+    struct ttf_utc utc;
+
+    memset(pulse, 0, sizeof(*pulse));
+    pulse->box = box;
+    pulse->queue = queue;
+    pulse->events = events;
+    pulse->lamps = lamps;
+    pulse->stop = stop;
+    ttf_clock_utc(box->clock, &utc);
+    ttf_utc_watch_init(&pulse->utc, &utc);
+    if (box->watchdog)
+        pulse->watchdog = ttf_watchdog_arm(box->watchdog, TTF_WATCHDOG_NS) == 0;
+    if (box->panel)
+        pulse->door_open = ttf_panel_door(box->panel) == 1;
+}
+
+void ttf_pulse_end(struct ttf_pulse *pulse)
+{
+    if (pulse->watchdog)
+        ttf_watchdog_disarm(pulse->box->watchdog);
+    pulse->watchdog = false;
+}
+
+bool ttf_pulse_stop_wanted(const struct ttf_pulse *pulse)
+{
+    return pulse->button_stop || (pulse->stop && *pulse->stop != 0);
+}
+
+/* A better vouched-for UTC corrects what the segment's line says of its origin. */
+static void correct_segment(struct ttf_pulse *pulse, const struct ttf_utc *utc)
+{
+    struct ttf_segment *s = &pulse->segment;
+    struct ttf_job *job;
+
+    if (!pulse->has_segment)
+        return;
+    s->origin_utc_ns = utc->utc_ns + (s->origin_ns - utc->boot_ns);
+    s->uncertainty_ns = utc->uncertainty_ns;
+    snprintf(s->trust, sizeof(s->trust), "%s", ttf_trust_name(utc->trust));
+    if (s->gap_ns == TTF_NS_UNKNOWN && pulse->has_before)
+        s->gap_ns = ttf_resume_gap_ns(&pulse->before, s->first_index, s->origin_utc_ns);
+    s->corrects = true;
+    job = ttf_job_new(TTF_JOB_SEGMENT);
+    if (!job)
+        return; /* the next trust or step tries again */
+    job->segment = *s;
+    ttf_queue_push(pulse->queue, job);
+}
+
+static void look_at_utc(struct ttf_pulse *pulse)
+{
+    struct ttf_utc_news news;
+    struct ttf_utc utc;
+
+    ttf_clock_utc(pulse->box->clock, &utc);
+    if (!ttf_utc_watch_look(&pulse->utc, &utc, &news))
+        return;
+    if (news.stepped)
+        ttf_events_emit(pulse->events, "clock-step", "UTC stepped by %+.3f s; the grid stays",
+                        (double)news.step_ns / 1e9);
+    if (news.more_trusted) {
+        ttf_events_emit(pulse->events, "clock", "UTC is now vouched for by %s",
+                        ttf_trust_name(utc.trust));
+        correct_segment(pulse, &utc);
+    }
+}
+
+static void look_at_panel(struct ttf_pulse *pulse)
+{
+    struct ttf_panel *panel = pulse->box->panel;
+    struct ttf_panel_event event;
+    int door;
+
+    if (!panel)
+        return;
+    for (int i = 0; i < 16 && ttf_panel_poll(panel, &event) == 1; i++) {
+        if (event.kind == TTF_PANEL_BUTTON_LONG) {
+            pulse->button_stop = true;
+            ttf_events_emit(pulse->events, "button", "held: the run is to end");
+        }
+    }
+    door = ttf_panel_door(panel);
+    if (door >= 0 && (door == 1) != pulse->door_open) {
+        pulse->door_open = door == 1;
+        ttf_events_emit(pulse->events, "door", pulse->door_open ? "opened" : "closed");
+    }
+}
+
+int ttf_pulse_beat(struct ttf_pulse *pulse, int64_t next_ns)
+{
+    const struct ttf_box *box = pulse->box;
+
+    if (box->power_lost && box->power_lost(box->box_private))
+        return -ESHUTDOWN;
+    /* Declared before the wait, never after: overdue means stuck. */
+    ttf_lamp_driver_alive(pulse->lamps, next_ns + TTF_ALIVE_MARGIN_NS);
+    if (pulse->watchdog && ttf_watchdog_feed(box->watchdog) == -EPIPE)
+        pulse->watchdog = ttf_watchdog_arm(box->watchdog, TTF_WATCHDOG_NS) == 0;
+    look_at_panel(pulse);
+    look_at_utc(pulse);
+    return ttf_queue_fatal(pulse->queue);
+}
+
+int ttf_pulse_beat_blocking(struct ttf_pulse *pulse)
+{
+    return ttf_pulse_beat(pulse, ttf_clock_now_ns(pulse->box->clock) + TTF_BLOCKING_MAX_NS);
+}
+
+/* The end of this tick. */
+static int64_t tick_end(const struct ttf_pulse *pulse, int64_t deadline_ns)
+{
+    int64_t tick = ttf_clock_now_ns(pulse->box->clock) + TTF_TICK_NS;
+
+    return deadline_ns < tick ? deadline_ns : tick;
+}
+
+int ttf_pulse_wait(struct ttf_pulse *pulse, int64_t deadline_ns, bool stoppable)
+{
+    for (;;) {
+        int64_t until = tick_end(pulse, deadline_ns);
+        int r = ttf_pulse_beat(pulse, until);
+
+        if (r < 0)
+            return r;
+        if (stoppable && ttf_pulse_stop_wanted(pulse))
+            return -ECANCELED;
+        if (ttf_clock_now_ns(pulse->box->clock) >= deadline_ns)
+            return 0;
+        r = ttf_clock_wait_until(pulse->box->clock, until);
+        if (r < 0)
+            return r;
+        if (until == deadline_ns)
+            return 0; /* on time: what a beat costs must not come between */
+    }
+}
+
+int ttf_pulse_gate(struct ttf_pulse *pulse, struct ttf_gate *gate, int64_t deadline_ns)
+{
+    for (;;) {
+        int64_t until = tick_end(pulse, deadline_ns);
+        int r = ttf_pulse_beat(pulse, until);
+
+        if (r < 0)
+            return r;
+        r = ttf_gate_wait(gate, until);
+        if (r != -ETIMEDOUT || until == deadline_ns)
+            return r;
+    }
+}
+
+int ttf_pulse_next(struct ttf_pulse *pulse, struct ttf_camera *camera, int64_t deadline_ns,
+                   struct ttf_frame **ret_frame, struct ttf_err *err)
+{
+    for (;;) {
+        int64_t until = tick_end(pulse, deadline_ns);
+        int r = ttf_pulse_beat(pulse, until);
+
+        if (r < 0)
+            return r;
+        r = ttf_camera_next(camera, until, ret_frame, err);
+        if (r != -ETIMEDOUT || until >= deadline_ns)
+            return r;
+    }
+}
+
+void ttf_pulse_led(struct ttf_pulse *pulse, enum ttf_led led)
+{
+    if (!pulse->box->panel || pulse->led == led)
+        return;
+    if (ttf_panel_led(pulse->box->panel, led) == 0)
+        pulse->led = led;
+}

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * pulse.h: how the loop waits. Every wait, whatever for, is cut into ticks; at
+ * each the loop feeds the watchdog, declares its next sign of life to the lamps,
+ * and looks at power, storage, panel, UTC and the stop flag. Loop thread only.
+ */
+#ifndef TTF_CAPTURE_PRIVATE_PULSE_H
+#define TTF_CAPTURE_PRIVATE_PULSE_H
+
+#include "lamp_driver.h"
+#include "ttf/hal/box.h"
+#include "utc_watch.h"
+
+#define TTF_TICK_NS         (2 * TTF_NS_PER_S)
+#define TTF_ALIVE_MARGIN_NS (2 * TTF_NS_PER_S) /* scheduling noise of a loaded board */
+#define TTF_WATCHDOG_NS     (15 * TTF_NS_PER_S)
+#define TTF_BLOCKING_MAX_NS (10 * TTF_NS_PER_S) /* a device call that cannot be cut into ticks */
+
+struct ttf_pulse {
+    struct ttf_box *box;
+    struct ttf_queue *queue;
+    struct ttf_events *events;
+    struct ttf_lamp_driver *lamps;
+    const volatile int *stop; /* NULL allowed */
+    struct ttf_utc_watch utc;
+    struct ttf_segment segment; /* the current one; corrected when UTC becomes better known */
+    bool has_segment;
+    struct ttf_segment before; /* the one before it, if has_before */
+    bool has_before;
+    bool button_stop; /* the button was held */
+    bool door_open;
+    bool watchdog; /* armed */
+    enum ttf_led led;
+};
+
+/* Begins: arms the watchdog, looks at door and UTC. queue, events and lamps are borrowed. */
+void ttf_pulse_begin(struct ttf_pulse *pulse, struct ttf_box *box, struct ttf_queue *queue,
+                     struct ttf_events *events, struct ttf_lamp_driver *lamps,
+                     const volatile int *stop);
+void ttf_pulse_end(struct ttf_pulse *pulse);
+
+/* True once somebody asked for the end. */
+bool ttf_pulse_stop_wanted(const struct ttf_pulse *pulse);
+
+/*
+ * One sign of life; the next comes before next_ns. 0; -ESHUTDOWN: power is gone;
+ * else the errno that the committer says ends the run.
+ */
+TTF_MUST_USE int ttf_pulse_beat(struct ttf_pulse *pulse, int64_t next_ns);
+
+/* Before a device call that may block for up to TTF_BLOCKING_MAX_NS. */
+TTF_MUST_USE int ttf_pulse_beat_blocking(struct ttf_pulse *pulse);
+
+/* Waits until deadline_ns. 0, or as beat. stoppable: -ECANCELED as soon as a stop is wanted. */
+TTF_MUST_USE int ttf_pulse_wait(struct ttf_pulse *pulse, int64_t deadline_ns, bool stoppable);
+
+/* Waits for a gate: 0 opened, -ETIMEDOUT, or as beat. */
+TTF_MUST_USE int ttf_pulse_gate(struct ttf_pulse *pulse, struct ttf_gate *gate,
+                                int64_t deadline_ns);
+
+/* ttf_camera_next, cut into ticks; its results, or as beat. */
+TTF_MUST_USE int ttf_pulse_next(struct ttf_pulse *pulse, struct ttf_camera *camera,
+                                int64_t deadline_ns, struct ttf_frame **ret_frame,
+                                struct ttf_err *err);
+
+/* Status light; a box without one is fine. */
+void ttf_pulse_led(struct ttf_pulse *pulse, enum ttf_led led);
+
+#endif

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "resume.h"
+
+#include <errno.h>
+#include <string.h>
+
+#include "ledger.h"
+#include "ttf/base/time.h"
+
+static bool vouched(const struct ttf_segment *s)
+{
+    return s->origin_utc_ns != TTF_NS_UNKNOWN && strcmp(s->trust, "none") != 0;
+}
+
+static struct ttf_grid grid_of(const struct ttf_segment *s)
+{
+    return (struct ttf_grid){s->first_index, s->origin_ns, s->interval_ns};
+}
+
+/* The same in UTC. */
+static struct ttf_grid utc_grid_of(const struct ttf_segment *s)
+{
+    return (struct ttf_grid){s->first_index, s->origin_utc_ns, s->interval_ns};
+}
+
+static int resolve_new(const struct ttf_resume_input *in, struct ttf_resume *r, struct ttf_err *err)
+{
+    r->grid.first_index = 0;
+    r->grid.interval_ns = in->interval_ns;
+    r->grid.origin_ns = in->ready_ns;
+    r->gap_ns = 0;
+    if (in->start_utc_ns == 0)
+        return 0;
+    if (in->utc.trust == TTF_TRUST_NONE) {
+        ttf_err_set(err, -EINVAL, "start",
+                    "nobody vouches for this box's clock, so a start time "
+                    "means nothing");
+        ttf_err_hint(err, "leave start out, or let the clock be set first (NTP, a PC over USB)");
+        return -EINVAL;
+    }
+    r->grid.origin_ns = in->utc.boot_ns + (in->start_utc_ns - in->utc.utc_ns);
+    r->lost_result = TTF_RESULT_MISSED;
+    r->lost_reason = TTF_REASON_BEFORE_START;
+    r->on_grid = true;
+    return 0;
+}
+
+static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resume *r)
+{
+    const struct ttf_segment *last = &in->state->last_segment;
+    int64_t next = in->state->next_index;
+    struct ttf_grid before = grid_of(last);
+    struct ttf_grid before_utc = utc_grid_of(last);
+
+    r->continued = true;
+    r->grid.first_index = next;
+    r->grid.interval_ns = in->interval_ns;
+    if (strcmp(last->boot_id, in->boot_id) == 0) {
+        r->grid.origin_ns = ttf_grid_due_ns(&before, next);
+        r->lost_result = TTF_RESULT_MISSED;
+        r->lost_reason = TTF_REASON_NOT_RUNNING;
+        r->on_grid = true;
+        r->gap_ns = 0;
+        r->outage_ns = in->now_ns - ttf_grid_due_ns(&before, next - 1);
+        return;
+    }
+    if (in->utc.trust != TTF_TRUST_NONE && vouched(last)) {
+        int64_t last_utc = ttf_grid_due_ns(&before_utc, next - 1);
+        int64_t now_utc = in->utc.utc_ns + (in->now_ns - in->utc.boot_ns);
+
+        if (now_utc >= last_utc - TTF_NS_PER_S || next == 0) {
+            int64_t due_utc = ttf_grid_due_ns(&before_utc, next);
+
+            r->grid.origin_ns = in->utc.boot_ns + (due_utc - in->utc.utc_ns);
+            r->lost_result = TTF_RESULT_POWER;
+            r->lost_reason = TTF_REASON_NO_POWER;
+            r->on_grid = true;
+            r->gap_ns = 0;
+            r->outage_ns = now_utc - last_utc;
+            return;
+        }
+        r->clock_implausible = true;
+    }
+    r->grid.origin_ns = in->ready_ns;
+    r->gap_ns = TTF_NS_UNKNOWN;
+}
+
+int ttf_resume_resolve(const struct ttf_resume_input *in, struct ttf_resume *ret,
+                       struct ttf_err *err)
+{
+    struct ttf_resume r = {.outage_ns = TTF_NS_UNKNOWN, .lost_result = TTF_RESULT_MISSED};
+
+    if (in->state->n_segments > 0) {
+        resolve_continued(in, &r);
+    } else {
+        int e = resolve_new(in, &r, err);
+
+        if (e < 0)
+            return e;
+    }
+    r.lost_until = ttf_grid_index_at(&r.grid, in->ready_ns);
+    if (r.lost_until > in->count)
+        r.lost_until = in->count;
+    if (r.lost_until < r.grid.first_index)
+        r.lost_until = r.grid.first_index;
+    *ret = r;
+    return 0;
+}
+
+int64_t ttf_resume_gap_ns(const struct ttf_segment *before, int64_t first_index,
+                          int64_t origin_utc_ns)
+{
+    struct ttf_grid grid = utc_grid_of(before);
+    int64_t gap;
+
+    if (!vouched(before) || origin_utc_ns == TTF_NS_UNKNOWN)
+        return TTF_NS_UNKNOWN;
+    gap = origin_utc_ns - ttf_grid_due_ns(&grid, first_index);
+    return gap > 0 ? gap : 0;
+}

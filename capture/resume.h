@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * resume.h: where a run's grid lies on this boot's clock, for a new dataset and
+ * for one that is gone on with. Pure: README.md, "Resuming".
+ */
+#ifndef TTF_CAPTURE_PRIVATE_RESUME_H
+#define TTF_CAPTURE_PRIVATE_RESUME_H
+
+#include <stdbool.h>
+
+#include "schedule.h"
+#include "ttf/base/err.h"
+#include "ttf/dataset/writer.h"
+#include "ttf/hal/clock.h"
+
+struct ttf_resume_input {
+    const struct ttf_writer_state *state; /* n_segments 0: a new dataset */
+    const char *boot_id;
+    struct ttf_utc utc;
+    int64_t now_ns;
+    int64_t ready_ns; /* earliest due time that can still be met */
+    int64_t interval_ns, count, start_utc_ns;
+};
+
+struct ttf_resume {
+    struct ttf_grid grid; /* of the new segment: its first_index is the first without a record */
+    int64_t lost_until;   /* slots first_index .. lost_until-1 cannot be captured any more */
+    enum ttf_result lost_result;
+    const char *lost_reason;
+    int64_t gap_ns;         /* of the segment: time that no index stands for; TTF_NS_UNKNOWN */
+    bool continued;         /* not a new dataset */
+    bool on_grid;           /* the grid of before the interruption was kept */
+    bool clock_implausible; /* UTC is vouched for, but lies before the last slot */
+    int64_t outage_ns;      /* from the last record's due time to now; TTF_NS_UNKNOWN */
+};
+
+/* -EINVAL: a start time with a clock nobody vouches for. */
+TTF_MUST_USE int ttf_resume_resolve(const struct ttf_resume_input *in, struct ttf_resume *ret,
+                                    struct ttf_err *err);
+
+/*
+ * The gap of a segment that began with a clock nobody vouched for, now that UTC
+ * of its origin is known: from where `before` would have had the slot due.
+ */
+int64_t ttf_resume_gap_ns(const struct ttf_segment *before, int64_t first_index,
+                          int64_t origin_utc_ns);
+
+#endif

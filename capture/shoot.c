@@ -1,0 +1,397 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shoot.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "exposure.h"
+#include "frame_check.h"
+#include "ledger.h"
+
+/* How long after its last exposure should have ended a set is waited for. */
+#define DELIVERY_SLACK_NS (500 * TTF_NS_PER_MS)
+
+/* What a frame may be off the middle asked for, beyond the camera's own bound, before it is flagged. */
+#define LATE_SLACK_NS TTF_NS_PER_MS
+
+#define LOCK_ROUNDS 4
+
+/* What came of one submitted set. */
+struct attempt {
+    unsigned delivered;  /* buffers of any kind */
+    const char *refused; /* the last reason */
+    int error;           /* of the camera: -EIO, -ENODEV, -ETIMEDOUT, ...; 0 */
+};
+
+void ttf_image_flag(struct ttf_image *image, const char *word)
+{
+    size_t used = strlen(image->flags);
+    size_t n = strlen(word);
+
+    for (const char *at = image->flags; (at = strstr(at, word)) != NULL; at += n) {
+        if ((at == image->flags || at[-1] == ',') && (at[n] == ',' || at[n] == '\0'))
+            return;
+    }
+    snprintf(image->flags + used, sizeof(image->flags) - used, "%s%s", used ? "," : "", word);
+}
+
+static bool ends_run(const struct ttf_shooter *shooter, int r)
+{
+    return r == -ESHUTDOWN || r == -ENOMEM ||
+           (r < 0 && r == ttf_queue_fatal(shooter->pulse->queue));
+}
+
+static struct ttf_shot *new_shot(struct ttf_take *take)
+{
+    struct ttf_image *image = take->image;
+    struct ttf_shot *shot;
+
+    if (image->n_shots == take->shots_room) {
+        unsigned room = take->shots_room ? take->shots_room * 2 : 4;
+        struct ttf_shot *more = realloc(image->shots, room * sizeof(*more));
+
+        if (!more)
+            return NULL;
+        image->shots = more;
+        take->shots_room = room;
+    }
+    shot = &image->shots[image->n_shots++];
+    memset(shot, 0, sizeof(*shot));
+    shot->asked = take->locked->asked;
+    shot->start_ns = TTF_NS_UNKNOWN;
+    shot->end_ns = TTF_NS_UNKNOWN;
+    return shot;
+}
+
+static int note_missing(struct ttf_take *take, unsigned n)
+{
+    while (n-- > 0) {
+        struct ttf_shot *shot = new_shot(take);
+
+        if (!shot)
+            return -ENOMEM;
+        snprintf(shot->refused, sizeof(shot->refused), "%s", TTF_REFUSED_MISSING);
+    }
+    return 0;
+}
+
+static void accept_frame(struct ttf_shooter *shooter, struct ttf_take *take,
+                         const struct ttf_frame *frame)
+{
+    int64_t middle = frame->start_ns + (frame->end_ns - frame->start_ns) / 2;
+    int64_t off = middle - take->middle_ns;
+    int64_t bound = ttf_camera_caps(shooter->camera)->timing_bound_ns + LATE_SLACK_NS;
+
+    if (take->start_ns != TTF_NS_UNKNOWN)
+        return;
+    take->start_ns = frame->start_ns;
+    take->middle_got_ns = middle;
+    if (take->middle_ns != 0 && (off > bound || off < -bound)) {
+        ttf_image_flag(take->image, "late");
+        take->trouble = true;
+    }
+}
+
+static void note_lamps(struct ttf_shooter *shooter, struct ttf_take *take, struct ttf_shot *shot)
+{
+    unsigned marks = ttf_lamp_driver_sample(shooter->pulse->lamps, shot);
+
+    if (marks & TTF_LAMP_MARK_TRIPPED)
+        ttf_image_flag(take->image, "lamp-tripped");
+    if (marks & TTF_LAMP_MARK_LEVEL)
+        ttf_image_flag(take->image, "lamp-level");
+    if (shooter->pulse->door_open)
+        ttf_image_flag(take->image, "door-open");
+    if (marks || shooter->pulse->door_open)
+        take->trouble = true;
+}
+
+/*
+ * Judges a frame and adds it up if it is good. On the last try a frame whose only
+ * fault is its settings is better than none, as long as the sum stays of one kind.
+ */
+static int judge_frame(struct ttf_shooter *shooter, struct ttf_take *take,
+                       const struct ttf_frame *frame, bool last_try, const char **ret_refused)
+{
+    struct ttf_shot *shot = new_shot(take);
+    const char *refused = ttf_frame_refused(frame, &shooter->format, &take->locked->granted);
+    int r;
+
+    if (!shot)
+        return -ENOMEM;
+    shot->granted = frame->settings;
+    shot->start_ns = frame->start_ns;
+    shot->end_ns = frame->end_ns;
+    note_lamps(shooter, take, shot);
+    if (refused && last_try && strcmp(refused, TTF_REFUSED_SETTINGS) == 0 &&
+        (take->raw->n == 0 || ttf_exposure_equal(&take->raw->settings, &frame->settings))) {
+        ttf_image_flag(take->image, "wrong-settings");
+        refused = NULL;
+    }
+    if (!refused) {
+        r = ttf_raw_sum_add(take->raw, frame);
+        if (r < 0)
+            refused = TTF_REFUSED_FORMAT;
+        else
+            accept_frame(shooter, take, frame);
+    }
+    if (refused)
+        snprintf(shot->refused, sizeof(shot->refused), "%s", refused);
+    *ret_refused = refused;
+    return 0;
+}
+
+static int64_t delivery_deadline(const struct ttf_shooter *shooter, int64_t middle_ns,
+                                 int64_t exposure_ns, unsigned n)
+{
+    const struct ttf_camera_caps *caps = ttf_camera_caps(shooter->camera);
+    int64_t now = ttf_clock_now_ns(shooter->pulse->box->clock);
+    int64_t first = now + ttf_exposure_lead_ns(caps, exposure_ns);
+
+    if (middle_ns > first)
+        first = middle_ns;
+    return first + ttf_exposures_span_ns(caps, exposure_ns, n) + DELIVERY_SLACK_NS;
+}
+
+/* Submits n equal exposures. */
+static int submit(struct ttf_shooter *shooter, const struct ttf_exposure *asked, unsigned n,
+                  int64_t middle_ns)
+{
+    struct ttf_exposure settings[TTF_CAMERA_SET_MAX];
+    struct ttf_camera_set set = {.settings = settings, .n = n, .middle_ns = middle_ns};
+
+    for (unsigned i = 0; i < n; i++)
+        settings[i] = *asked;
+    return ttf_camera_submit(shooter->camera, &set, NULL);
+}
+
+/* One set of n exposures. 0 and *ret; negative only for what ends the run. */
+static int attempt(struct ttf_shooter *shooter, struct ttf_take *take, unsigned n, bool last_try,
+                   struct attempt *ret)
+{
+    int64_t exposure = take->locked->granted.exposure_ns;
+    int64_t deadline = delivery_deadline(shooter, take->middle_ns, exposure, n);
+    struct attempt a = {0};
+    int r = submit(shooter, &take->locked->asked, n, take->middle_ns);
+
+    if (r < 0) {
+        a.error = r;
+        a.refused = TTF_REFUSED_MISSING;
+        *ret = a;
+        return 0;
+    }
+    while (a.delivered < n) {
+        struct ttf_frame *frame = NULL;
+        const char *refused = NULL;
+
+        r = ttf_pulse_next(shooter->pulse, shooter->camera, deadline, &frame, NULL);
+        if (r < 0)
+            break;
+        a.delivered++;
+        r = judge_frame(shooter, take, frame, last_try, &refused);
+        ttf_camera_release(shooter->camera, frame);
+        if (refused)
+            a.refused = refused;
+        if (r < 0)
+            break;
+    }
+    if (r < 0 && ends_run(shooter, r))
+        return r;
+    if (a.delivered < n) {
+        ttf_camera_cancel(shooter->camera);
+        a.refused = TTF_REFUSED_MISSING;
+        a.error = r;
+        r = note_missing(take, n - a.delivered);
+    }
+    *ret = a;
+    return r < 0 ? r : 0;
+}
+
+static bool gone(const struct attempt *a)
+{
+    return a->delivered == 0 && a->error < 0;
+}
+
+static bool time_left(const struct ttf_shooter *shooter, const struct ttf_take *take)
+{
+    return ttf_clock_now_ns(shooter->pulse->box->clock) < take->give_up_ns;
+}
+
+/* One step of the ladder. 0: the camera says it streams again; 1: it does not; negative: end of the run. */
+static int climb(struct ttf_shooter *shooter)
+{
+    enum ttf_camera_recovery step = shooter->next_step;
+    struct ttf_err err = {0};
+    int r = ttf_pulse_beat_blocking(shooter->pulse);
+
+    if (r < 0)
+        return r;
+    shooter->recoveries++;
+    if (shooter->next_step < TTF_CAMERA_REOPEN)
+        shooter->next_step++;
+    r = ttf_camera_recover(shooter->camera, step, &err);
+    ttf_events_emit(shooter->events, "camera", "%s delivers nothing: %s%s%s", shooter->name,
+                    ttf_camera_recovery_name(step), r < 0 ? " failed: " : "",
+                    r < 0 ? err.what : "");
+    return r < 0 ? 1 : 0;
+}
+
+/* The ladder, from where the last slot left it. As attempt. */
+static int ladder(struct ttf_shooter *shooter, struct ttf_take *take, struct attempt *a)
+{
+    bool top = false;
+
+    while (gone(a) && !top && time_left(shooter, take)) {
+        int r;
+
+        top = shooter->next_step == TTF_CAMERA_REOPEN;
+        r = climb(shooter);
+        if (r < 0)
+            return r;
+        if (r > 0)
+            continue;
+        r = attempt(shooter, take, take->average, true, a);
+        if (r < 0)
+            return r;
+    }
+    return 0;
+}
+
+static void conclude(struct ttf_shooter *shooter, struct ttf_take *take, const struct attempt *a)
+{
+    struct ttf_image *image = take->image;
+
+    image->n_averaged = take->raw->n;
+    if (take->raw->n > 0) {
+        if (take->raw->n < take->average) {
+            ttf_image_flag(image, "short-average");
+            take->trouble = true;
+        }
+        if (shooter->down || shooter->next_step != TTF_CAMERA_REQUEUE)
+            ttf_events_emit(shooter->events, "camera", "%s delivers again", shooter->name);
+        shooter->down = false;
+        shooter->next_step = TTF_CAMERA_REQUEUE;
+        return;
+    }
+    take->trouble = true;
+    shooter->down = gone(a);
+    snprintf(image->lacking, sizeof(image->lacking), "%s",
+             shooter->down ? TTF_REASON_NO_CAMERA
+             : a->refused  ? a->refused
+                           : TTF_REASON_NO_TIME);
+    ttf_events_emit(shooter->events, "camera", "%s: image of %s given up: %s", shooter->name,
+                    image->stream, image->lacking);
+}
+
+int ttf_shoot(struct ttf_shooter *shooter, struct ttf_take *take)
+{
+    struct attempt a;
+    int r;
+
+    take->start_ns = TTF_NS_UNKNOWN;
+    take->middle_got_ns = TTF_NS_UNKNOWN;
+    r = attempt(shooter, take, take->average, false, &a);
+    if (r < 0)
+        return r;
+    if (take->raw->n < take->average && a.error != -ENODEV && a.error != -EIO &&
+        a.error != -EPIPE && time_left(shooter, take)) {
+        take->trouble = true;
+        ttf_events_emit(shooter->events, "retry", "%s: %u of %u frames of %s taken again: %s",
+                        shooter->name, take->average - take->raw->n, take->average,
+                        take->image->stream, a.refused);
+        r = attempt(shooter, take, take->average - take->raw->n, true, &a);
+        if (r < 0)
+            return r;
+    }
+    if (take->raw->n == 0 && gone(&a)) {
+        r = ladder(shooter, take, &a);
+        if (r < 0)
+            return r;
+    }
+    conclude(shooter, take, &a);
+    return 0;
+}
+
+int ttf_shooter_revive(struct ttf_shooter *shooter)
+{
+    int r;
+
+    if (!shooter->down)
+        return 0;
+    r = climb(shooter);
+    return r < 0 ? r : 0;
+}
+
+/* ---- locking ---- */
+
+/* One frame at these settings, to see what the driver makes of them. */
+static int probe(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
+                 struct ttf_exposure *ret_granted)
+{
+    int64_t deadline = delivery_deadline(shooter, 0, asked->exposure_ns, 1);
+    struct ttf_frame *frame = NULL;
+    int r = submit(shooter, asked, 1, 0);
+
+    if (r < 0)
+        return r;
+    r = ttf_pulse_next(shooter->pulse, shooter->camera, deadline, &frame, NULL);
+    if (r < 0) {
+        ttf_camera_cancel(shooter->camera);
+        return r;
+    }
+    r = frame->flags & TTF_FRAME_ERROR ? -EAGAIN : 0;
+    if (r == 0)
+        *ret_granted = frame->settings;
+    ttf_camera_release(shooter->camera, frame);
+    return r;
+}
+
+/* The same, with the ladder behind it. */
+static int probe_hard(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
+                      struct ttf_exposure *ret_granted)
+{
+    int r = probe(shooter, asked, ret_granted);
+
+    for (int again = 0; r < 0 && again < 2 && !ends_run(shooter, r); again++)
+        r = probe(shooter, asked, ret_granted);
+    while (r < 0 && !ends_run(shooter, r)) {
+        bool top = shooter->next_step == TTF_CAMERA_REOPEN;
+        int c = climb(shooter);
+
+        if (c < 0)
+            return c;
+        r = probe(shooter, asked, ret_granted);
+        if (top && r < 0 && !ends_run(shooter, r))
+            return -ENODEV;
+    }
+    if (r == 0)
+        shooter->next_step = TTF_CAMERA_REQUEUE;
+    return r;
+}
+
+int ttf_shooter_lock(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
+                     struct ttf_locked *ret, struct ttf_err *err)
+{
+    struct ttf_locked locked = {.asked = *asked};
+    int r;
+
+    for (int round = 0; round < LOCK_ROUNDS; round++) {
+        r = probe_hard(shooter, &locked.asked, &locked.granted);
+        if (r == -ENODEV)
+            return ttf_err_set(err, r, shooter->name,
+                               "the camera gives no frame, also after it was opened anew");
+        if (r < 0)
+            return ttf_err_set(err, r, shooter->name, "the exposure could not be locked");
+        if (ttf_exposure_equal(&locked.asked, &locked.granted)) {
+            *ret = locked;
+            return 0;
+        }
+        locked.asked = locked.granted;
+    }
+    return ttf_err_set(err, -EIO, shooter->name,
+                       "the camera grants other settings than it was asked for, each time anew "
+                       "(%.3f ms, gain %.3f)",
+                       (double)locked.granted.exposure_ns / 1e6, locked.granted.gain_milli / 1e3);
+}
