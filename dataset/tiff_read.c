@@ -192,6 +192,14 @@ static void read_profile(struct ttf_tiff_reader *reader)
         reader->info.display_encoded = reader->info.format == TTF_SAMPLE_U8;
 }
 
+static unsigned read_orientation(TIFF *tiff)
+{
+    uint16_t orientation = 0;
+
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &orientation);
+    return orientation >= 1 && orientation <= 8 ? orientation : 1;
+}
+
 static int open_page(struct ttf_tiff_reader *reader, struct ttf_err *err)
 {
     TIFF *tiff = reader->client.tiff;
@@ -226,6 +234,7 @@ static int open_page(struct ttf_tiff_reader *reader, struct ttf_err *err)
     info->samples = reader->palette ? 3 : reader->layout.kept;
     info->bits = reader->palette ? 8 : reader->layout.bits;
     info->format = reader->palette ? TTF_SAMPLE_U8 : reader->layout.format;
+    info->orientation = read_orientation(tiff);
     r = read_chunks(reader, err);
     if (r < 0)
         return r;

@@ -17,15 +17,26 @@
 #include "ttf/base/frame.h"
 #include "ttf/dataset/io.h"
 
-/* A sum of equal raw frames: averages accumulate as they come. */
+/*
+ * A sum of equal raw frames: averages accumulate as they come.
+ *
+ * Of RAW16 and GREY16 frames codes are summed. GREY8, RGB8 and YUYV8 frames are
+ * finished pictures, encoded for display (sRGB): they are decoded first, and
+ * linear-light codes 0..65535 are summed, whatever levels the format names.
+ */
 struct ttf_raw_sum {
     struct ttf_frame_format format; /* of each frame that went in */
     struct ttf_exposure settings;   /* of the first */
-    uint32_t *sum;                  /* width x height, tightly packed */
+    uint32_t *sum;                  /* width x height x samples, tightly packed */
     unsigned n;                     /* frames in it */
+    unsigned samples;               /* per pixel: 1, or 3 of RGB8 and YUYV8 */
 };
 
-/* Room for frames of that format (RAW16, GREY8, GREY16), n = 0. -ENOTSUP for other packings. */
+/* What the codes in a sum range over: the format's levels, or 0 and 65535 of decoded ones. */
+void ttf_raw_sum_levels(const struct ttf_frame_format *format, uint16_t *ret_black,
+                        uint16_t *ret_white);
+
+/* Room for frames of that format, n = 0. -EINVAL for a format that cannot be, -ENOTSUP for an unknown packing, -ENOMEM. */
 TTF_MUST_USE int ttf_raw_sum_init(struct ttf_raw_sum *sum, const struct ttf_frame_format *format);
 void ttf_raw_sum_reset(struct ttf_raw_sum *sum); /* n = 0 again, memory kept */
 /* -EINVAL if the frame's format or bytes do not fit; -EOVERFLOW beyond 65,535 frames. */
@@ -45,12 +56,13 @@ struct ttf_calibration {
     enum ttf_cfa cfa;
     uint16_t black_level, white_level;
 
-    /* dark: codes in 1/16 above black_level, per pixel, per second of exposure (rate) and fixed (offset) */
+    /* dark: codes in 1/16 above black_level, per pixel, at dark_settings; subtracted as it is */
     bool has_dark;
-    int32_t *dark_offset_16; /* width x height: measured at the shortest exposure */
+    int32_t *dark_offset_16; /* width x height */
     unsigned dark_frames;
     struct ttf_exposure dark_settings;
     int32_t dark_temp_mdegc; /* INT32_MIN: not known */
+    /* Pixels not to be believed: hot in the dark, or dead under the flat. */
     unsigned n_hot;
     struct ttf_hot_pixel *hot; /* sorted by y, x */
 

@@ -75,7 +75,8 @@ struct ttf_tiff_info {
     unsigned bits;          /* of a sample in the file: 1..8 come as U8, 9..16 as U16 */
     bool display_encoded;   /* no profile says that it is linear, and samples are 8 bits or sRGB */
     bool has_icc;
-    unsigned pages; /* images in the file */
+    unsigned orientation; /* Exif 1..8, 1 = upright; rows are handed out as they lie */
+    unsigned pages;       /* images in the file */
     struct ttf_tiff_times times;
     bool zone_known; /* else the file's local time was taken as UTC */
 };

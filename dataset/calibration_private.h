@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* calibration_private.h: what the files of calibration share. */
+#ifndef TTF_DATASET_CALIBRATION_PRIVATE_H
+#define TTF_DATASET_CALIBRATION_PRIVATE_H
+
+#include "ttf/dataset/calibration.h"
+
+/* Ids with it are checked against the content on loading. */
+#define CALIBRATION_ID_PREFIX "cal-"
+
+#define CALIBRATION_FORMAT "ttf-calibration"
+#define CALIBRATION_MAJOR  1
+
+/* "RGGB", ..., "" for none; and back, -ENOENT. */
+const char *calibration_cfa_name(enum ttf_cfa cfa);
+int calibration_cfa_find(const char *name);
+
+/* The id that the content gives. */
+void calibration_id(const struct ttf_calibration *calibration, char ret[64]);
+
+/* Mean code of pixel i, in 1/16, rounded. */
+static inline uint32_t calibration_mean_16(const struct ttf_raw_sum *sum, size_t i)
+{
+    return (uint32_t)(((uint64_t)sum->sum[i] * 16 + sum->n / 2) / sum->n);
+}
+
+/* Whether frames can be fitted into the calibration. what: "dark", "flat". */
+TTF_MUST_USE int calibration_check_sum(const struct ttf_calibration *calibration,
+                                       const struct ttf_raw_sum *sum, const char *what,
+                                       struct ttf_err *err);
+/* Size, mosaic and levels become those of the frames. */
+void calibration_take_format(struct ttf_calibration *calibration, const struct ttf_raw_sum *sum);
+
+/* Sorts by y, x and drops what is there twice. */
+void calibration_sort_hot(struct ttf_calibration *calibration);
+
+#endif
