@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* box.c: back-ends' constructors by name; see box.h. */
+#include "box.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "scene.h"
+#include "ttf/hal/sim.h"
+
+static int make_scene(const struct ttf_board *board, struct ttf_io *io, struct ttf_scene *ret,
+                      struct ttf_err *err)
+{
+    const struct ttf_board_scene *scene = &board->scene;
+
+    if (*scene->images)
+        return scene_of_images(io, scene->images, scene->span_ns, ret, err);
+    if (*scene->dataset)
+        return scene_of_dataset(io, scene->dataset, scene->span_ns, ret, err);
+    return ttf_scene_procedural(scene->name, board->sim.seed, scene->span_ns, ret, err);
+}
+
+static int make_sim(const struct ttf_board *board, struct ttf_io *io, struct ttf_box *ret,
+                    struct ttf_err *err)
+{
+    struct ttf_scene scene = {0};
+    int r;
+
+    if (board->n_cameras != 1 || strcmp(board->cameras[0].name, "main") != 0) {
+        ttf_err_set(err, -ENOTSUP, board->path, "the simulated box has one camera, 'main'");
+        ttf_err_hint(err, "write cameras: {main: {backend: sim}}");
+        return -ENOTSUP;
+    }
+    r = make_scene(board, io, &scene, err);
+    if (r < 0)
+        return r;
+    return ttf_sim_box_create(&board->sim, &scene, ret, err);
+}
+
+/* One line per back-end of config's registry that can make a whole box. */
+static const struct {
+    const char *name;
+    int (*make)(const struct ttf_board *board, struct ttf_io *io, struct ttf_box *ret,
+                struct ttf_err *err);
+} MAKERS[] = {{"sim", make_sim}};
+
+int box_create(const struct ttf_board *board, struct ttf_io *io, struct ttf_box *ret,
+               struct ttf_err *err)
+{
+    const char *wanted = board->cameras[0].backend->name;
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(MAKERS); i++) {
+        int r;
+
+        if (strcmp(MAKERS[i].name, wanted) != 0)
+            continue;
+        r = MAKERS[i].make(board, io, ret, err);
+        if (r < 0)
+            return r;
+        (void)snprintf(ret->board, sizeof ret->board, "%s", board->name);
+        (void)snprintf(ret->serial, sizeof ret->serial, "%s", board->serial);
+        return 0;
+    }
+    return ttf_err_set(err, -ENOTSUP, board->path, "back-end '%s' is not built in", wanted);
+}
+
+int box_configure(const struct ttf_board *board, const struct ttf_box *box, struct ttf_err *err)
+{
+    for (unsigned i = 0; i < box->n_cameras; i++) {
+        struct ttf_frame_format granted;
+        int r =
+            ttf_camera_configure(box->cameras[i].camera, &board->cameras[i].mode, &granted, err);
+
+        if (r < 0)
+            return r;
+    }
+    return 0;
+}
+
+/* Which operations a full disk refuses; a failing one refuses all that reach it. */
+static bool needs_room(const char *op)
+{
+    static const char *const OPS[] = {"open", "pwrite", "append", "mkdir"};
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(OPS); i++)
+        if (strcmp(OPS[i], op) == 0)
+            return true;
+    return false;
+}
+
+static int disk_fault(void *ctx, const char *op, const char *path)
+{
+    const struct ttf_box *box = ctx;
+
+    (void)path;
+    if (ttf_sim_storage_fault(box, TTF_FAULT_IO_ERROR))
+        return -EIO;
+    if (needs_room(op) && ttf_sim_storage_fault(box, TTF_FAULT_DISK_FULL))
+        return -ENOSPC;
+    return 0;
+}
+
+struct ttf_io *box_disk_create(struct ttf_io *machine, const struct ttf_box *box)
+{
+    if (!box->simulated)
+        return machine;
+    return ttf_io_faulty_create(machine, disk_fault, (void *)(uintptr_t)box);
+}
+
+void box_disk_destroy(struct ttf_io *disk, struct ttf_io *machine)
+{
+    if (disk && disk != machine)
+        ttf_io_faulty_destroy(disk);
+}
