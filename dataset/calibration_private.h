@@ -18,6 +18,9 @@ int calibration_cfa_find(const char *name);
 /* The id that the content gives. */
 void calibration_id(const struct ttf_calibration *calibration, char ret[64]);
 
+/* Samples per pixel of a sum of such frames, or why there can be none: -EINVAL, -ENOTSUP. */
+int calibration_samples(const struct ttf_frame_format *format);
+
 /* Mean code of pixel i, in 1/16, rounded. */
 static inline uint32_t calibration_mean_16(const struct ttf_raw_sum *sum, size_t i)
 {

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "calibration_private.h"
 #include "ttf/base/checked.h"
-#include "ttf/dataset/calibration.h"
 #include "ttf/dataset/colour.h"
 
 #define FRAMES_MAX 65535u
@@ -41,21 +41,27 @@ void ttf_raw_sum_levels(const struct ttf_frame_format *format, uint16_t *ret_bla
     *ret_white = raw ? format->white_level : 65535;
 }
 
-int ttf_raw_sum_init(struct ttf_raw_sum *sum, const struct ttf_frame_format *format)
+int calibration_samples(const struct ttf_frame_format *format)
 {
-    size_t samples =
-        format->packing == TTF_PACKING_RGB8 || format->packing == TTF_PACKING_YUYV8 ? 3 : 1;
-    size_t n;
-
     if (row_bytes(format) == 0)
         return -ENOTSUP;
     if (format->width == 0 || format->height == 0 || format->width > 65535 ||
-        format->height > 65535)
+        format->height > 65535 || (unsigned)format->cfa >= TTF_CFA_COUNT)
         return -EINVAL;
     if (is_raw(format->packing) &&
         (format->bits < 1 || format->bits > 16 || format->white_level <= format->black_level))
         return -EINVAL;
-    if (!ttf_mul_size((size_t)format->width * format->height, samples, &n))
+    return format->packing == TTF_PACKING_RGB8 || format->packing == TTF_PACKING_YUYV8 ? 3 : 1;
+}
+
+int ttf_raw_sum_init(struct ttf_raw_sum *sum, const struct ttf_frame_format *format)
+{
+    int samples = calibration_samples(format);
+    size_t n;
+
+    if (samples < 0)
+        return samples;
+    if (!ttf_mul_size((size_t)format->width * format->height, (size_t)samples, &n))
         return -EINVAL;
     memset(sum, 0, sizeof(*sum));
     sum->sum = calloc(n, sizeof(*sum->sum));
