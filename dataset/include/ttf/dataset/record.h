@@ -27,6 +27,7 @@ enum ttf_result {
 };
 
 const char *ttf_result_name(enum ttf_result result); /* "captured", ... */
+int ttf_result_find(const char *name);               /* -ENOENT */
 
 /* One file of an image. */
 struct ttf_file_ref {
@@ -106,7 +107,7 @@ struct ttf_segment {
     char trust[8];          /* "rtc", "ntp", "host", "none" */
     int64_t uncertainty_ns; /* TTF_NS_UNKNOWN */
     int64_t interval_ns;
-    int plan;      /* number in plans/ */
+    int plan;      /* number in plans/; -1: none */
     char zone[64]; /* as "Europe/Berlin" or "UTC" */
     int zone_offset_s;
     int64_t gap_ns; /* of an outage before it; TTF_NS_UNKNOWN while not known, 0: none */

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* record_line.h: the structs of record.h to lines and back, for the store's files only. */
+#ifndef TTF_DATASET_RECORD_LINE_H
+#define TTF_DATASET_RECORD_LINE_H
+
+#include "json_read.h"
+#include "lines.h"
+#include "ttf/dataset/record.h"
+
+/* Is it fit to be committed? -EINVAL naming the field. */
+TTF_MUST_USE int ttf_slot_check(const struct ttf_slot_record *record, struct ttf_err *err);
+TTF_MUST_USE int ttf_segment_check(const struct ttf_segment *segment, struct ttf_err *err);
+
+/* Fields behind type and seq, between ttf_line_begin and ttf_line_finish. */
+void ttf_slot_put(struct ttf_json *json, const struct ttf_slot_record *record);
+void ttf_segment_put(struct ttf_json *json, const struct ttf_segment *segment);
+void ttf_end_put(struct ttf_json *json, const struct ttf_end_record *record);
+
+/* From parsed lines; -TTF_EDAMAGED naming the field if one contradicts FORMAT.md. */
+TTF_MUST_USE int ttf_slot_get(const struct ttf_line *line, struct ttf_slot_record *ret,
+                              struct ttf_err *err);
+TTF_MUST_USE int ttf_segment_get(const struct ttf_line *line, struct ttf_segment *ret,
+                                 struct ttf_err *err);
+TTF_MUST_USE int ttf_end_get(const struct ttf_line *line, struct ttf_end_record *ret,
+                             struct ttf_err *err);
+
+/* What opening and verifying need of a slot line, without the images. */
+struct ttf_slot_brief {
+    int64_t index, due_ns;
+    int segment;
+    enum ttf_result result;
+};
+TTF_MUST_USE int ttf_slot_get_brief(const struct ttf_line *line, struct ttf_slot_brief *ret,
+                                    struct ttf_err *err);
+
+/* A file that a line names, of whatever role. */
+struct ttf_named_file {
+    const char *path, *sha256; /* valid during the call */
+    int64_t bytes;
+    bool of_image; /* of an image of a slot; else of a plan or a calibration */
+};
+typedef int ttf_named_file_fn(void *ctx, const struct ttf_named_file *file, struct ttf_err *err);
+
+/* Every file of a slot, plan or calibration line, in its order. Non-zero stops and is returned. */
+TTF_MUST_USE int ttf_line_files(const struct ttf_line *line, ttf_named_file_fn *fn, void *ctx,
+                                struct ttf_err *err);
+
+#endif
