@@ -124,6 +124,7 @@ struct ttf_sim_config {
         power_on_ns; /* since the first power-on, when this boot began (resume after a cut); 0 = first boot */
     int64_t outage_ns;                       /* sim.outage: how long a cut or a kill lasts */
     bool rtc;                                /* UTC is kept over a cut */
+    int64_t utc_back_ns; /* without rtc: so long after a later power-on UTC is given again (NTP); 0 = never */
     int64_t cost_develop_ns, cost_commit_ns; /* sim.cost: virtual time that work takes */
     /* light */
     unsigned n_lamps;
