@@ -86,4 +86,8 @@ TTF_MUST_USE int ttf_manifest_write(const struct ttf_manifest *manifest, char **
 TTF_MUST_USE int ttf_manifest_read(const char *text, size_t bytes, const char *where,
                                    struct ttf_manifest *ret, struct ttf_err *err);
 
+/* Reads a dataset folder's dataset.json. Besides the above: -ENOENT if there is none. */
+TTF_MUST_USE int ttf_manifest_load(struct ttf_io *io, const char *dataset, struct ttf_manifest *ret,
+                                   struct ttf_err *err);
+
 #endif

@@ -22,7 +22,7 @@ struct ttf_reader_summary {
     int n_segments, n_plans, n_calibrations;
     bool ended; /* there is an "end" line */
     bool sealed;
-    bool unterminated; /* the last line is not whole (a crash); ignored */
+    bool unterminated; /* what stands behind the last whole line is ignored (a crash) */
     int64_t first_index, last_index;
 };
 
@@ -41,6 +41,9 @@ TTF_MUST_USE int ttf_reader_segment(struct ttf_reader *reader, int i, struct ttf
 /* The i-th slot line (0..slots-1), parsed: free it with ttf_slot_record_free. */
 TTF_MUST_USE int ttf_reader_slot(struct ttf_reader *reader, int64_t i, struct ttf_slot_record *ret,
                                  struct ttf_err *err);
+
+/* Which slot line (0..slots-1) has this index; -ENOENT: none. */
+int64_t ttf_reader_find(const struct ttf_reader *reader, int64_t index);
 
 /* UTC of a slot's due time; TTF_NS_UNKNOWN if nobody knows. */
 int64_t ttf_reader_due_utc_ns(struct ttf_reader *reader, const struct ttf_slot_record *record);

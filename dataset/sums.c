@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sums.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io_path.h"
+#include "lines.h"
+#include "record_line.h"
+
+bool ttf_sums_parse(const char *line, size_t n, const char **ret_path)
+{
+    size_t i;
+
+    if (n <= TTF_SUMS_PREFIX || line[64] != ' ' || line[65] != ' ')
+        return false;
+    for (i = 0; i < 64; i++)
+        if (line[i] == '\0' || !strchr("0123456789abcdef", line[i]))
+            return false;
+    *ret_path = line + TTF_SUMS_PREFIX;
+    return true;
+}
+
+int ttf_remove(struct ttf_io *io, const char *path, struct ttf_err *err)
+{
+    int r = io->ops->unlink(io, path);
+
+    if (r == 0)
+        return 1;
+    if (r == -ENOENT)
+        return 0;
+    return ttf_err_set(err, r, path, "cannot be removed: %s", strerrordesc_np(-r));
+}
+
+/* A line reader on the dataset's SHA256SUMS; *file is -1 where there is none. */
+static int open_sums(struct ttf_io *io, const char *dataset, struct ttf_lines *lines, int *file,
+                     struct ttf_err *err)
+{
+    char *path = ttf_path_format("%s/" TTF_SUMS_NAME, dataset);
+    int r = 0;
+
+    *file = -1;
+    if (!path)
+        return ttf_err_set(err, -ENOMEM, dataset, "no memory");
+    *file = io->ops->open(io, path, TTF_IO_READ);
+    if (*file < 0 && *file != -ENOENT)
+        r = ttf_err_set(err, *file, path, "cannot be opened: %s", strerrordesc_np(-*file));
+    ttf_lines_init(lines, io, *file);
+    free(path);
+    return r;
+}
+
+static void close_sums(struct ttf_io *io, struct ttf_lines *lines, int file)
+{
+    ttf_lines_free(lines);
+    if (file >= 0)
+        io->ops->close(io, file);
+}
+
+int ttf_sums_sealed(struct ttf_io *io, const char *dataset, bool *ret, struct ttf_err *err)
+{
+    static const char records[] = "records.jsonl";
+    struct ttf_lines lines;
+    const char *line, *path;
+    bool terminated;
+    int64_t offset;
+    size_t n;
+    int file, r;
+
+    *ret = false;
+    r = open_sums(io, dataset, &lines, &file, err);
+    if (r || file < 0)
+        return r;
+    while (!*ret && (r = ttf_lines_next(&lines, &line, &n, &offset, &terminated)) > 0)
+        *ret = ttf_sums_parse(line, n, &path) && n - TTF_SUMS_PREFIX == sizeof(records) - 1 &&
+               memcmp(path, records, sizeof(records) - 1) == 0;
+    close_sums(io, &lines, file);
+    return r < 0 ? ttf_err_set(err, r, dataset, TTF_SUMS_NAME " cannot be read: %s",
+                               strerrordesc_np(-r))
+                 : 0;
+}
+
+/* ---- the running list against the records ---- */
+
+struct compare {
+    struct ttf_lines lines; /* of SHA256SUMS */
+    int file;
+    bool differs;
+};
+
+static int compare_file(void *ctx, const struct ttf_named_file *file, struct ttf_err *err)
+{
+    struct compare *c = ctx;
+    const char *line, *path;
+    bool terminated;
+    int64_t offset;
+    size_t n;
+    int r;
+
+    if (!file->of_image || c->differs)
+        return 0;
+    r = ttf_lines_next(&c->lines, &line, &n, &offset, &terminated);
+    if (r < 0)
+        return ttf_err_set(err, r, TTF_SUMS_NAME, "cannot be read: %s", strerrordesc_np(-r));
+    c->differs = r == 0 || !terminated || !ttf_sums_parse(line, n, &path) ||
+                 strlen(file->path) != n - TTF_SUMS_PREFIX ||
+                 memcmp(path, file->path, n - TTF_SUMS_PREFIX) != 0 ||
+                 memcmp(line, file->sha256, 64) != 0;
+    return 0;
+}
+
+static int compare_line(void *ctx, const struct ttf_line *line, struct ttf_err *err)
+{
+    return ttf_line_files(line, compare_file, ctx, err);
+}
+
+/* Is there a whole line in what follows the files that the records name? Then the records lost some. */
+static int look_ahead(struct compare *c, enum ttf_sums_state *ret, char *ret_path, size_t path_size,
+                      struct ttf_err *err)
+{
+    const char *line, *path;
+    bool terminated;
+    int64_t offset;
+    size_t n;
+    int r;
+
+    r = ttf_lines_next(&c->lines, &line, &n, &offset, &terminated);
+    if (r < 0)
+        return ttf_err_set(err, r, TTF_SUMS_NAME, "cannot be read: %s", strerrordesc_np(-r));
+    if (r == 0)
+        return 0;
+    if (terminated && ttf_sums_parse(line, n, &path)) {
+        *ret = TTF_SUMS_AHEAD;
+        snprintf(ret_path, path_size, "%.*s", (int)(n - TTF_SUMS_PREFIX), path);
+    } else {
+        *ret = TTF_SUMS_BEHIND; /* rubbish at its end: it is not synced as it grows */
+    }
+    return 0;
+}
+
+int ttf_sums_compare(struct ttf_io *io, const char *dataset, enum ttf_sums_state *ret,
+                     char *ret_path, size_t path_size, struct ttf_err *err)
+{
+    struct compare c = {.file = -1};
+    char *records = ttf_path_format("%s/records.jsonl", dataset);
+    int r;
+
+    if (!records)
+        return ttf_err_set(err, -ENOMEM, dataset, "no memory");
+    r = open_sums(io, dataset, &c.lines, &c.file, err);
+    if (r)
+        goto out;
+    *ret = TTF_SUMS_SAME;
+    c.lines.at_end = c.file < 0; /* none: behind if any image is named */
+    r = ttf_lines_scan(io, records, compare_line, NULL, &c, NULL, err);
+    if (r == 0 && c.differs)
+        *ret = TTF_SUMS_BEHIND;
+    else if (r == 0)
+        r = look_ahead(&c, ret, ret_path, path_size, err);
+out:
+    close_sums(io, &c.lines, c.file);
+    free(records);
+    return r;
+}
+
+struct rebuild {
+    struct ttf_io *io;
+    int file;
+    char text[16384];
+    size_t used;
+    int64_t n;
+};
+
+static int flush(struct rebuild *b)
+{
+    int r = ttf_io_append_all(b->io, b->file, b->text, b->used);
+
+    b->used = 0;
+    return r;
+}
+
+static int rebuild_file(void *ctx, const struct ttf_named_file *file, struct ttf_err *err)
+{
+    struct rebuild *b = ctx;
+    int r;
+
+    if (!file->of_image)
+        return 0;
+    if (sizeof(b->text) - b->used < 512) {
+        r = flush(b);
+        if (r)
+            return ttf_err_set(err, r, TTF_SUMS_NAME, "cannot be written: %s", strerrordesc_np(-r));
+    }
+    b->used += (size_t)snprintf(b->text + b->used, sizeof(b->text) - b->used, "%s  %s\n",
+                                file->sha256, file->path);
+    b->n++;
+    return 0;
+}
+
+static int rebuild_line(void *ctx, const struct ttf_line *line, struct ttf_err *err)
+{
+    return ttf_line_files(line, rebuild_file, ctx, err);
+}
+
+/* Syncs what was written under the temporary name and gives it its own. */
+static int put_in_place(struct rebuild *b, const char *temporary, const char *path,
+                        struct ttf_err *err)
+{
+    int r, closed;
+
+    r = flush(b);
+    if (r == 0)
+        r = b->io->ops->sync(b->io, b->file, false);
+    closed = b->io->ops->close(b->io, b->file);
+    b->file = -1;
+    r = r ? r : closed;
+    if (r == 0)
+        r = b->io->ops->rename(b->io, temporary, path);
+    if (r == 0)
+        r = ttf_io_sync_parent(b->io, path);
+    return r ? ttf_err_set(err, r, path, "cannot be written: %s", strerrordesc_np(-r)) : 0;
+}
+
+int ttf_sums_rebuild(struct ttf_io *io, const char *dataset, struct ttf_err *err)
+{
+    struct rebuild b = {.io = io, .file = -1};
+    char *records = ttf_path_format("%s/records.jsonl", dataset);
+    char *path = ttf_path_format("%s/" TTF_SUMS_NAME, dataset);
+    char *temporary = ttf_path_format("%s/" TTF_SUMS_NAME ".tmp", dataset);
+    int r;
+
+    if (!records || !path || !temporary) {
+        r = ttf_err_set(err, -ENOMEM, dataset, "no memory");
+        goto out;
+    }
+    r = ttf_remove(io, temporary, err);
+    if (r < 0)
+        goto out;
+    b.file = io->ops->open(io, temporary, TTF_IO_CREATE_NEW);
+    if (b.file < 0) {
+        r = ttf_err_set(err, b.file, temporary, "cannot be made: %s", strerrordesc_np(-b.file));
+        goto out;
+    }
+    r = ttf_lines_scan(io, records, rebuild_line, NULL, &b, NULL, err);
+    if (r == 0 && b.n > 0)
+        r = put_in_place(&b, temporary, path, err);
+    if (r == 0 && b.n == 0) { /* sha256sum would complain of an empty list */
+        r = ttf_remove(io, path, err);
+        if (r == 1)
+            r = io->ops->sync_dir(io, dataset);
+    }
+    if (b.file >= 0)
+        io->ops->close(io, b.file);
+    if (r || b.n == 0)
+        io->ops->unlink(io, temporary);
+out:
+    free(temporary);
+    free(path);
+    free(records);
+    return r < 0 ? r : 0;
+}

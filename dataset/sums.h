@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * sums.h: SHA256SUMS, as `sha256sum --strict -c` reads it. FORMAT.md, "SHA256SUMS".
+ * For the store's files only.
+ */
+#ifndef TTF_DATASET_SUMS_H
+#define TTF_DATASET_SUMS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ttf/base/err.h"
+#include "ttf/dataset/io.h"
+
+#define TTF_SUMS_NAME   "SHA256SUMS"
+#define TTF_SUMS_PREFIX 66u /* 64 digits and two blanks, before the path */
+
+/* Is it "hash  path"? line without newline. *ret_path then points into it, n - 66 bytes long. */
+bool ttf_sums_parse(const char *line, size_t n, const char **ret_path);
+
+/* Does the dataset's SHA256SUMS list records.jsonl, that is: is it sealed? -errno other than -ENOENT. */
+TTF_MUST_USE int ttf_sums_sealed(struct ttf_io *io, const char *dataset, bool *ret,
+                                 struct ttf_err *err);
+
+/* How the running SHA256SUMS stands to the image files that the records name. */
+enum ttf_sums_state {
+    TTF_SUMS_SAME = 0,
+    TTF_SUMS_BEHIND, /* lines are lacking or not whole: what a crash leaves */
+    TTF_SUMS_AHEAD   /* it lists a file that no record names: the records have lost lines */
+};
+
+TTF_MUST_USE int ttf_sums_compare(struct ttf_io *io, const char *dataset, enum ttf_sums_state *ret,
+                                  char *ret_path, size_t path_size, struct ttf_err *err);
+
+/* Writes the running SHA256SUMS anew from the records; removes it if there are no images. */
+TTF_MUST_USE int ttf_sums_rebuild(struct ttf_io *io, const char *dataset, struct ttf_err *err);
+
+/* Removes a file that may not be there: 1 if it was, 0 if not. */
+TTF_MUST_USE int ttf_remove(struct ttf_io *io, const char *path, struct ttf_err *err);
+
+#endif
