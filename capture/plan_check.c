@@ -234,10 +234,12 @@ static int check_shot_on_box(const struct ttf_plan *plan, unsigned i, const stru
     if (!camera)
         return ttf_err_set(err, -EINVAL, shot_field(where, sizeof(where), i, "camera"),
                            "the box has no camera '%s'", shot->camera);
-    format = ttf_box_camera_format(camera);
+    format = ttf_camera_format(camera);
     if (!format)
         return ttf_err_set(err, -EINVAL, shot_field(where, sizeof(where), i, "camera"),
                            "the camera '%s' has not been configured", shot->camera);
+    if (format->cfa == TTF_CFA_NONE && plan->keep == TTF_KEEP_RAW)
+        return bad(err, "keep", "this camera has no raw frames to keep; say developed");
     caps = ttf_camera_caps(camera);
     if (caps->gain_max_milli > 0 && (shot->exposure.gain_milli < caps->gain_min_milli ||
                                      shot->exposure.gain_milli > caps->gain_max_milli))

@@ -7,7 +7,6 @@
 #include "lamp_programme.h"
 #include "ttf/base/checked.h"
 #include "ttf/base/time.h"
-#include "ttf/hal/camera_backend.h"
 
 #define FILE_OVERHEAD_BYTES 8192
 #define RECORD_BYTES        2048
@@ -21,13 +20,11 @@ struct ttf_camera *ttf_box_camera_find(const struct ttf_box *box, const char *na
     return NULL;
 }
 
-const struct ttf_frame_format *ttf_box_camera_format(const struct ttf_camera *camera)
-{
-    return camera->configured ? &camera->format : NULL;
-}
-
 enum ttf_keep ttf_plan_keep(const struct ttf_plan *plan, const struct ttf_frame_format *format)
 {
+    /* A camera that develops by itself, or sees no colours, has nothing that a DNG would hold. */
+    if (format->cfa == TTF_CFA_NONE)
+        return TTF_KEEP_DEVELOPED;
     if (plan->keep != TTF_KEEP_DEFAULT)
         return plan->keep;
     return (int64_t)format->width * format->height > TTF_KEEP_RAW_ABOVE_PIXELS ? TTF_KEEP_RAW
@@ -164,7 +161,7 @@ static void fill_shot(const struct ttf_plan *plan, const struct ttf_box *box, un
 {
     const struct ttf_plan_shot *shot = &plan->shots[i];
     const struct ttf_camera *camera = ttf_box_camera_find(box, shot->camera);
-    const struct ttf_frame_format *format = ttf_box_camera_format(camera);
+    const struct ttf_frame_format *format = ttf_camera_format(camera);
     enum ttf_keep keep = ttf_plan_keep(plan, format);
     struct ttf_region region = ttf_plan_region(plan, format);
     int64_t raw_px = (int64_t)format->width * format->height;

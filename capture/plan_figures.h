@@ -11,9 +11,6 @@
 /* The camera of that name, or NULL. */
 struct ttf_camera *ttf_box_camera_find(const struct ttf_box *box, const char *name);
 
-/* The frame format of a configured camera, or NULL. Belongs to the camera. */
-const struct ttf_frame_format *ttf_box_camera_format(const struct ttf_camera *camera);
-
 /* What is kept of frames of that format. */
 enum ttf_keep ttf_plan_keep(const struct ttf_plan *plan, const struct ttf_frame_format *format);
 

@@ -21,10 +21,15 @@ void ttf_pulse_begin(struct ttf_pulse *pulse, struct ttf_box *box, struct ttf_qu
     pulse->stop = stop;
     ttf_clock_utc(box->clock, &utc);
     ttf_utc_watch_init(&pulse->utc, &utc);
-    if (box->watchdog)
-        pulse->watchdog = ttf_watchdog_arm(box->watchdog, TTF_WATCHDOG_NS) == 0;
     if (box->panel)
         pulse->door_open = ttf_panel_door(box->panel) == 1;
+}
+
+void ttf_pulse_guard(struct ttf_pulse *pulse)
+{
+    struct ttf_watchdog *watchdog = pulse->box->watchdog;
+
+    pulse->watchdog = watchdog && ttf_watchdog_arm(watchdog, TTF_WATCHDOG_NS) == 0;
 }
 
 void ttf_pulse_end(struct ttf_pulse *pulse)
@@ -108,7 +113,7 @@ int ttf_pulse_beat(struct ttf_pulse *pulse, int64_t next_ns)
     /* Declared before the wait, never after: overdue means stuck. */
     ttf_lamp_driver_alive(pulse->lamps, next_ns + TTF_ALIVE_MARGIN_NS);
     if (pulse->watchdog && ttf_watchdog_feed(box->watchdog) == -EPIPE)
-        pulse->watchdog = ttf_watchdog_arm(box->watchdog, TTF_WATCHDOG_NS) == 0;
+        ttf_pulse_guard(pulse);
     look_at_panel(pulse);
     look_at_utc(pulse);
     return ttf_queue_fatal(pulse->queue);

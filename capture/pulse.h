@@ -33,10 +33,15 @@ struct ttf_pulse {
     enum ttf_led led;
 };
 
-/* Begins: arms the watchdog, looks at door and UTC. queue, events and lamps are borrowed. */
+/* Begins: looks at door and UTC. queue, events and lamps are borrowed. */
 void ttf_pulse_begin(struct ttf_pulse *pulse, struct ttf_box *box, struct ttf_queue *queue,
                      struct ttf_events *events, struct ttf_lamp_driver *lamps,
                      const volatile int *stop);
+
+/* Arms the watchdog: from now on the loop beats. */
+void ttf_pulse_guard(struct ttf_pulse *pulse);
+
+/* Disarms it: what follows may take its time. */
 void ttf_pulse_end(struct ttf_pulse *pulse);
 
 /* True once somebody asked for the end. */

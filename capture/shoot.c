@@ -25,18 +25,6 @@ struct attempt {
     int error;           /* of the camera: -EIO, -ENODEV, -ETIMEDOUT, ...; 0 */
 };
 
-void ttf_image_flag(struct ttf_image *image, const char *word)
-{
-    size_t used = strlen(image->flags);
-    size_t n = strlen(word);
-
-    for (const char *at = image->flags; (at = strstr(at, word)) != NULL; at += n) {
-        if ((at == image->flags || at[-1] == ',') && (at[n] == ',' || at[n] == '\0'))
-            return;
-    }
-    snprintf(image->flags + used, sizeof(image->flags) - used, "%s%s", used ? "," : "", word);
-}
-
 static bool ends_run(const struct ttf_shooter *shooter, int r)
 {
     return r == -ESHUTDOWN || r == -ENOMEM ||
@@ -252,19 +240,21 @@ static int ladder(struct ttf_shooter *shooter, struct ttf_take *take, struct att
             return r;
         if (r > 0)
             continue;
-        r = attempt(shooter, take, take->average, true, a);
+        r = attempt(shooter, take, take->average - take->raw->n, true, a);
         if (r < 0)
             return r;
     }
     return 0;
 }
 
-static void conclude(struct ttf_shooter *shooter, struct ttf_take *take, const struct attempt *a)
+/* before: frames that were in the sum already. */
+static void conclude(struct ttf_shooter *shooter, struct ttf_take *take, unsigned before,
+                     const struct attempt *a)
 {
     struct ttf_image *image = take->image;
 
     image->n_averaged = take->raw->n;
-    if (take->raw->n > 0) {
+    if (take->raw->n > before) {
         if (take->raw->n < take->average) {
             ttf_image_flag(image, "short-average");
             take->trouble = true;
@@ -287,12 +277,13 @@ static void conclude(struct ttf_shooter *shooter, struct ttf_take *take, const s
 
 int ttf_shoot(struct ttf_shooter *shooter, struct ttf_take *take)
 {
+    unsigned before = take->raw->n;
     struct attempt a;
     int r;
 
     take->start_ns = TTF_NS_UNKNOWN;
     take->middle_got_ns = TTF_NS_UNKNOWN;
-    r = attempt(shooter, take, take->average, false, &a);
+    r = attempt(shooter, take, take->average - before, false, &a);
     if (r < 0)
         return r;
     if (take->raw->n < take->average && a.error != -ENODEV && a.error != -EIO &&
@@ -305,12 +296,12 @@ int ttf_shoot(struct ttf_shooter *shooter, struct ttf_take *take)
         if (r < 0)
             return r;
     }
-    if (take->raw->n == 0 && gone(&a)) {
+    if (take->raw->n == before && gone(&a)) {
         r = ladder(shooter, take, &a);
         if (r < 0)
             return r;
     }
-    conclude(shooter, take, &a);
+    conclude(shooter, take, before, &a);
     return 0;
 }
 

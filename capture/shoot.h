@@ -6,6 +6,7 @@
 #ifndef TTF_CAPTURE_PRIVATE_SHOOT_H
 #define TTF_CAPTURE_PRIVATE_SHOOT_H
 
+#include "image_flags.h"
 #include "pulse.h"
 #include "ttf/dataset/calibration.h"
 
@@ -40,9 +41,6 @@ struct ttf_take {
     int64_t middle_got_ns;
     bool trouble; /* something was retried, flagged or lacking */
 };
-
-/* Adds a word to an image's flags, once. */
-void ttf_image_flag(struct ttf_image *image, const char *word);
 
 /*
  * Takes it, with one new try for bad frames and the ladder for none. 0 also when

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * commit.h: the committer: the one thread that writes to the dataset while a run
+ * is under way. Storage that fails for a while costs slots, never the run: see
+ * README.md.
+ */
+#ifndef TTF_CAPTURE_PRIVATE_COMMIT_H
+#define TTF_CAPTURE_PRIVATE_COMMIT_H
+
+#include "events.h"
+#include "image_files.h"
+#include "ledger.h"
+#include "rehearsal.h"
+#include "ttf/capture/session.h"
+
+/* Slots on end whose record cannot be written before the run stops. */
+#define TTF_COMMIT_STRIKES 3
+
+/* Records that wait for a storage that is away; one more than strikes can bring. */
+#define TTF_COMMIT_PENDING 64
+
+struct ttf_committer {
+    /* set before begin, borrowed */
+    struct ttf_box *box;
+    struct ttf_queue *queue;
+    struct ttf_events *events;
+    struct ttf_io *io;
+    const char *path;
+    int64_t reserve_bytes, slot_bytes, total;
+    struct ttf_darkroom *rooms[TTF_PLAN_SHOTS_MAX]; /* of each shot of the plan */
+    struct ttf_rehearsal *rehearsal;                /* NULL: none */
+    ttf_progress_fn *progress;
+    void *progress_ctx;
+    /* the committer's until join */
+    struct ttf_writer *writer; /* NULL while the dataset cannot be opened; owned by the session */
+    struct ttf_ledger ledger;
+    struct ttf_slot_work *pending[TTF_COMMIT_PENDING];
+    unsigned n_pending;
+    unsigned strikes;
+    bool disk_full;
+    bool power_lost;
+    int64_t busy_since_ns; /* first image of the slot under way; TTF_NS_UNKNOWN */
+    pthread_mutex_t progress_mutex;
+    pthread_t thread;
+    bool running;
+};
+
+/* Starts the thread. The caller has joined the clock. Negative errno. */
+TTF_MUST_USE int ttf_committer_begin(struct ttf_committer *committer);
+
+/* Lets it finish what is queued, and ends it. The caller has joined the clock. */
+void ttf_committer_end(struct ttf_committer *committer);
+
+/* Tells the watcher; any thread, one at a time. */
+void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progress *progress);
+
+#endif

@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ttf/capture/disk_budget.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ttf/base/time.h"
+
+#define PROBE_MAX_BYTES (INT64_C(64) << 20)
+#define PROBE_MIN_BYTES (INT64_C(1) << 20)
+#define CHUNK_BYTES     (256 << 10)
+#define PATH_BYTES      4096
+
+/* A slot must take less of its interval than this to write: cards slow down when they fill. */
+#define BUSY_SHARE 0.7
+
+/* The nearest folder above `path` that exists. */
+static int existing_folder(struct ttf_io *io, const char *path, char *ret, size_t size)
+{
+    struct ttf_io_stat st;
+    char *slash;
+
+    if (strlen(path) >= size)
+        return -ENAMETOOLONG;
+    snprintf(ret, size, "%s", path);
+    while (io->ops->stat(io, ret, &st) < 0 || !st.is_dir) {
+        slash = strrchr(ret, '/');
+        if (!slash) {
+            snprintf(ret, size, ".");
+            return 0;
+        }
+        if (slash == ret) {
+            snprintf(ret, size, "/");
+            return 0;
+        }
+        *slash = '\0';
+    }
+    return 0;
+}
+
+static int write_probe(struct ttf_io *io, int file, int64_t bytes)
+{
+    unsigned char *chunk = malloc(CHUNK_BYTES);
+    uint32_t x = 1;
+    int r = 0;
+
+    if (!chunk)
+        return -ENOMEM;
+    for (size_t i = 0; i < CHUNK_BYTES; i++) { /* not compressible, for disks that would */
+        x = x * 1664525u + 1013904223u;
+        chunk[i] = (unsigned char)(x >> 24);
+    }
+    for (int64_t at = 0; at < bytes && r == 0; at += CHUNK_BYTES)
+        r = ttf_io_pwrite_all(io, file, chunk, CHUNK_BYTES, at);
+    free(chunk);
+    return r < 0 ? r : io->ops->sync(io, file, false);
+}
+
+/* Writes, syncs and removes a file; bytes per second. */
+static int64_t measure(struct ttf_io *io, const char *folder, struct ttf_clock *clock,
+                       int64_t bytes)
+{
+    char path[PATH_BYTES + 32];
+    int64_t began;
+    int64_t took;
+    int file;
+    int r;
+
+    snprintf(path, sizeof(path), "%s/.write-speed.tmp", folder);
+    (void)io->ops->unlink(io, path);
+    file = io->ops->open(io, path, TTF_IO_CREATE_NEW);
+    if (file < 0)
+        return file;
+    began = ttf_clock_now_ns(clock);
+    r = write_probe(io, file, bytes);
+    took = ttf_clock_now_ns(clock) - began;
+    (void)io->ops->close(io, file);
+    (void)io->ops->unlink(io, path);
+    if (r < 0)
+        return r;
+    return (int64_t)((double)bytes * 1e9 / (double)(took > 0 ? took : 1));
+}
+
+static int check_space(const struct ttf_plan *plan, const struct ttf_plan_figures *f,
+                       const char *path, struct ttf_disk_figures *d, struct ttf_err *err)
+{
+    int64_t room = d->free_bytes - plan->reserve_bytes;
+
+    d->slots_that_fit = f->slot_bytes > 0 && room > 0 ? room / f->slot_bytes : 0;
+    if (f->slot_bytes == 0 || d->slots_that_fit >= plan->count)
+        return 0;
+    ttf_err_set(
+        err, -ENOSPC, path, "the plan needs %.1f MB and %.1f MB of reserve; %.1f MB are free",
+        (double)f->bytes / 1e6, (double)plan->reserve_bytes / 1e6, (double)d->free_bytes / 1e6);
+    ttf_err_hint(err, "make room, or take at most %lld slots", (long long)d->slots_that_fit);
+    return -ENOSPC;
+}
+
+static int check_speed(const struct ttf_plan *plan, const struct ttf_plan_figures *f,
+                       struct ttf_disk_figures *d, struct ttf_err *err)
+{
+    double needs_ns = (double)f->slot_bytes * 1e9 / (double)d->bytes_per_s / BUSY_SHARE;
+
+    d->shortest_interval_ns = (int64_t)needs_ns;
+    if (d->shortest_interval_ns <= plan->interval_ns)
+        return 0;
+    ttf_err_set(err, -EINVAL, "interval",
+                "the disk takes %.1f MB/s, written and synced; a slot of %.1f MB needs %.2f s",
+                (double)d->bytes_per_s / 1e6, (double)f->slot_bytes / 1e6, needs_ns / 1e9);
+    ttf_err_hint(err, "take an interval of %.1f s or more, a smaller region, or another disk",
+                 needs_ns / 1e9 + 0.05);
+    return -EINVAL;
+}
+
+int ttf_disk_budget_check(struct ttf_io *io, const char *path, struct ttf_clock *clock,
+                          const struct ttf_plan *plan, const struct ttf_plan_figures *figures,
+                          struct ttf_disk_figures *ret, struct ttf_err *err)
+{
+    struct ttf_disk_figures d = {0};
+    struct ttf_io_space space;
+    char folder[PATH_BYTES];
+    int r = existing_folder(io, path, folder, sizeof(folder));
+
+    if (r == 0)
+        r = io->ops->space(io, folder, &space);
+    if (r < 0)
+        return ttf_err_set(err, r, path, "the folder's free space cannot be found out");
+    if (space.read_only)
+        return ttf_err_set(err, -EROFS, folder, "the disk can only be read");
+    d.free_bytes = space.free_bytes;
+    r = check_space(plan, figures, path, &d, err);
+    if (r == 0 && clock && !ttf_clock_is_virtual(clock)) {
+        int64_t bytes = figures->slot_bytes;
+
+        bytes = bytes < PROBE_MIN_BYTES ? PROBE_MIN_BYTES : bytes;
+        bytes = bytes > PROBE_MAX_BYTES ? PROBE_MAX_BYTES : bytes;
+        d.bytes_per_s = measure(io, folder, clock, bytes);
+        if (d.bytes_per_s < 0)
+            r = ttf_err_set(err, (int)d.bytes_per_s, folder, "nothing can be written here");
+        else
+            r = check_speed(plan, figures, &d, err);
+    }
+    if (ret)
+        *ret = d;
+    return r;
+}

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ttf/capture/guided_calibration.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "exposure.h"
+#include "lamp_programme.h"
+#include "plan_figures.h"
+#include "shoot.h"
+
+/* Everything that taking frames needs, without a dataset. */
+struct guide {
+    struct ttf_queue queue; /* events go here and no further */
+    struct ttf_events events;
+    struct ttf_lamp_driver lamps;
+    struct ttf_pulse pulse;
+    struct ttf_shooter camera;
+};
+
+static int check(const struct ttf_guided_config *config, struct ttf_err *err)
+{
+    if (config->frames < 1 || config->frames > 1000)
+        return ttf_err_set(err, -EINVAL, "frames", "1 to 1000 frames can be averaged");
+    if (config->shot->exposure.exposure_ns <= 0)
+        return ttf_err_set(err, -EINVAL, "exposure", "an exposure must be more than 0");
+    return 0;
+}
+
+/* The shot's levels, on this box. */
+static int levels_of(const struct ttf_guided_config *config, unsigned ret[TTF_LAMPS_MAX],
+                     int64_t *ret_settle_ns, struct ttf_err *err)
+{
+    struct ttf_lamp_programme programme;
+    struct ttf_plan plan;
+    int r;
+
+    ttf_plan_defaults(&plan);
+    plan.lamps = TTF_LAMPS_CAPTURE_ONLY;
+    plan.settle_ns = config->settle_ns;
+    plan.shots[0] = *config->shot;
+    r = ttf_lamp_programme_init(&programme, &plan, config->box->lamps, 0, err);
+    if (r < 0)
+        return r;
+    memcpy(ret, programme.shot[0], sizeof(programme.shot[0]));
+    *ret_settle_ns = ttf_lamp_settle_ns(&plan, &plan.shots[0], config->box->lamps);
+    return 0;
+}
+
+/* Averages the frames, a set at a time. */
+static int accumulate(struct guide *g, const struct ttf_locked *locked, unsigned frames,
+                      struct ttf_raw_sum *sum, struct ttf_err *err)
+{
+    while (sum->n < frames) {
+        struct ttf_image image = {0};
+        unsigned left = frames - sum->n;
+        unsigned before = sum->n;
+        struct ttf_take take = {
+            .locked = locked, .give_up_ns = TTF_NS_NEVER, .raw = sum, .image = &image};
+        int r;
+
+        /* It fills the sum up to `average` frames in all. */
+        take.average = before + (left < TTF_CAMERA_SET_MAX ? left : TTF_CAMERA_SET_MAX);
+        r = ttf_shoot(&g->camera, &take);
+        free(image.shots);
+        if (r < 0)
+            return r;
+        if (sum->n == before)
+            return ttf_err_set(err, -EIO, g->camera.name, "the camera gives no good frame: %s",
+                               image.lacking);
+        if (strstr(image.flags, "wrong-settings"))
+            return ttf_err_set(err, -EIO, g->camera.name, "the camera does not keep its exposure");
+    }
+    return 0;
+}
+
+/* Levels set and settled, exposure locked, frames taken. */
+static int acquire(struct guide *g, const struct ttf_guided_config *config, bool lit,
+                   struct ttf_raw_sum *sum, struct ttf_err *err)
+{
+    const struct ttf_camera_caps *caps = ttf_camera_caps(g->camera.camera);
+    struct ttf_exposure asked =
+        ttf_shot_exposure(config->shot, 0, config->mains_hz, caps->exposure_max_ns);
+    unsigned levels[TTF_LAMPS_MAX] = {0};
+    struct ttf_locked locked;
+    int64_t settle = 0;
+    int r = lit ? levels_of(config, levels, &settle, err) : 0;
+
+    if (r < 0)
+        return r;
+    ttf_lamp_driver_want(&g->lamps, levels);
+    settle += ttf_clock_now_ns(config->box->clock);
+    r = ttf_shooter_lock(&g->camera, &asked, &locked, err);
+    if (r == 0)
+        r = ttf_pulse_wait(&g->pulse, settle, true);
+    if (r < 0)
+        return r;
+    r = ttf_raw_sum_init(sum, &g->camera.format);
+    return r < 0 ? r : accumulate(g, &locked, config->frames, sum, err);
+}
+
+static int set_up_camera(struct guide *g, const struct ttf_guided_config *config,
+                         struct ttf_err *err)
+{
+    struct ttf_camera_mode native = {0};
+    int r;
+
+    g->camera.camera = ttf_box_camera_find(config->box, config->shot->camera);
+    if (!g->camera.camera)
+        return ttf_err_set(err, -EINVAL, "camera", "the box has no camera '%s'",
+                           config->shot->camera);
+    snprintf(g->camera.name, sizeof(g->camera.name), "%s", config->shot->camera);
+    g->camera.pulse = &g->pulse;
+    g->camera.events = &g->events;
+    ttf_camera_stop(g->camera.camera);
+    r = ttf_camera_configure(g->camera.camera, &native, &g->camera.format, err);
+    return r < 0 ? r : ttf_camera_start(g->camera.camera, err);
+}
+
+/* Everything but the fitting. */
+static int with_devices(struct guide *g, const struct ttf_guided_config *config, bool lit,
+                        struct ttf_raw_sum *sum, struct ttf_err *err)
+{
+    struct ttf_box *box = config->box;
+    int r = ttf_queue_init(&g->queue, box->clock);
+
+    if (r < 0)
+        return r;
+    g->events.queue = &g->queue;
+    g->events.clock = box->clock;
+    r = ttf_lamp_driver_begin(&g->lamps, box->lamps, &g->events,
+                              ttf_clock_now_ns(box->clock) + TTF_BLOCKING_MAX_NS, err);
+    if (r == 0) {
+        ttf_pulse_begin(&g->pulse, box, &g->queue, &g->events, &g->lamps, NULL);
+        r = set_up_camera(g, config, err);
+        if (r == 0)
+            r = acquire(g, config, lit, sum, err);
+        ttf_pulse_end(&g->pulse);
+    }
+    ttf_lamp_driver_end(&g->lamps);
+    if (g->camera.camera)
+        ttf_camera_stop(g->camera.camera);
+    ttf_queue_finish(&g->queue);
+    return r;
+}
+
+static int take_frames(const struct ttf_guided_config *config, bool lit, struct ttf_raw_sum *sum,
+                       struct ttf_err *err)
+{
+    struct guide *g;
+    int r = check(config, err);
+
+    if (r < 0)
+        return r;
+    g = calloc(1, sizeof(*g));
+    if (!g)
+        return -ENOMEM;
+    ttf_clock_join(config->box->clock);
+    r = with_devices(g, config, lit, sum, err);
+    ttf_clock_leave(config->box->clock);
+    free(g);
+    return r;
+}
+
+/* What a calibration says of where it comes from. */
+static void sign(const struct ttf_guided_config *config, struct ttf_calibration *calibration)
+{
+    snprintf(calibration->camera, sizeof(calibration->camera), "%s", config->shot->camera);
+    calibration->simulated = config->box->simulated;
+}
+
+/* The box's temperature while the dark frames were taken: dark current doubles every few degrees. */
+static void note_temperature(const struct ttf_guided_config *config,
+                             struct ttf_calibration *calibration)
+{
+    struct ttf_reading readings[TTF_SENSORS_MAX];
+    int n = config->box->sensors ? ttf_sensors_read(config->box->sensors, readings, NULL) : 0;
+
+    for (int i = 0; i < n; i++) {
+        if (readings[i].ok && readings[i].kind == TTF_SENSOR_TEMP_MDEGC) {
+            calibration->dark_temp_mdegc = (int32_t)readings[i].value;
+            return;
+        }
+    }
+}
+
+int ttf_guided_dark(const struct ttf_guided_config *config, struct ttf_calibration *calibration,
+                    struct ttf_err *err)
+{
+    struct ttf_raw_sum sum = {0};
+    int r = take_frames(config, false, &sum, err);
+
+    if (r == 0)
+        r = ttf_calibration_fit_dark(calibration, &sum, err);
+    if (r == 0) {
+        sign(config, calibration);
+        note_temperature(config, calibration);
+        r = ttf_calibration_name(calibration, err);
+    }
+    ttf_raw_sum_free(&sum);
+    return r;
+}
+
+int ttf_guided_flat(const struct ttf_guided_config *config, struct ttf_calibration *calibration,
+                    struct ttf_err *err)
+{
+    struct ttf_raw_sum sum = {0};
+    int r = take_frames(config, true, &sum, err);
+
+    if (r == 0)
+        r = ttf_calibration_fit_flat(calibration, &sum, config->reflectance, err);
+    if (r == 0) {
+        sign(config, calibration);
+        r = ttf_calibration_name(calibration, err);
+    }
+    ttf_raw_sum_free(&sum);
+    return r;
+}

@@ -1,0 +1,410 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A run: devices armed, dataset opened, slots one after another, an orderly end. README.md. */
+#include "ttf/capture/session.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "exposure.h"
+#include "plan_figures.h"
+#include "session_private.h"
+#include "ttf/dataset/reader.h"
+
+/* Between the slots of a rehearsal. */
+#define REHEARSAL_PAUSE_NS (500 * TTF_NS_PER_MS)
+
+/* ---- setting up ---- */
+
+/* Finds or adds the camera a shot names, configured. Its index. */
+static int use_camera(struct ttf_session *s, const char *name, struct ttf_err *err)
+{
+    struct ttf_camera_mode native = {0};
+    struct ttf_shooter *shooter = &s->cameras[s->n_cameras];
+    int r;
+
+    for (unsigned i = 0; i < s->n_cameras; i++) {
+        if (strcmp(s->cameras[i].name, name) == 0)
+            return (int)i;
+    }
+    shooter->camera = ttf_box_camera_find(s->box, name);
+    if (!shooter->camera)
+        return ttf_err_set(err, -EINVAL, "shots", "the box has no camera '%s'", name);
+    ttf_camera_stop(shooter->camera);
+    r = ttf_camera_configure(shooter->camera, &native, &shooter->format, err);
+    if (r < 0)
+        return r;
+    snprintf(shooter->name, sizeof(shooter->name), "%s", name);
+    shooter->pulse = &s->pulse;
+    shooter->events = &s->events;
+    return (int)s->n_cameras++;
+}
+
+static int use_cameras(struct ttf_session *s, struct ttf_err *err)
+{
+    if (s->plan.n_shots > TTF_PLAN_SHOTS_MAX)
+        return ttf_err_set(err, -EINVAL, "shots", "too many shots");
+    for (unsigned i = 0; i < s->plan.n_shots; i++) {
+        int camera = use_camera(s, s->plan.shots[i].camera, err);
+
+        if (camera < 0)
+            return camera;
+        s->camera_of[i] = (unsigned)camera;
+    }
+    return 0;
+}
+
+/* A rehearsal is the same plan, a few slots, as fast as the box can expose them. */
+static int prepare_plan(struct ttf_session *s, struct ttf_err *err)
+{
+    int r = ttf_plan_check(&s->plan, s->box, &s->figures, err);
+
+    if (r < 0 || s->config->rehearse <= 0)
+        return r;
+    s->plan.count = s->config->rehearse;
+    s->plan.interval_ns = s->figures.slot_busy_ns + REHEARSAL_PAUSE_NS;
+    ttf_plan_figures_fill(&s->plan, s->box, &s->figures);
+    return 0;
+}
+
+static int load_calibration(struct ttf_session *s, struct ttf_err *err)
+{
+    int r;
+
+    if (!s->config->calibration_folder)
+        return 0;
+    r = ttf_calibration_load(s->config->io, s->config->calibration_folder, &s->calibration, err);
+    s->has_calibration = r == 0;
+    return r;
+}
+
+/* The calibration is one camera's; others of the plan go without. */
+static bool calibrates(const struct ttf_session *s, const struct ttf_shooter *camera)
+{
+    return s->has_calibration && (s->n_cameras == 1 || s->calibration.camera[0] == '\0' ||
+                                  strcmp(s->calibration.camera, camera->name) == 0);
+}
+
+static int set_up_darkrooms(struct ttf_session *s, struct ttf_err *err)
+{
+    s->pool = ttf_pool_create(s->config->threads);
+    if (!s->pool)
+        return -ENOMEM;
+    for (unsigned i = 0; i < s->n_cameras; i++) {
+        struct ttf_darkroom_config config = {
+            .plan = &s->plan,
+            .camera = s->cameras[i].camera,
+            .format = &s->cameras[i].format,
+            .calibration = calibrates(s, &s->cameras[i]) ? &s->calibration : NULL,
+            .pool = s->pool,
+            .serial = s->box->serial,
+            .software = "ttfbox " TTFBOX_VERSION,
+            .simulated = s->box->simulated,
+            .zone_offset_s = s->plan.zone_offset_s,
+        };
+        int r = ttf_darkroom_init(&s->rooms[i], &config, err);
+
+        if (r < 0)
+            return r;
+    }
+    for (unsigned i = 0; i < s->plan.n_shots; i++)
+        s->committer.rooms[i] = &s->rooms[s->camera_of[i]];
+    return 0;
+}
+
+/* Cameras streaming, every setting of the plan locked. */
+static int arm_cameras(struct ttf_session *s, struct ttf_err *err)
+{
+    for (unsigned i = 0; i < s->n_cameras; i++) {
+        int r = ttf_camera_start(s->cameras[i].camera, err);
+
+        if (r < 0)
+            return r;
+    }
+    for (unsigned i = 0; i < s->plan.n_shots; i++) {
+        struct ttf_shooter *camera = &s->cameras[s->camera_of[i]];
+        int64_t max_ns = ttf_camera_caps(camera->camera)->exposure_max_ns;
+
+        for (unsigned b = 0; b < ttf_shot_images(&s->plan.shots[i]); b++) {
+            struct ttf_exposure asked =
+                ttf_shot_exposure(&s->plan.shots[i], b, s->plan.mains_hz, max_ns);
+            int r = ttf_shooter_lock(camera, &asked, &s->locked[i][b], err);
+
+            if (r < 0)
+                return r;
+        }
+    }
+    return 0;
+}
+
+static void set_up_committer(struct ttf_session *s)
+{
+    struct ttf_committer *c = &s->committer;
+
+    c->box = s->box;
+    c->queue = &s->queue;
+    c->events = &s->events;
+    c->io = s->config->io;
+    c->path = s->config->path;
+    c->reserve_bytes = s->plan.reserve_bytes;
+    c->slot_bytes = s->figures.slot_bytes;
+    c->total = s->plan.count;
+    c->progress = s->config->progress;
+    c->progress_ctx = s->config->progress_ctx;
+    if (s->config->rehearse > 0) {
+        ttf_rehearsal_init(&s->rehearsal);
+        c->rehearsal = &s->rehearsal;
+    }
+}
+
+/* ---- running ---- */
+
+static void tell_resumed(struct ttf_session *s)
+{
+    const struct ttf_resume *r = &s->resume;
+    int64_t lost = r->lost_until - r->grid.first_index;
+
+    if (!r->continued)
+        return;
+    if (r->on_grid)
+        ttf_events_emit(&s->events, "resume",
+                        "on the same grid at slot %lld, %.1f s after the last; %lld slots lost: %s",
+                        (long long)r->grid.first_index, (double)r->outage_ns / 1e9, (long long)lost,
+                        r->lost_reason);
+    else
+        ttf_events_emit(&s->events, "resume", "at once at slot %lld in a new segment: %s",
+                        (long long)r->grid.first_index,
+                        r->clock_implausible ? "UTC lies before the last slot"
+                                             : "how long the outage was is not known");
+}
+
+static void tell_armed(struct ttf_session *s)
+{
+    struct ttf_progress p = {.kind = TTF_PROGRESS_ARMED,
+                             .index = s->resume.lost_until,
+                             .total = s->plan.count,
+                             .text = "",
+                             .now_ns = ttf_clock_now_ns(s->box->clock),
+                             .error_ns = TTF_NS_UNKNOWN,
+                             .wakeup_ns = TTF_NS_UNKNOWN};
+
+    ttf_committer_tell(&s->committer, &p);
+}
+
+static int run_slots(struct ttf_session *s)
+{
+    int64_t k = s->grid.first_index;
+    int r = 0;
+
+    for (; k < s->resume.lost_until && r == 0; k++) {
+        /* Weeks of lost slots are many records; beats keep lamps and watchdog informed. */
+        r = ttf_pulse_beat(&s->pulse, ttf_clock_now_ns(s->box->clock) + TTF_TICK_NS);
+        if (r == 0)
+            r = ttf_session_no_slot(s, k, s->resume.lost_result, s->resume.lost_reason);
+    }
+    for (; k < s->plan.count && r == 0; k++)
+        r = ttf_session_slot(s, k);
+    return r;
+}
+
+/* The loop, with the committer beside it. */
+static int run(struct ttf_session *s, struct ttf_err *err)
+{
+    int r;
+
+    s->committer.ledger.next_index = s->grid.first_index;
+    r = ttf_committer_begin(&s->committer);
+    if (r < 0)
+        return ttf_err_set(err, r, NULL, "no thread for committing");
+    ttf_pulse_guard(&s->pulse);
+    tell_resumed(s);
+    tell_armed(s);
+    ttf_pulse_led(&s->pulse, TTF_LED_CAPTURING);
+    r = run_slots(s);
+    if (r == -ECANCELED)
+        ttf_events_emit(&s->events, "stop", "ended as asked");
+    ttf_lamp_driver_end(&s->lamps);
+    ttf_pulse_end(&s->pulse);
+    ttf_committer_end(&s->committer);
+    if (r == 0 || r == -ECANCELED) {
+        int fatal = ttf_queue_fatal(&s->queue);
+
+        r = fatal < 0 ? fatal : r;
+    }
+    return r;
+}
+
+/* ---- the end ---- */
+
+static void fill_result(const struct ttf_session *s, struct ttf_session_result *ret)
+{
+    const struct ttf_ledger *ledger = &s->committer.ledger;
+    const struct ttf_rehearsal *h = &s->rehearsal;
+
+    if (s->committer.writer) {
+        const int64_t *n = ttf_writer_state(s->committer.writer)->counts;
+
+        ret->captured = n[TTF_RESULT_CAPTURED];
+        ret->partial = n[TTF_RESULT_PARTIAL];
+        ret->missed = n[TTF_RESULT_MISSED];
+        ret->failed = n[TTF_RESULT_FAILED];
+        ret->paused = n[TTF_RESULT_PAUSED];
+        ret->power = n[TTF_RESULT_POWER];
+        ret->slots =
+            ret->captured + ret->partial + ret->missed + ret->failed + ret->paused + ret->power;
+    }
+    ret->error_p99_ns = ttf_quantile_ns(&ledger->error, 0.99);
+    ret->error_max_ns = ledger->error.max_ns;
+    ret->wakeup_p99_ns = ttf_quantile_ns(&ledger->wakeup, 0.99);
+    ret->wakeup_max_ns = ledger->wakeup.max_ns;
+    ret->resumed = s->resume.continued;
+    if (s->config->rehearse > 0) {
+        int64_t slowest = h->expose_ns > h->commit_ns ? h->expose_ns : h->commit_ns;
+
+        ret->busy_ns = h->busy_ns;
+        ret->headroom_stops = isinf(h->headroom_stops) ? NAN : h->headroom_stops;
+        ret->sharpness = h->sharpness;
+        ret->settle_change =
+            h->first_level > 0 ? (h->last_level - h->first_level) / h->first_level : NAN;
+        ret->slot_bytes = h->slot_bytes;
+        ret->sustained_interval_ns = slowest + slowest / 10;
+    }
+}
+
+static int read_digest(const struct ttf_session *s, char ret[65], struct ttf_err *err)
+{
+    struct ttf_reader *reader;
+    int r = ttf_reader_open(s->config->io, s->config->path, &reader, err);
+
+    if (r < 0)
+        return r;
+    r = ttf_reader_digest(reader, ret, err);
+    ttf_reader_close(reader);
+    return r;
+}
+
+static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_result *ret,
+                          struct ttf_err *err)
+{
+    struct ttf_writer *writer = s->committer.writer;
+    bool complete = r == 0 && writer && s->config->rehearse <= 0 &&
+                    ttf_writer_state(writer)->next_index >= s->plan.count;
+
+    if (r == -ESHUTDOWN) {
+        fill_result(s, ret);
+        ttf_writer_abandon(writer);
+        s->committer.writer = NULL;
+        return ttf_err_set(err, r, s->config->path, "the box lost power");
+    }
+    if (complete && ttf_writer_state(writer)->sealed) {
+        ret->sealed = true; /* it was complete before, and nothing was added */
+        r = read_digest(s, ret->digest, err);
+    } else if (complete) {
+        r = ttf_writer_seal(writer, "count", ret->digest, err);
+        ret->sealed = r == 0;
+    }
+    fill_result(s, ret);
+    ttf_writer_close(writer);
+    s->committer.writer = NULL;
+    return r;
+}
+
+static void say_why(struct ttf_session *s, int r, struct ttf_err *err)
+{
+    if (!err || err->code == r)
+        return;
+    if (s->queue.fatal == r && s->queue.fatal_err.code != 0) {
+        *err = s->queue.fatal_err;
+        err->code = r;
+        return;
+    }
+    ttf_err_set(err, r, s->config->path, "the run could not go on");
+}
+
+/* From armed devices to the dataset's end. */
+static int armed(struct ttf_session *s, struct ttf_session_result *ret, struct ttf_err *err)
+{
+    int r = arm_cameras(s, err);
+
+    if (r == 0)
+        r = ttf_pulse_beat_blocking(&s->pulse);
+    if (r == 0)
+        r = ttf_session_open_dataset(s, err);
+    if (r == 0)
+        r = set_up_darkrooms(s, err);
+    if (r == 0)
+        r = ttf_lamp_programme_init(&s->programme, &s->plan, s->box->lamps,
+                                    ttf_grid_due_ns(&s->grid, 0), err);
+    if (r == 0)
+        r = run(s, err);
+    if (r == -ECANCELED)
+        r = 0;
+    return finish_dataset(s, r, ret, err);
+}
+
+static bool needs_lamps(const struct ttf_session *s)
+{
+    return s->box->lamps && s->plan.lamps != TTF_LAMPS_NONE;
+}
+
+static int with_devices(struct ttf_session *s, struct ttf_session_result *ret, struct ttf_err *err)
+{
+    int64_t now = ttf_clock_now_ns(s->box->clock);
+    int r = ttf_queue_init(&s->queue, s->box->clock);
+
+    if (r < 0)
+        return r;
+    s->events.queue = &s->queue;
+    s->events.clock = s->box->clock;
+    r = ttf_lamp_driver_begin(&s->lamps, needs_lamps(s) ? s->box->lamps : NULL, &s->events,
+                              now + TTF_BLOCKING_MAX_NS, err);
+    if (r == 0) {
+        ttf_pulse_begin(&s->pulse, s->box, &s->queue, &s->events, &s->lamps, s->config->stop);
+        r = armed(s, ret, err);
+        ttf_pulse_led(&s->pulse, r < 0 ? TTF_LED_STOPPED : TTF_LED_IDLE);
+    }
+    if (r < 0)
+        say_why(s, r, err);
+    ttf_lamp_driver_end(&s->lamps);
+    for (unsigned i = 0; i < s->n_cameras; i++)
+        ttf_camera_stop(s->cameras[i].camera);
+    for (unsigned i = 0; i < s->n_cameras; i++)
+        ttf_darkroom_finish(&s->rooms[i]);
+    ttf_pool_destroy(s->pool);
+    ttf_queue_finish(&s->queue);
+    return r;
+}
+
+int ttf_session_run(const struct ttf_session_config *config, struct ttf_session_result *ret,
+                    struct ttf_err *err)
+{
+    struct ttf_session *s = calloc(1, sizeof(*s));
+    int r;
+
+    memset(ret, 0, sizeof(*ret));
+    if (!s)
+        return ttf_err_set(err, -ENOMEM, NULL, "out of memory");
+    s->config = config;
+    s->box = config->box;
+    s->plan = *config->plan;
+    ttf_clock_join(s->box->clock);
+    r = use_cameras(s, err);
+    if (r == 0)
+        r = prepare_plan(s, err);
+    if (r == 0)
+        r = load_calibration(s, err);
+    if (r == 0)
+        r = ttf_session_check_disk(s, err);
+    if (r == 0) {
+        set_up_committer(s);
+        s->lead_ns = ttf_slot_lead_ns(&s->plan, s->box);
+        r = with_devices(s, ret, err);
+    }
+    if (s->has_calibration)
+        ttf_calibration_free(&s->calibration);
+    ttf_clock_leave(s->box->clock);
+    free(s);
+    return r;
+}

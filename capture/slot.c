@@ -1,0 +1,336 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One slot: lamps, exposures, hand over. README.md, "The way of a slot". */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "exposure.h"
+#include "plan_figures.h"
+#include "session_private.h"
+
+/* A slot begun later than this part of its interval is missed rather than taken late. */
+#define LATE_SHARE 10
+
+static int64_t now_ns(const struct ttf_session *s)
+{
+    return ttf_clock_now_ns(s->box->clock);
+}
+
+static struct ttf_slot_work *new_work(const struct ttf_session *s, int64_t index)
+{
+    struct ttf_slot_work *work = calloc(1, sizeof(*work));
+
+    if (!work)
+        return NULL;
+    ttf_slot_record_init(&work->record);
+    work->record.index = index;
+    work->record.segment = s->segment;
+    work->record.due_ns = ttf_grid_due_ns(&s->grid, index);
+    work->record.middle_ns = TTF_NS_UNKNOWN;
+    work->wakeup_ns = TTF_NS_UNKNOWN;
+    work->begun_ns = now_ns(s);
+    return work;
+}
+
+static void want_lamps(struct ttf_session *s, const unsigned levels[TTF_LAMPS_MAX])
+{
+    if (ttf_lamp_driver_want(&s->lamps, levels))
+        s->lamps_changed_ns = now_ns(s);
+}
+
+static int hand_over(struct ttf_session *s, struct ttf_slot_work *work)
+{
+    struct ttf_job *job = ttf_job_new(TTF_JOB_SLOT);
+
+    if (!job) {
+        ttf_slot_work_free(work);
+        ttf_queue_tell_fatal(&s->queue, -ENOMEM, NULL);
+        return -ENOMEM;
+    }
+    job->slot = work;
+    ttf_queue_push(&s->queue, job);
+    return 0;
+}
+
+int ttf_session_no_slot(struct ttf_session *s, int64_t index, enum ttf_result result,
+                        const char *reason)
+{
+    struct ttf_slot_work *work = new_work(s, index);
+
+    if (!work)
+        return -ENOMEM;
+    work->record.result = result;
+    snprintf(work->record.reason, sizeof(work->record.reason), "%s", reason);
+    return hand_over(s, work);
+}
+
+/* Waits between slots; the lamps follow their programme. */
+static int idle_until(struct ttf_session *s, int64_t until_ns)
+{
+    for (;;) {
+        unsigned levels[TTF_LAMPS_MAX];
+        int64_t now = now_ns(s);
+        int64_t next = ttf_lamp_programme_next_change(&s->programme, now);
+        int r;
+
+        ttf_lamp_programme_background(&s->programme, now, levels);
+        want_lamps(s, levels);
+        r = ttf_pulse_wait(&s->pulse, next < until_ns ? next : until_ns, true);
+        if (r < 0)
+            return r;
+        if (next >= until_ns)
+            return 0;
+    }
+}
+
+/* A free raw sum, waited for until a deadline: 1; 0: none came; or as beat. */
+static int raw_by(struct ttf_session *s, const struct ttf_frame_format *format, int64_t deadline_ns,
+                  struct ttf_raw_sum **ret)
+{
+    for (;;) {
+        int r = ttf_queue_take_raw(&s->queue, format, ret);
+
+        if (r != 0)
+            return r;
+        if (now_ns(s) >= deadline_ns)
+            return 0;
+        r = ttf_pulse_gate(&s->pulse, s->queue.room, deadline_ns);
+        if (r < 0 && r != -ETIMEDOUT)
+            return r;
+    }
+}
+
+/* What one shot of a slot needs to know. */
+struct shooting {
+    struct ttf_session *s;
+    struct ttf_slot_work *work;
+    unsigned shot;
+    unsigned image;          /* of the record */
+    int64_t give_up_ns;      /* the next slot needs the loop by then */
+    struct ttf_raw_sum *raw; /* taken for the first image already; NULL */
+};
+
+static int push_image(struct shooting *g, const struct ttf_take *take)
+{
+    struct ttf_job *job = ttf_job_new(TTF_JOB_IMAGE);
+
+    if (!job)
+        return -ENOMEM;
+    job->slot = g->work;
+    job->image = g->image;
+    job->shot = g->shot;
+    job->raw = take->raw;
+    job->start_utc_ns = ttf_utc_watch_at(&g->s->pulse.utc, take->start_ns);
+    ttf_queue_push(&g->s->queue, job);
+    return 0;
+}
+
+/* Takes image `bracket` of the shot. middle_ns as of ttf_take. */
+static int take_image(struct shooting *g, unsigned bracket, int64_t middle_ns)
+{
+    struct ttf_session *s = g->s;
+    const struct ttf_plan_shot *shot = &s->plan.shots[g->shot];
+    struct ttf_shooter *camera = &s->cameras[s->camera_of[g->shot]];
+    struct ttf_image *image = &g->work->record.images[g->image];
+    struct ttf_take take = {.locked = &s->locked[g->shot][bracket],
+                            .average = shot->average,
+                            .middle_ns = middle_ns,
+                            .give_up_ns = g->give_up_ns,
+                            .raw = g->raw,
+                            .image = image};
+    int r = 1;
+
+    snprintf(image->stream, sizeof(image->stream), "%s", shot->stream);
+    image->bracket = shot->n_brackets > 1 ? (int)bracket : -1;
+    image->relative_exposure = shot->n_brackets > 1 ? shot->brackets[bracket] : 0;
+    g->raw = NULL;
+    if (!take.raw)
+        r = raw_by(s, &camera->format, g->give_up_ns, &take.raw);
+    if (r < 0)
+        return r;
+    if (r == 0) {
+        snprintf(image->lacking, sizeof(image->lacking), "%s", TTF_REASON_STORAGE_SLOW);
+        s->trouble = true;
+        return 0;
+    }
+    r = ttf_shoot(camera, &take);
+    s->trouble |= take.trouble;
+    if (g->image == 0)
+        g->work->record.middle_ns = take.middle_got_ns;
+    if (r == 0 && image->lacking[0] == '\0') {
+        r = push_image(g, &take);
+        if (r == 0)
+            return 0;
+    }
+    ttf_queue_give_raw(&s->queue, take.raw);
+    return r;
+}
+
+/* All images of a shot; lamps are set and settled here. submit_ns: not before (the first shot); 0. */
+static int take_shot(struct shooting *g, int64_t submit_ns, int64_t due_ns)
+{
+    struct ttf_session *s = g->s;
+    const struct ttf_plan_shot *shot = &s->plan.shots[g->shot];
+    bool first = submit_ns != 0;
+    int64_t ready;
+    int r;
+
+    want_lamps(s, s->programme.shot[g->shot]);
+    ready = s->lamps_changed_ns + ttf_lamp_settle_ns(&s->plan, shot, s->box->lamps);
+    if (ready < submit_ns)
+        ready = submit_ns;
+    if (ready < now_ns(s))
+        ready = now_ns(s);
+    r = ttf_pulse_wait(&s->pulse, ready, false);
+    if (r < 0)
+        return r;
+    if (first)
+        g->work->wakeup_ns = now_ns(s) - ready;
+    for (unsigned b = 0; b < ttf_shot_images(shot); b++, g->image++) {
+        r = take_image(g, b, first && b == 0 ? due_ns : 0);
+        if (r < 0)
+            return r;
+    }
+    return 0;
+}
+
+static void read_sensors(struct ttf_session *s, struct ttf_slot_record *record)
+{
+    struct ttf_reading readings[TTF_SENSORS_MAX];
+    int n = s->box->sensors ? ttf_sensors_read(s->box->sensors, readings, NULL) : 0;
+
+    record->n_sensors = 0;
+    for (int i = 0; i < n && i < TTF_SLOT_SENSORS_MAX; i++) {
+        struct ttf_slot_sensor *sensor = &record->sensors[record->n_sensors++];
+
+        snprintf(sensor->name, sizeof(sensor->name), "%s", readings[i].name);
+        snprintf(sensor->kind, sizeof(sensor->kind), "%s", ttf_sensor_kind_name(readings[i].kind));
+        sensor->ok = readings[i].ok;
+        sensor->value = readings[i].ok ? readings[i].value : 0;
+        if (s->sensor_silent[i] != !readings[i].ok)
+            ttf_events_emit(&s->events, "sensor",
+                            readings[i].ok ? "%s answers again" : "%s does not answer",
+                            readings[i].name);
+        s->sensor_silent[i] = !readings[i].ok;
+    }
+}
+
+static unsigned slot_images(const struct ttf_plan *plan)
+{
+    unsigned n = 0;
+
+    for (unsigned i = 0; i < plan->n_shots; i++)
+        n += ttf_shot_images(&plan->shots[i]);
+    return n;
+}
+
+/* Why a slot cannot even begin, or NULL. */
+static const char *cannot_begin(const struct ttf_session *s, int64_t due_ns)
+{
+    if (now_ns(s) > due_ns + s->plan.interval_ns / LATE_SHARE) {
+        for (unsigned i = 0; i < s->n_cameras; i++) {
+            if (s->cameras[i].down)
+                return TTF_REASON_RECOVERING;
+        }
+        return TTF_REASON_LATE;
+    }
+    return ttf_queue_disk_full((struct ttf_queue *)&s->queue) ? TTF_REASON_DISK_FULL : NULL;
+}
+
+/* The images of a slot that has a first raw sum. Consumes it. */
+static int take_slot(struct ttf_session *s, struct ttf_slot_work *work, struct ttf_raw_sum *raw,
+                     int64_t submit_ns)
+{
+    struct ttf_grid *grid = &s->grid;
+    int64_t due = work->record.due_ns;
+    struct shooting g = {.s = s,
+                         .work = work,
+                         .raw = raw,
+                         .give_up_ns = ttf_grid_due_ns(grid, work->record.index + 1) - s->lead_ns};
+    int r = 0;
+
+    for (g.shot = 0; g.shot < s->plan.n_shots && r == 0; g.shot++)
+        r = take_shot(&g, g.shot == 0 ? submit_ns : 0, due);
+    ttf_queue_give_raw(&s->queue, g.raw);
+    return r;
+}
+
+static void rehearsed(struct ttf_session *s, const struct ttf_slot_work *work)
+{
+    int64_t took = now_ns(s) - work->begun_ns;
+
+    if (took > s->rehearsal.expose_ns)
+        s->rehearsal.expose_ns = took;
+}
+
+static int revive_cameras(struct ttf_session *s)
+{
+    for (unsigned i = 0; i < s->n_cameras; i++) {
+        int r = ttf_shooter_revive(&s->cameras[i]);
+
+        if (r < 0)
+            return r;
+    }
+    return 0;
+}
+
+/* From the first lamp command on. */
+static int do_slot(struct ttf_session *s, int64_t index, int64_t submit_ns)
+{
+    const struct ttf_shooter *camera = &s->cameras[s->camera_of[0]];
+    unsigned levels[TTF_LAMPS_MAX];
+    struct ttf_slot_work *work;
+    struct ttf_raw_sum *raw = NULL;
+    int r;
+
+    /* Lamps first: they settle while room is waited for. */
+    work = new_work(s, index);
+    if (!work || ttf_slot_record_images(&work->record, slot_images(&s->plan)) < 0) {
+        ttf_slot_work_free(work);
+        return -ENOMEM;
+    }
+    want_lamps(s, s->programme.shot[0]);
+    r = raw_by(s, &camera->format, submit_ns, &raw);
+    if (r == 0) {
+        ttf_slot_work_free(work);
+        return ttf_session_no_slot(s, index, TTF_RESULT_MISSED, TTF_REASON_STORAGE_SLOW);
+    }
+    if (r < 0) {
+        ttf_slot_work_free(work);
+        return r;
+    }
+    r = take_slot(s, work, raw, submit_ns);
+    if (r < 0) {
+        /* The run is over, but the committer may hold images of this slot: it frees it, unwritten. */
+        ttf_queue_tell_fatal(&s->queue, r, NULL);
+        (void)hand_over(s, work);
+        return r;
+    }
+    ttf_lamp_programme_background(&s->programme, now_ns(s), levels);
+    want_lamps(s, levels);
+    read_sensors(s, &work->record);
+    rehearsed(s, work);
+    return hand_over(s, work);
+}
+
+int ttf_session_slot(struct ttf_session *s, int64_t index)
+{
+    int64_t due = ttf_grid_due_ns(&s->grid, index);
+    const struct ttf_camera_caps *caps = ttf_camera_caps(s->cameras[s->camera_of[0]].camera);
+    int64_t submit = due - ttf_exposure_lead_ns(caps, s->locked[0][0].granted.exposure_ns);
+    const char *reason;
+    int r = revive_cameras(s);
+
+    if (r == 0)
+        r = idle_until(s, due - s->lead_ns);
+    if (r < 0)
+        return r;
+    reason = cannot_begin(s, due);
+    if (reason)
+        return ttf_session_no_slot(s, index, TTF_RESULT_MISSED, reason);
+    s->trouble = false;
+    r = do_slot(s, index, submit);
+    ttf_pulse_led(&s->pulse, s->trouble ? TTF_LED_WARNING : TTF_LED_CAPTURING);
+    return r;
+}
