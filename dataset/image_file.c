@@ -60,7 +60,7 @@ void image_info_of_tiff(const struct ttf_tiff_info *tiff, struct ttf_image_info 
     info->taken_utc_ns = tiff->times.start_utc_ns;
     info->zone_known = tiff->zone_known;
     info->zone_offset_s = tiff->zone_known ? tiff->times.zone_offset_s : 0;
-    info->orientation = 1;
+    info->orientation = tiff->orientation >= 1 && tiff->orientation <= 8 ? tiff->orientation : 1;
 }
 
 static int read_tiff(struct ttf_io *io, const char *path, unsigned page, struct ttf_pixbuf *ret,

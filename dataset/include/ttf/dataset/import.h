@@ -51,7 +51,7 @@ struct ttf_import_config {
     int zone_offset_s;            /* of times without a zone, east of UTC */
     int64_t origin_utc_ns;        /* of the first frame where no times are read; 0: not known */
     double mm_per_px;             /* 0: not known */
-    const char *title;            /* NULL: from the first input's name */
+    const char *title;            /* NULL: the output's name */
     const char *stream;           /* NULL: "main" */
     const char *ffmpeg, *ffprobe; /* programs; NULL: of these names on PATH */
     ttf_trade_progress_fn *progress; /* may be NULL */

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "export_staging.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "io_path.h"
+
+const char *staging_base(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+
+    return slash ? slash + 1 : path;
+}
+
+struct names {
+    char **name;
+    size_t n;
+    bool lost; /* no memory for one */
+};
+
+static int take_name(void *ctx, const char *name, bool is_dir)
+{
+    struct names *names = ctx;
+    char **more;
+
+    if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
+        return 0;
+    more = realloc(names->name, (names->n + 1) * sizeof(*more));
+    if (more) {
+        names->name = more;
+        names->name[names->n] = strdup(name);
+    }
+    if (!more || !names->name[names->n]) {
+        names->lost = true;
+        return 1;
+    }
+    names->n++;
+    return 0;
+}
+
+static void free_names(struct names *names)
+{
+    for (size_t i = 0; i < names->n; i++)
+        free(names->name[i]);
+    free(names->name);
+}
+
+/* As far as it goes: what cannot be removed stays under its temporary name. */
+static void remove_tree(struct ttf_io *io, const char *path)
+{
+    struct ttf_io_stat stat;
+
+    if (io->ops->stat(io, path, &stat) == 0 && stat.is_dir) {
+        struct names names = {0};
+
+        io->ops->list(io, path, take_name, &names);
+        for (size_t i = 0; i < names.n; i++) {
+            char *inner = ttf_path_format("%s/%s", path, names.name[i]);
+
+            if (inner)
+                remove_tree(io, inner);
+            free(inner);
+        }
+        free_names(&names);
+    }
+    io->ops->unlink(io, path);
+}
+
+static int check_final(struct staging *staging, bool *ret_empty_folder, struct ttf_err *err)
+{
+    struct ttf_io *io = staging->io;
+    struct names names = {0};
+    struct ttf_io_stat stat;
+    size_t n;
+
+    *ret_empty_folder = false;
+    if (io->ops->stat(io, staging->final, &stat) < 0)
+        return 0;
+    if (!staging->folder && stat.is_dir)
+        return ttf_err_set(err, -EISDIR, staging->final, "there is a folder of that name");
+    if (!staging->folder)
+        return 0;
+    if (!stat.is_dir)
+        return ttf_err_set(err, -EEXIST, staging->final, "there is a file of that name");
+    io->ops->list(io, staging->final, take_name, &names);
+    n = names.n;
+    free_names(&names);
+    if (n > 0 || names.lost) {
+        ttf_err_set(err, -EEXIST, staging->final, "the folder is there already and is not empty");
+        ttf_err_hint(err, "choose another name or remove it");
+        return -EEXIST;
+    }
+    *ret_empty_folder = true;
+    return 0;
+}
+
+static void release(struct staging *staging)
+{
+    free(staging->final);
+    free(staging->temp);
+    memset(staging, 0, sizeof(*staging));
+}
+
+static int prepare(struct staging *staging, struct ttf_err *err)
+{
+    char *parent = ttf_path_parent(staging->final);
+    bool empty;
+    int code;
+
+    if (parent)
+        /* The name is kept short: a dataset's is at most 64 characters. */
+        staging->temp = ttf_path_format("%s/.%.40s.part-%ld", parent, staging_base(staging->final),
+                                        (long)getpid());
+    if (!staging->temp) {
+        free(parent);
+        return ttf_err_set(err, -ENOMEM, staging->final, "no memory for a path");
+    }
+    code = ttf_io_mkdirs(staging->io, parent, err);
+    free(parent);
+    if (code)
+        return code;
+    code = check_final(staging, &empty, err);
+    if (code)
+        return code;
+    remove_tree(staging->io, staging->temp); /* of a process of the same number, long ago */
+    if (!staging->folder)
+        return 0;
+    code = staging->io->ops->mkdir(staging->io, staging->temp);
+    if (code)
+        return ttf_err_set(err, code, staging->temp, "the folder cannot be made: %s",
+                           strerrordesc_np(-code));
+    return 0;
+}
+
+int staging_begin(struct staging *staging, struct ttf_io *io, const char *final, bool folder,
+                  struct ttf_err *err)
+{
+    size_t n = final ? strlen(final) : 0;
+    int code;
+
+    memset(staging, 0, sizeof(*staging));
+    while (n > 1 && final[n - 1] == '/')
+        n--;
+    if (n == 0)
+        return ttf_err_set(err, -EINVAL, NULL, "no output is named");
+    staging->io = io;
+    staging->folder = folder;
+    staging->final = strndup(final, n);
+    if (!staging->final)
+        return ttf_err_set(err, -ENOMEM, final, "no memory for a path");
+    code = prepare(staging, err);
+    if (code)
+        release(staging);
+    return code;
+}
+
+/* A child may have written the file, so it is opened once more to be synced. */
+static int sync_file(struct ttf_io *io, const char *path)
+{
+    int file = io->ops->open(io, path, TTF_IO_APPEND), code;
+
+    if (file < 0)
+        return file;
+    code = io->ops->sync(io, file, false);
+    io->ops->close(io, file);
+    return code;
+}
+
+int staging_commit(struct staging *staging, struct ttf_err *err)
+{
+    struct ttf_io *io = staging->io;
+    bool empty;
+    int code = check_final(staging, &empty, err);
+
+    if (code) {
+        staging_discard(staging);
+        return code;
+    }
+    code = staging->folder ? io->ops->sync_dir(io, staging->temp) : sync_file(io, staging->temp);
+    if (!code && empty)
+        code = io->ops->unlink(io, staging->final);
+    if (!code)
+        code = io->ops->rename(io, staging->temp, staging->final);
+    if (!code)
+        code = ttf_io_sync_parent(io, staging->final);
+    if (code) {
+        ttf_err_set(err, code, staging->final, "the output cannot be put in its place: %s",
+                    strerrordesc_np(-code));
+        staging_discard(staging);
+        return code;
+    }
+    release(staging);
+    return 0;
+}
+
+void staging_discard(struct staging *staging)
+{
+    if (staging->temp)
+        remove_tree(staging->io, staging->temp);
+    release(staging);
+}
+
+int staging_write(struct ttf_io *io, const char *path,
+                  int (*produce)(void *ctx, struct ttf_io *io, int file, struct ttf_err *err),
+                  void *ctx, struct ttf_err *err)
+{
+    int file = io->ops->open(io, path, TTF_IO_CREATE_NEW);
+    int code;
+
+    if (file < 0)
+        return ttf_err_set(err, file, path, "cannot be created: %s", strerrordesc_np(-file));
+    code = produce(ctx, io, file, err);
+    if (!code) {
+        code = io->ops->sync(io, file, false);
+        if (code)
+            ttf_err_set(err, code, path, "cannot be synced: %s", strerrordesc_np(-code));
+    }
+    io->ops->close(io, file);
+    if (code)
+        io->ops->unlink(io, path);
+    return code;
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * export_staging.h: output under a temporary name beside the final one, which takes
+ * that name only when it is whole. For import and export. Private to them.
+ */
+#ifndef TTF_DATASET_EXPORT_STAGING_H
+#define TTF_DATASET_EXPORT_STAGING_H
+
+#include <stdbool.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+#include "ttf/dataset/io.h"
+
+struct staging {
+    struct ttf_io *io;
+    char *final; /* without slashes at the end */
+    char *temp;  /* in the same folder */
+    bool folder;
+};
+
+/*
+ * Makes the folder that `final` lies in and, if folder, the temporary folder. A final
+ * folder must not exist or be empty (-EEXIST); a final file must not be a folder (-EISDIR).
+ */
+TTF_MUST_USE int staging_begin(struct staging *staging, struct ttf_io *io, const char *final,
+                               bool folder, struct ttf_err *err);
+
+/* Syncs and renames; a file that was there is replaced. On failure the temporary one is gone. Frees. */
+TTF_MUST_USE int staging_commit(struct staging *staging, struct ttf_err *err);
+
+/* Removes what there is and frees. A zeroed struct is fine. */
+void staging_discard(struct staging *staging);
+
+/* Creates `path`, has it written by `produce` (as ttf_produce_fn), syncs and closes; on failure it is removed. */
+TTF_MUST_USE int staging_write(struct ttf_io *io, const char *path,
+                               int (*produce)(void *ctx, struct ttf_io *io, int file,
+                                              struct ttf_err *err),
+                               void *ctx, struct ttf_err *err);
+
+/* The last part of a path. */
+const char *staging_base(const char *path);
+
+#endif
