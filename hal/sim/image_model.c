@@ -194,6 +194,19 @@ static void expose_row(struct sim_image_model *m, const struct sim_exposure_ligh
     sensor_read_row(&m->sensor, e, y, electrons, dst);
 }
 
+static bool is_dark(const struct sim_image_model *m, const struct sim_exposure_light *light)
+{
+    for (uint32_t y = 0; y < m->optics.height; y++) {
+        if (light->ambient_rows && light->ambient_rows[y] != 0.0f)
+            return false;
+        for (unsigned l = 0; l < m->n_lamps && l < light->n_lamps; l++) {
+            if (light->lamp_rows[l][y] != 0.0f)
+                return false;
+        }
+    }
+    return true;
+}
+
 int sim_image_expose(struct sim_image_model *m, int64_t elapsed_ns,
                      const struct sim_exposure_light *light, const struct ttf_exposure *granted,
                      double temp_degc, uint64_t noise_key, uint16_t *dst, struct ttf_err *err)
@@ -202,12 +215,16 @@ int sim_image_expose(struct sim_image_model *m, int64_t elapsed_ns,
     struct sensor_exposure e;
     int r;
 
-    r = m->scene->ops->render(m->scene->priv, elapsed_ns, o->src_width, o->src_height, m->rgb, err);
-    if (r < 0)
-        return r;
-    for (uint32_t y = 0; y < o->height; y++)
-        optics_resample_row(o, m->rgb, y, m->line, plane_row(m, 0, y), plane_row(m, 1, y),
-                            plane_row(m, 2, y));
+    /* In the dark nothing is to be seen of the sample, so it need not be drawn. */
+    if (!is_dark(m, light)) {
+        r = m->scene->ops->render(m->scene->priv, elapsed_ns, o->src_width, o->src_height, m->rgb,
+                                  err);
+        if (r < 0)
+            return r;
+        for (uint32_t y = 0; y < o->height; y++)
+            optics_resample_row(o, m->rgb, y, m->line, plane_row(m, 0, y), plane_row(m, 1, y),
+                                plane_row(m, 2, y));
+    }
     sensor_expose(&m->sensor, granted, temp_degc, noise_key, &e);
     for (uint32_t y = 0; y < o->height; y++)
         expose_row(m, light, &e, y, dst + (size_t)y * o->width);

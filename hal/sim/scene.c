@@ -89,6 +89,9 @@ static int procedural_render(void *scene, int64_t t_ns, uint32_t w, uint32_t h, 
         return ttf_err_set(err, r, p->kind->name, "no memory for a scene of %u x %u", w, h);
     phase = phase < 0.0 ? 0.0 : phase > 1.0 ? 1.0 : phase;
     p->kind->render(p->features, &p->kept[0], (float)phase, rgb);
+    /* No diffuser gives back more than it gets, whatever a highlight came to. */
+    for (size_t i = 0; i < (size_t)w * h * 3; i++)
+        rgb[i] = rgb[i] < 0.0f ? 0.0f : rgb[i] > 1.0f ? 1.0f : rgb[i];
     return 0;
 }
 

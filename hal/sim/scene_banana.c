@@ -11,7 +11,7 @@
 #include "scene_kind.h"
 #include "scene_sites.h"
 
-#define SPOTS   420
+#define SPOTS   560
 #define BRUISES 26
 
 struct banana {
@@ -48,7 +48,7 @@ static void *banana_create(uint64_t seed)
         f->spot[i].birth = 0.28f + 0.62f * sqrtf(noise_uniform(s, k + 2));
         /* Mostly freckles that hardly grow; a few that become patches. */
         f->spot[i].pace = 5.0f + 22.0f * size;
-        f->spot[i].curve = 60.0f + 2600.0f * size * size;
+        f->spot[i].curve = 70.0f + 5200.0f * size * size;
         f->spot[i].stretch = 1.0f;
     }
     for (unsigned i = 0; i < BRUISES; i++) {
@@ -86,7 +86,7 @@ static float facet_light(const struct banana *f, float x, float y, float *ret_ne
 static void banana_prepare(const void *features, const struct scene_canvas *c)
 {
     const struct banana *f = features;
-    const struct site_roughness spots = {f->seed + 100, 0.006f, 0.022f, 0.050f, 0.010f};
+    const struct site_roughness spots = {f->seed + 100, 0.011f, 0.040f, 0.060f, 0.012f};
     const struct site_roughness bruises = {f->seed + 200, 0.035f, 0.10f, 0.070f, 0.020f};
 
     sites_arrival(f->spot, SPOTS, &spots, 9.0f, c, c->plane[SPOT]);
@@ -121,12 +121,12 @@ static void colour(const struct scene_canvas *c, size_t i, float phase, float *r
     const float halo = 0.35f * field_step(-0.10f, 0.0f, spot);
     const float core = field_step(0.0f, 0.020f, spot);
     const float dark = field_step(0.02f, 0.30f, spot);
-    const float stain = field_step(-0.02f, 0.16f, bruise) * (0.78f + 0.15f * fibre);
+    const float stain = field_step(-0.02f, 0.22f, bruise) * (0.80f + 0.12f * fibre);
     const float black = field_step(0.12f, 0.42f, bruise);
     static const float green[3] = {0.190f, 0.370f, 0.035f};
     static const float yellow[3] = {0.800f, 0.560f, 0.045f};
     static const float ochre[3] = {0.620f, 0.360f, 0.045f};
-    static const float brown[3] = {0.240f, 0.105f, 0.028f};
+    static const float brown[3] = {0.270f, 0.115f, 0.030f};
     static const float umber[3] = {0.075f, 0.032f, 0.014f};
 
     for (int k = 0; k < 3; k++) {

@@ -12,7 +12,7 @@
 #include "scene_field.h"
 #include "scene_kind.h"
 
-#define BLADES     3000
+#define BLADES     3600
 #define ROOT_TOP   (-0.02f)
 #define ROOT_DEPTH 1.06f /* roots reach below the frame, so that the near edge is covered too */
 #define TUFTS      90
@@ -120,7 +120,8 @@ static float soil_height(const struct grass *g, const struct scene_canvas *c, fl
         size *= 2.1f;
         weight *= 0.5f;
     }
-    return h;
+    return h + 0.0022f * field_fractal(g->seed + 31, x * 130.0f, y * 150.0f,
+                                       field_octaves(c, 1.0f / 130.0f, 3), 0.8f);
 }
 
 static void grass_prepare(const void *features, const struct scene_canvas *c)
@@ -185,6 +186,21 @@ static float foliage_at(float map[MAP_H][MAP_W], float x, float y)
     return field_clamp(sum / 0.9f, 0.0f, 1.0f);
 }
 
+/* The soil, darker where foliage keeps the light from it. */
+static void lay_soil(const struct scene_canvas *c, float map[MAP_H][MAP_W], float *rgb)
+{
+    for (uint32_t y = 0; y < c->h; y++) {
+        const size_t row = (size_t)y * c->w;
+
+        for (uint32_t x = 0; x < c->w; x++) {
+            const float light = 1.0f - 0.55f * foliage_at(map, field_x(c, x), field_y(c, y));
+
+            for (int k = 0; k < 3; k++)
+                rgb[3 * (row + x) + k] = light * c->plane[k][row + x];
+        }
+    }
+}
+
 static void colour_blade(const struct grass_blade *b, float share, float crowd,
                          struct blade_look *look)
 {
@@ -225,15 +241,10 @@ static void grass_render(const void *features, const struct scene_canvas *c, flo
                          float *rgb)
 {
     const struct grass *g = features;
-    const size_t n = (size_t)c->w * c->h;
     float map[MAP_H][MAP_W];
 
     foliage_map(g, phase, map);
-    for (size_t i = 0; i < n; i++) {
-        rgb[3 * i] = c->plane[0][i];
-        rgb[3 * i + 1] = c->plane[1][i];
-        rgb[3 * i + 2] = c->plane[2][i];
-    }
+    lay_soil(c, map, rgb);
     for (unsigned i = 0; i < BLADES; i++) {
         const struct grass_blade *b = &g->blade[i];
 

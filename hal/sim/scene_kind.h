@@ -20,7 +20,7 @@
 #include <stdint.h>
 
 #define SCENE_ASPECT     0.75f
-#define SCENE_PLANES_MAX 10
+#define SCENE_PLANES_MAX 12
 
 struct scene_canvas {
     uint32_t w, h;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Snow settling on slate: single flakes first, then layer upon layer; it lies unevenly, fills the
- * stone's steps last where the wind sweeps, and is shaded by its own relief.
+ * Snow settling on slate: single flakes first, then layer upon layer; it lies unevenly, softens the
+ * stone's steps, stays thin where the wind sweeps, and is shaded by its own relief.
  *
  * Every flake that ever falls has a place, a size and a moment. Six layers' arrival
  * fields say when each pixel is first hit by that layer; the height of the snow is
@@ -19,7 +19,7 @@
 
 struct flake {
     float x, y, radius, birth;
-    float turn; /* of its six arms */
+    float turn, arms; /* of its six arms: their angle, and how far they stand out */
 };
 
 struct snow {
@@ -27,13 +27,15 @@ struct snow {
     struct flake flake[LAYERS][FLAKES];
 };
 
-/* The fields: a layer's arrival each, then the stone's brightness, its tint, and the drift; then work. */
+/* The fields: a layer's arrival each, then the stone's brightness, the drift, the stone's height, the swell; then work. */
 enum {
     LAYER0,
     STONE = LAYERS,
     DRIFT,
     STEP,
-    HEIGHT
+    SWELL,
+    HEIGHT,
+    COVER
 };
 
 static void *snow_create(uint64_t seed)
@@ -45,7 +47,8 @@ static void *snow_create(uint64_t seed)
     f->seed = (uint32_t)noise_stream(seed, NOISE_SCENE, 30);
     for (unsigned l = 0; l < LAYERS; l++) {
         const uint64_t s = noise_stream(seed, NOISE_SCENE, 31 + l);
-        const float first = 0.02f + 0.15f * (float)l;
+        /* The layers follow one another, each well begun before the last one is complete. */
+        const float first = l ? 0.14f + 0.15f * (float)l : 0.02f, lasts = l ? 0.38f : 0.60f;
 
         for (unsigned i = 0; i < FLAKES; i++) {
             struct flake *p = &f->flake[l][i];
@@ -54,10 +57,13 @@ static void *snow_create(uint64_t seed)
 
             p->x = -0.02f + 1.04f * noise_uniform(s, k);
             p->y = (-0.02f + 1.04f * noise_uniform(s, k + 1)) * SCENE_ASPECT;
-            p->radius = 0.0030f + 0.0070f * u * u;
+            p->radius = 0.0035f + 0.0070f * u * u;
+            /* Later they fall in clumps. */
+            if (l > 0)
+                p->radius *= 1.5f;
+            p->arms = l > 0 ? 0.10f : 0.24f;
             /* It begins softly. */
-            p->birth =
-                first + 0.42f * (l ? noise_uniform(s, k + 3) : sqrtf(noise_uniform(s, k + 3)));
+            p->birth = first + lasts * sqrtf(noise_uniform(s, k + 3));
             p->turn = noise_uniform(s, k + 4) * 1.0471976f;
         }
     }
@@ -84,7 +90,7 @@ static void settle(const struct snow *f, const struct flake *p, const struct sce
             /* cos of six times the angle, without angles: Re((u + iv)^6) / d^6. */
             const float re = u * u - v * v, im = 2.0f * u * v;
             const float six = re * (re * re - 3.0f * im * im) / (d2 * d2 * d2 + 1e-9f);
-            const float rim = 0.62f + 0.22f * six;
+            const float rim = 0.98f - p->arms * (1.6f - six);
             const float at = p->birth + 0.05f * field_step(0.5f * rim, rim, sqrtf(d2));
             float *a = &arrival[(size_t)y * c->w + (size_t)x];
 
@@ -94,16 +100,28 @@ static void settle(const struct snow *f, const struct flake *p, const struct sce
     }
 }
 
-/* Slate: cleaved in plates, each a little lower than the last, with a fine grain. */
-static float slate_height(const struct snow *f, const struct scene_canvas *c, float x, float y)
+/*
+ * Slate chippings: slabs of random height and tilt, the nearest of a lattice's points deciding which,
+ * with a fine grain. Returns the height, and the slab's own brightness.
+ */
+static float slate_at(const struct snow *f, const struct scene_canvas *c, float x, float y,
+                      float *ret_tone)
 {
-    const unsigned fine = field_octaves(c, 0.08f, 5);
-    const float wide = field_fractal(f->seed + 1, x * 2.2f, y * 3.4f, 5, 0.55f);
-    const float plates = wide * 5.0f, whole = floorf(plates);
-    const float edge = field_step(0.80f, 1.0f, plates - whole);
+    const unsigned fine = field_octaves(c, 0.05f, 4);
+    const float wx = x + 0.02f * field_fractal(f->seed + 5, x * 9.0f, y * 9.0f, 2, 0.5f);
+    const float wy = y + 0.02f * field_fractal(f->seed + 6, x * 9.0f, y * 9.0f, 2, 0.5f);
+    const float grain = field_fractal(f->seed + 2, x / 0.05f, y / 0.03f, fine, 0.7f);
+    uint32_t big = 0, small = 0;
+    const float d_big = field_cells(f->seed + 7, wx * 7.0f, wy * 11.0f, &big);
+    const float d_small = field_cells(f->seed + 8, wx * 23.0f, wy * 34.0f, &small);
+    /* Small chips lie on some of the slabs. */
+    const int chips = (big & 3u) == 0;
+    const uint32_t id = chips ? small : big;
+    const float level = (float)(id >> 8 & 0xffu) * (1.0f / 255.0f);
+    const float d = chips ? d_small * 0.5f : d_big;
 
-    return 0.030f * (whole + edge) +
-           0.006f * field_fractal(f->seed + 2, x / 0.08f, y / 0.05f, fine, 0.65f);
+    *ret_tone = 0.70f + 0.55f * (float)(id >> 16 & 0xffu) * (1.0f / 255.0f);
+    return 0.016f * level - 0.010f * d * d + 0.0022f * grain;
 }
 
 static void snow_prepare(const void *features, const struct scene_canvas *c)
@@ -124,11 +142,12 @@ static void snow_prepare(const void *features, const struct scene_canvas *c)
             const size_t i = (size_t)y * c->w + x;
             const float px = field_x(c, x), py = field_y(c, y);
 
-            c->plane[HEIGHT][i] = slate_height(f, c, px, py);
+            c->plane[HEIGHT][i] = slate_at(f, c, px, py, &c->plane[STONE][i]);
             /* The wind's doing: more here, less there. */
             c->plane[DRIFT][i] =
                 field_clamp(1.0f + 0.8f * field_fractal(f->seed + 3, px * 3.0f, py * 4.0f, 3, 0.5f),
-                            0.25f, 2.0f);
+                            0.35f, 2.0f);
+            c->plane[SWELL][i] = field_fractal(f->seed + 9, px * 7.0f, py * 9.0f, 3, 0.45f);
         }
     }
     for (uint32_t y = 0; y < c->h; y++) {
@@ -137,10 +156,8 @@ static void snow_prepare(const void *features, const struct scene_canvas *c)
             const float *h = c->plane[HEIGHT];
             const float left = h[x ? i - 1 : i], up = h[y ? i - c->w : i];
             const float slope = (h[i] - left) * c->sx + (h[i] - up) * c->sy;
-            const float vein = field_noise(f->seed + 4, field_x(c, x) * 6.0f, field_y(c, y) * 6.0f);
-
             c->plane[STEP][i] = h[i];
-            c->plane[STONE][i] = field_clamp(0.075f + 0.05f * slope + 0.025f * vein, 0.012f, 0.22f);
+            c->plane[STONE][i] *= field_clamp(0.085f * (1.0f + 0.55f * slope), 0.010f, 0.20f);
         }
     }
 }
@@ -161,34 +178,38 @@ static float snow_height(const struct scene_canvas *c, size_t i, float phase)
 static void snow_render(const void *features, const struct scene_canvas *c, float phase, float *rgb)
 {
     const size_t n = (size_t)c->w * c->h;
-    float *height = c->plane[HEIGHT];
-    /* The deeper the snow, the less of the stone's relief it shows. */
-    const float show = 0.55f - 0.30f * phase;
+    float *height = c->plane[HEIGHT], *cover = c->plane[COVER];
+    /* The deeper the snow, the less of the stone's steps it shows. */
+    const float bare = 1.0f - phase, show = 0.9f * bare * bare;
+    /* Thick snow rolls in soft swells of its own. */
+    const float rolls = 0.030f * phase * phase * phase;
 
-    for (size_t i = 0; i < n; i++)
-        height[i] = snow_height(c, i, phase) + show * c->plane[STEP][i];
+    for (size_t i = 0; i < n; i++) {
+        const float snow = snow_height(c, i, phase);
+
+        height[i] = snow + show * c->plane[STEP][i] + rolls * c->plane[SWELL][i];
+        cover[i] = field_clamp(snow * 900.0f, 0.0f, 1.0f);
+    }
     for (uint32_t y = 0; y < c->h; y++) {
         for (uint32_t x = 0; x < c->w; x++, rgb += 3) {
             const size_t i = (size_t)y * c->w + x;
             const float left = height[x ? i - 1 : i], up = height[y ? i - c->w : i];
             const float slope = (height[i] - left) * c->sx + (height[i] - up) * c->sy;
-            const float lit = field_clamp(0.80f + 0.16f * slope, 0.30f, 0.95f);
-            const float deep = height[i] - show * c->plane[STEP][i];
-            const float cover = field_clamp(deep * 900.0f, 0.0f, 1.0f);
+            const float lit = field_clamp(0.82f + 0.13f * slope, 0.30f, 0.95f);
             const float stone = c->plane[STONE][i];
             /* Shadow on snow is blue: only the sky lights it. */
             const float blue = 0.10f * (0.95f - lit);
 
-            rgb[0] = field_mix(stone * 0.95f, lit - blue, cover);
-            rgb[1] = field_mix(stone * 1.00f, lit, cover);
-            rgb[2] = field_mix(stone * 1.12f, fminf(lit + blue, 0.97f), cover);
+            rgb[0] = field_mix(stone * 0.95f, lit - blue, cover[i]);
+            rgb[1] = field_mix(stone * 1.00f, lit, cover[i]);
+            rgb[2] = field_mix(stone * 1.12f, fminf(lit + blue, 0.97f), cover[i]);
         }
     }
 }
 
 const struct scene_kind scene_snow = {.name = "snow",
-                                      .planes = LAYERS + 3,
-                                      .scratch = 1,
+                                      .planes = LAYERS + 4,
+                                      .scratch = 2,
                                       .create = snow_create,
                                       .destroy = free,
                                       .prepare = snow_prepare,
