@@ -185,3 +185,8 @@ int tiff_client_fail(const struct tiff_client *client, struct ttf_err *err, int 
         return ttf_err_set(err, code, where, "%s: %s", doing, client->message);
     return ttf_err_set(err, code, where, "%s failed", doing);
 }
+
+bool tiff_set_text(TIFF *tiff, uint32_t tag, const char *text)
+{
+    return !text || !text[0] || TIFFSetField(tiff, tag, text) == 1;
+}

@@ -45,14 +45,17 @@ int tiff_client_fail(const struct tiff_client *client, struct ttf_err *err, int 
                      const char *doing);
 
 /*
- * Writes the EXIF folder (times) at the file's present end and hands back its
+ * Writes the EXIF folder (times, ISO number unless 0) at the file's present end and hands back its
  * offset, 0 if there is nothing to say. Before any other tag is set.
  */
 TTF_MUST_USE int tiff_write_exif(struct tiff_client *client, const struct ttf_tiff_times *times,
-                                 uint64_t *ret_offset, struct ttf_err *err);
+                                 unsigned iso, uint64_t *ret_offset, struct ttf_err *err);
 /* DateTime of the current folder. */
 bool tiff_set_date_time(TIFF *tiff, const struct ttf_tiff_times *times);
 /* Times of the current page, from its EXIF folder and DateTime. The current directory is kept. */
 void tiff_read_times(TIFF *tiff, struct ttf_tiff_times *ret, bool *ret_zone_known);
+
+/* Sets a text tag unless it is NULL or empty. */
+bool tiff_set_text(TIFF *tiff, uint32_t tag, const char *text);
 
 #endif

@@ -96,15 +96,16 @@ static bool set_exif_start(TIFF *tiff, const struct ttf_tiff_times *times)
            TIFFSetField(tiff, EXIFTAG_OFFSETTIMEORIGINAL, offset) == 1;
 }
 
-int tiff_write_exif(struct tiff_client *client, const struct ttf_tiff_times *times,
+int tiff_write_exif(struct tiff_client *client, const struct ttf_tiff_times *times, unsigned iso,
                     uint64_t *ret_offset, struct ttf_err *err)
 {
     static const uint8_t version[4] = {'0', '2', '3', '1'};
     bool has_start = times->start_utc_ns != TTF_NS_UNKNOWN;
+    uint16_t iso_tag = (uint16_t)(iso > 65535 ? 65535 : iso);
     uint64_t offset = 0;
 
     *ret_offset = 0;
-    if (!has_start && times->exposure_ns <= 0)
+    if (!has_start && times->exposure_ns <= 0 && iso == 0)
         return 0;
     if (TIFFCreateEXIFDirectory(client->tiff) != 0 ||
         TIFFSetField(client->tiff, EXIFTAG_EXIFVERSION, version) != 1)
@@ -114,6 +115,8 @@ int tiff_write_exif(struct tiff_client *client, const struct ttf_tiff_times *tim
     if (times->exposure_ns > 0 &&
         TIFFSetField(client->tiff, EXIFTAG_EXPOSURETIME, (double)times->exposure_ns / 1e9) != 1)
         return tiff_client_fail(client, err, -EINVAL, "setting the exposure time");
+    if (iso > 0 && TIFFSetField(client->tiff, EXIFTAG_ISOSPEEDRATINGS, 1, &iso_tag) != 1)
+        return tiff_client_fail(client, err, -EINVAL, "setting the ISO number");
     if (!TIFFWriteCustomDirectory(client->tiff, &offset))
         return tiff_client_fail(client, err, -EIO, "writing the EXIF folder");
     if (TIFFCreateDirectory(client->tiff) != 0)

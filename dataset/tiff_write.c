@@ -55,11 +55,6 @@ static bool set_compression(TIFF *tiff, const struct ttf_tiff_spec *spec)
                                                        : PREDICTOR_HORIZONTAL) == 1;
 }
 
-static bool set_text(TIFF *tiff, uint32_t tag, const char *text)
-{
-    return !text || !text[0] || TIFFSetField(tiff, tag, text) == 1;
-}
-
 static int set_profile(struct tiff_client *client, const struct ttf_tiff_spec *spec,
                        struct ttf_err *err)
 {
@@ -80,13 +75,13 @@ static int set_tags(struct tiff_client *client, const struct ttf_tiff_spec *spec
                     uint32_t strip_rows, struct ttf_err *err)
 {
     uint64_t exif = 0;
-    int r = tiff_write_exif(client, &spec->times, &exif, err);
+    int r = tiff_write_exif(client, &spec->times, 0, &exif, err);
 
     if (r < 0)
         return r;
     if (!set_geometry(client->tiff, spec, strip_rows) || !set_compression(client->tiff, spec) ||
-        !set_text(client->tiff, TIFFTAG_SOFTWARE, spec->software) ||
-        !set_text(client->tiff, TIFFTAG_IMAGEDESCRIPTION, spec->description) ||
+        !tiff_set_text(client->tiff, TIFFTAG_SOFTWARE, spec->software) ||
+        !tiff_set_text(client->tiff, TIFFTAG_IMAGEDESCRIPTION, spec->description) ||
         !tiff_set_date_time(client->tiff, &spec->times) ||
         (exif && TIFFSetField(client->tiff, TIFFTAG_EXIFIFD, exif) != 1))
         return tiff_client_fail(client, err, -EINVAL, "setting a TIFF file's tags");
