@@ -82,7 +82,7 @@ int ttf_manifest_of_plan(const struct ttf_plan *plan, const struct ttf_box *box,
     if (r < 0)
         return r;
     /* In the title as well, so that nobody takes an invention for an observation. */
-    snprintf(m.title, sizeof(m.title), "%s%s", box->simulated ? "SIMULATED " : "", plan->title);
+    snprintf(m.title, sizeof(m.title), "%s%.115s", box->simulated ? "SIMULATED " : "", plan->title);
     snprintf(m.box_serial, sizeof(m.box_serial), "%s", box->serial);
     m.simulated = box->simulated;
     for (unsigned i = 0; i < plan->n_shots; i++) {

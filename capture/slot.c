@@ -204,7 +204,7 @@ static void read_sensors(struct ttf_session *s, struct ttf_slot_record *record)
     for (int i = 0; i < n && i < TTF_SLOT_SENSORS_MAX; i++) {
         struct ttf_slot_sensor *sensor = &record->sensors[record->n_sensors++];
 
-        snprintf(sensor->name, sizeof(sensor->name), "%s", readings[i].name);
+        snprintf(sensor->name, sizeof(sensor->name), "%.31s", readings[i].name);
         snprintf(sensor->kind, sizeof(sensor->kind), "%s", ttf_sensor_kind_name(readings[i].kind));
         sensor->ok = readings[i].ok;
         sensor->value = readings[i].ok ? readings[i].value : 0;

@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cmocka_includes.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ttf/base/time.h"
+#include "ttf/capture/plan.h"
+#include "ttf/hal/sim.h"
+
+static struct ttf_box box;
+static struct ttf_sim_config config;
+
+static int make_box(void **state)
+{
+    struct ttf_camera_mode native = {0};
+    struct ttf_frame_format format;
+    struct ttf_scene scene;
+
+    (void)state;
+    ttf_sim_config_defaults(&config);
+    config.width = 64;
+    config.height = 48;
+    config.lamps[0].info.max_on_ns = 2 * TTF_NS_PER_H;
+    config.lamps[1].info.max_duty_permille = 250;
+    config.lamps[1].info.duty_window_ns = TTF_NS_PER_H;
+    if (ttf_scene_procedural("chart", 1, TTF_NS_PER_DAY, &scene, NULL) < 0 ||
+        ttf_sim_box_create(&config, &scene, &box, NULL) < 0)
+        return -1;
+    return ttf_camera_configure(box.cameras[0].camera, &native, &format, NULL);
+}
+
+static int drop_box(void **state)
+{
+    (void)state;
+    ttf_box_destroy(&box);
+    return 0;
+}
+
+static void good_plan(struct ttf_plan *plan)
+{
+    ttf_plan_defaults(plan);
+    strcpy(plan->title, "grass");
+    plan->interval_ns = 10 * TTF_NS_PER_MIN;
+    plan->count = 1008;
+}
+
+/* Refused, and the field that is named. */
+static void refused(const struct ttf_plan *plan, const struct ttf_box *on, const char *where)
+{
+    struct ttf_err err = {0};
+
+    assert_int_equal(ttf_plan_check(plan, on, NULL, &err), -EINVAL);
+    assert_string_equal(err.where, where);
+    assert_true(err.what[0] != '\0');
+}
+
+static void a_good_plan_has_figures(void **state)
+{
+    struct ttf_plan plan;
+    struct ttf_plan_figures f;
+
+    (void)state;
+    good_plan(&plan);
+    assert_int_equal(ttf_plan_check(&plan, &box, &f, NULL), 0);
+    assert_int_equal(f.slots, 1008);
+    assert_int_equal(f.duration_ns, 1007 * 10 * TTF_NS_PER_MIN);
+    assert_int_equal(f.exposure_ns[0], 20 * TTF_NS_PER_MS);
+    /* raw and developed of 64 x 48, and some */
+    assert_in_range(f.slot_bytes, 64 * 48 * 8, 64 * 48 * 8 + 40000);
+    assert_int_equal(f.bytes, f.slot_bytes * 1008);
+    assert_true(f.memory_bytes > 0);
+    assert_true(f.slot_busy_ns > 20 * TTF_NS_PER_MS);
+}
+
+static void times_beyond_sense_are_refused(void **state)
+{
+    struct ttf_plan plan;
+
+    (void)state;
+    good_plan(&plan);
+    plan.interval_ns = 0;
+    refused(&plan, NULL, "interval");
+    plan.interval_ns = -5;
+    refused(&plan, NULL, "interval");
+    plan.interval_ns = INT64_MAX;
+    refused(&plan, NULL, "interval");
+    good_plan(&plan);
+    plan.count = 0;
+    refused(&plan, NULL, "count");
+    plan.count = INT64_MAX;
+    refused(&plan, NULL, "count");
+    plan.count = 900000000;
+    refused(&plan, NULL, "count"); /* seventeen thousand years */
+}
+
+static void shots_beyond_sense_are_refused(void **state)
+{
+    struct ttf_plan plan;
+
+    (void)state;
+    good_plan(&plan);
+    plan.n_shots = 0;
+    refused(&plan, NULL, "shots");
+    good_plan(&plan);
+    plan.n_shots = 2;
+    plan.shots[1] = plan.shots[0];
+    refused(&plan, NULL, "shots[1].stream");
+    strcpy(plan.shots[1].stream, "side");
+    plan.shots[1].exposure.exposure_ns = 0;
+    refused(&plan, NULL, "shots[1].exposure");
+    plan.shots[1].exposure.exposure_ns = 1000;
+    plan.shots[1].average = 65;
+    refused(&plan, NULL, "shots[1].average");
+    plan.shots[1].average = 1;
+    plan.shots[1].n_brackets = 2;
+    plan.shots[1].brackets[0] = 0.5;
+    plan.shots[1].brackets[1] = 2;
+    refused(&plan, NULL, "shots[1].brackets"); /* no reference */
+    plan.shots[1].brackets[0] = NAN;
+    refused(&plan, NULL, "shots[1].brackets[0]");
+}
+
+static void brackets_that_snap_to_one_exposure_are_refused(void **state)
+{
+    struct ttf_plan plan;
+
+    (void)state;
+    good_plan(&plan);
+    plan.shots[0].n_brackets = 2;
+    plan.shots[0].brackets[0] = 1;
+    plan.shots[0].brackets[1] = 1.1;
+    refused(&plan, &box, "shots[0].brackets[1]");
+    plan.mains_hz = 0;
+    assert_int_equal(ttf_plan_check(&plan, &box, NULL, NULL), 0);
+}
+
+static void what_the_box_lacks_is_named(void **state)
+{
+    struct ttf_plan plan;
+
+    (void)state;
+    good_plan(&plan);
+    strcpy(plan.shots[0].camera, "side");
+    refused(&plan, &box, "shots[0].camera");
+    good_plan(&plan);
+    plan.lamps = TTF_LAMPS_CAPTURE_ONLY;
+    plan.shots[0].n_levels = 1;
+    strcpy(plan.shots[0].levels[0].lamp, "sun");
+    refused(&plan, &box, "shots[0].lamps.sun");
+    good_plan(&plan);
+    plan.shots[0].exposure.exposure_ns = 50 * TTF_NS_PER_MIN;
+    refused(&plan, &box, "shots[0].exposure");
+    good_plan(&plan);
+    plan.shots[0].exposure.gain_milli = 1000000;
+    refused(&plan, &box, "shots[0].gain");
+    good_plan(&plan);
+    plan.region = (struct ttf_region){60, 0, 8, 8};
+    refused(&plan, &box, "region");
+    plan.region = (struct ttf_region){0, 0, 32, 32};
+    plan.reference = (struct ttf_region){30, 30, 4, 4};
+    refused(&plan, &box, "reference");
+}
+
+static void lamps_are_held_to_what_the_board_allows(void **state)
+{
+    struct ttf_plan plan;
+    struct ttf_plan_figures f;
+
+    (void)state;
+    good_plan(&plan);
+    plan.lamps = TTF_LAMPS_CONTINUOUS;
+    plan.shots[0].n_levels = 1;
+    strcpy(plan.shots[0].levels[0].lamp, "left");
+    plan.shots[0].levels[0].permille = 1000;
+    refused(&plan, &box, "lamps.mode"); /* a week, allowed are 2 h */
+    plan.lamps = TTF_LAMPS_CAPTURE_ONLY;
+    plan.settle_ns = TTF_NS_PER_MIN;
+    assert_int_equal(ttf_plan_check(&plan, &box, &f, NULL), 0);
+    assert_in_range(f.lamp_duty_permille[0], 100, 120);
+    assert_int_equal(f.lamp_switchings[0], 1008);
+    /* right may be on a quarter of an hour's time: 4 of 10 minutes is too much. */
+    strcpy(plan.shots[0].levels[0].lamp, "right");
+    plan.settle_ns = 4 * TTF_NS_PER_MIN;
+    refused(&plan, &box, "lamps.mode");
+    plan.settle_ns = 2 * TTF_NS_PER_MIN;
+    assert_int_equal(ttf_plan_check(&plan, &box, &f, NULL), 0);
+    plan.shots[0].levels[0].permille = 1001;
+    refused(&plan, &box, "shots[0].lamps.right");
+}
+
+static void a_photoperiod_is_held_to_it_as_well(void **state)
+{
+    struct ttf_plan plan;
+
+    (void)state;
+    good_plan(&plan);
+    plan.lamps = TTF_LAMPS_PHOTOPERIOD;
+    plan.n_day_levels = 1;
+    strcpy(plan.day_levels[0].lamp, "left");
+    plan.day_levels[0].permille = 300;
+    refused(&plan, &box, "lamps.period");
+    plan.period_ns = 24 * TTF_NS_PER_H;
+    plan.day_ns = 16 * TTF_NS_PER_H;
+    refused(&plan, &box, "lamps.day");
+    plan.day_ns = 90 * TTF_NS_PER_MIN;
+    assert_int_equal(ttf_plan_check(&plan, &box, NULL, NULL), 0);
+    plan.photoperiod_local = true;
+    plan.day_start_s = 86400;
+    refused(&plan, NULL, "lamps.day_start");
+}
+
+static void lit_shots_without_a_lamp_mode_are_a_mistake(void **state)
+{
+    struct ttf_plan plan;
+
+    (void)state;
+    good_plan(&plan);
+    plan.shots[0].n_levels = 1;
+    strcpy(plan.shots[0].levels[0].lamp, "left");
+    refused(&plan, NULL, "shots[0].lamps");
+}
+
+static void a_slot_must_fit_its_interval(void **state)
+{
+    struct ttf_plan plan;
+    struct ttf_err err;
+
+    (void)state;
+    good_plan(&plan);
+    plan.lamps = TTF_LAMPS_CAPTURE_ONLY;
+    plan.shots[0].n_levels = 1;
+    strcpy(plan.shots[0].levels[0].lamp, "left");
+    plan.shots[0].levels[0].permille = 1000;
+    plan.settle_ns = 5 * TTF_NS_PER_S;
+    plan.interval_ns = 5 * TTF_NS_PER_S;
+    refused(&plan, &box, "interval");
+    assert_int_equal(ttf_plan_check(&plan, &box, NULL, &err), -EINVAL);
+    assert_non_null(strstr(err.hint, "interval of 5."));
+}
+
+static void the_stored_plan_has_units_in_its_names(void **state)
+{
+    struct ttf_plan plan;
+    char *text;
+
+    (void)state;
+    good_plan(&plan);
+    assert_int_equal(ttf_plan_json(&plan, &text, NULL), 0);
+    assert_non_null(strstr(text, "\"interval_ns\": 600000000000"));
+    assert_non_null(strstr(text, "\"exposure_ns\": 20000000"));
+    assert_non_null(strstr(text, "\"mode\": \"none\""));
+    free(text);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_good_plan_has_figures),
+        cmocka_unit_test(times_beyond_sense_are_refused),
+        cmocka_unit_test(shots_beyond_sense_are_refused),
+        cmocka_unit_test(brackets_that_snap_to_one_exposure_are_refused),
+        cmocka_unit_test(what_the_box_lacks_is_named),
+        cmocka_unit_test(lamps_are_held_to_what_the_board_allows),
+        cmocka_unit_test(a_photoperiod_is_held_to_it_as_well),
+        cmocka_unit_test(lit_shots_without_a_lamp_mode_are_a_mistake),
+        cmocka_unit_test(a_slot_must_fit_its_interval),
+        cmocka_unit_test(the_stored_plan_has_units_in_its_names),
+    };
+
+    return cmocka_run_group_tests(tests, make_box, drop_box);
+}

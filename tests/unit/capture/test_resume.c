@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cmocka_includes.h"
+
+#include <errno.h>
+#include <stdio.h>
+
+#include "ledger.h"
+#include "resume.h"
+
+#define UTC0 (INT64_C(1700000000) * TTF_NS_PER_S)
+
+/* Ten slots of a minute done, begun at boot clock 100 s = UTC0. */
+static struct ttf_writer_state ten_slots_done(void)
+{
+    struct ttf_writer_state s = {.next_index = 10, .n_segments = 1};
+
+    s.last_segment.first_index = 0;
+    s.last_segment.origin_ns = 100 * TTF_NS_PER_S;
+    s.last_segment.origin_utc_ns = UTC0;
+    s.last_segment.interval_ns = TTF_NS_PER_MIN;
+    snprintf(s.last_segment.boot_id, sizeof(s.last_segment.boot_id), "first-boot");
+    snprintf(s.last_segment.trust, sizeof(s.last_segment.trust), "rtc");
+    return s;
+}
+
+/* A new boot, 5 s old, when UTC is utc_ns. */
+static struct ttf_resume_input boot(const struct ttf_writer_state *state, int64_t utc_ns,
+                                    enum ttf_trust trust)
+{
+    struct ttf_resume_input in = {
+        .state = state,
+        .boot_id = "second-boot",
+        .utc = {.boot_ns = 5 * TTF_NS_PER_S, .utc_ns = utc_ns, .trust = trust},
+        .now_ns = 5 * TTF_NS_PER_S,
+        .ready_ns = 8 * TTF_NS_PER_S,
+        .interval_ns = TTF_NS_PER_MIN,
+        .count = 1000,
+    };
+
+    return in;
+}
+
+static void a_new_run_begins_as_soon_as_it_is_ready(void **state)
+{
+    struct ttf_writer_state none = {0};
+    struct ttf_resume_input in = boot(&none, UTC0, TTF_TRUST_NONE);
+    struct ttf_resume r;
+
+    (void)state;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.grid.first_index, 0);
+    assert_int_equal(r.grid.origin_ns, in.ready_ns);
+    assert_int_equal(r.lost_until, 0);
+    assert_false(r.continued);
+}
+
+static void a_start_time_lies_where_utc_says(void **state)
+{
+    struct ttf_writer_state none = {0};
+    struct ttf_resume_input in = boot(&none, UTC0, TTF_TRUST_NTP);
+    struct ttf_resume r;
+
+    (void)state;
+    in.start_utc_ns = UTC0 + TTF_NS_PER_H;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.grid.origin_ns, 5 * TTF_NS_PER_S + TTF_NS_PER_H);
+    in.start_utc_ns = UTC0 - 150 * TTF_NS_PER_S;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.lost_until, 3);
+    assert_int_equal(r.lost_result, TTF_RESULT_MISSED);
+}
+
+static void a_start_time_needs_a_clock_somebody_vouches_for(void **state)
+{
+    struct ttf_writer_state none = {0};
+    struct ttf_resume_input in = boot(&none, UTC0, TTF_TRUST_NONE);
+    struct ttf_resume r;
+    struct ttf_err err;
+
+    (void)state;
+    in.start_utc_ns = UTC0 + TTF_NS_PER_H;
+    assert_int_equal(ttf_resume_resolve(&in, &r, &err), -EINVAL);
+    assert_string_equal(err.where, "start");
+}
+
+static void a_trusted_clock_rejoins_the_grid_and_names_the_outage(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    /* Slot 10 was due at UTC0 + 600 s; it is 25 s after slot 12. */
+    struct ttf_resume_input in = boot(&done, UTC0 + (12 * 60 + 25) * TTF_NS_PER_S, TTF_TRUST_RTC);
+    struct ttf_resume r;
+
+    (void)state;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_true(r.on_grid);
+    assert_int_equal(r.grid.first_index, 10);
+    assert_int_equal(r.lost_until, 13);
+    assert_int_equal(r.lost_result, TTF_RESULT_POWER);
+    assert_int_equal(r.gap_ns, 0);
+    assert_int_equal(ttf_grid_due_ns(&r.grid, 13), (5 + 35) * TTF_NS_PER_S);
+}
+
+static void the_same_boot_needs_no_utc(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in = boot(&done, 0, TTF_TRUST_NONE);
+    struct ttf_resume r;
+
+    (void)state;
+    in.boot_id = "first-boot";
+    in.now_ns = (100 + 11 * 60 + 1) * TTF_NS_PER_S;
+    in.ready_ns = in.now_ns + 2 * TTF_NS_PER_S;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.grid.origin_ns, (100 + 10 * 60) * TTF_NS_PER_S);
+    assert_int_equal(r.lost_until, 12);
+    assert_int_equal(r.lost_result, TTF_RESULT_MISSED);
+    assert_string_equal(r.lost_reason, TTF_REASON_NOT_RUNNING);
+}
+
+static void an_untrusted_clock_goes_on_at_once_with_the_gap_unknown(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in = boot(&done, UTC0 + TTF_NS_PER_DAY, TTF_TRUST_NONE);
+    struct ttf_resume r;
+
+    (void)state;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_false(r.on_grid);
+    assert_int_equal(r.grid.first_index, 10);
+    assert_int_equal(r.grid.origin_ns, in.ready_ns);
+    assert_int_equal(r.lost_until, 10);
+    assert_int_equal(r.gap_ns, TTF_NS_UNKNOWN);
+}
+
+static void a_clock_behind_the_last_slot_is_not_believed(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in = boot(&done, UTC0 - TTF_NS_PER_DAY, TTF_TRUST_RTC);
+    struct ttf_resume r;
+
+    (void)state;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_true(r.clock_implausible);
+    assert_false(r.on_grid);
+    assert_int_equal(r.lost_until, 10);
+}
+
+static void an_outage_past_the_end_leaves_no_slot_unnamed(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in = boot(&done, UTC0 + 30 * TTF_NS_PER_DAY, TTF_TRUST_NTP);
+    struct ttf_resume r;
+
+    (void)state;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.lost_until, in.count);
+}
+
+static void the_gap_is_known_once_utc_is(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+
+    (void)state;
+    assert_int_equal(ttf_resume_gap_ns(&done.last_segment, 10, UTC0 + (600 + 300) * TTF_NS_PER_S),
+                     300 * TTF_NS_PER_S);
+    snprintf(done.last_segment.trust, sizeof(done.last_segment.trust), "none");
+    assert_int_equal(ttf_resume_gap_ns(&done.last_segment, 10, UTC0), TTF_NS_UNKNOWN);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_new_run_begins_as_soon_as_it_is_ready),
+        cmocka_unit_test(a_start_time_lies_where_utc_says),
+        cmocka_unit_test(a_start_time_needs_a_clock_somebody_vouches_for),
+        cmocka_unit_test(a_trusted_clock_rejoins_the_grid_and_names_the_outage),
+        cmocka_unit_test(the_same_boot_needs_no_utc),
+        cmocka_unit_test(an_untrusted_clock_goes_on_at_once_with_the_gap_unknown),
+        cmocka_unit_test(a_clock_behind_the_last_slot_is_not_believed),
+        cmocka_unit_test(an_outage_past_the_end_leaves_no_slot_unnamed),
+        cmocka_unit_test(the_gap_is_known_once_utc_is),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
