@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "quilt/layers.h"
 #include "reference.h"
 #include "textures.h"
 #include "ttf/synth/quilt.h"
@@ -289,6 +290,50 @@ static void feathering_blends_light_near_seams_and_nowhere_else(void **state)
     texture_free(&input);
 }
 
+static void a_feather_is_a_ramp_centred_on_the_cut(void **state)
+{
+    (void)state;
+    /* 12 pixels, cut before 6, 4 wide: eighths at the centres of four pixels */
+    assert_int_equal(ttf_layers_weight(3, 6, 12, 4), 0);
+    assert_int_equal(ttf_layers_weight(4, 6, 12, 4), 65536 / 8);
+    assert_int_equal(ttf_layers_weight(5, 6, 12, 4), 65536 * 3 / 8);
+    assert_int_equal(ttf_layers_weight(6, 6, 12, 4), 65536 * 5 / 8);
+    assert_int_equal(ttf_layers_weight(7, 6, 12, 4), 65536 * 7 / 8);
+    assert_int_equal(ttf_layers_weight(8, 6, 12, 4), 65536);
+    /* none asked for, one pixel, or no room: a step */
+    for (uint32_t i = 0; i < 12; i++) {
+        assert_int_equal(ttf_layers_weight(i, 6, 12, 0), i < 6 ? 0 : 65536);
+        assert_int_equal(ttf_layers_weight(i, 6, 12, 1), i < 6 ? 0 : 65536);
+        assert_int_equal(ttf_layers_weight(i, 0, 12, 4), 65536);
+    }
+    /* near the edge of the overlap the ramp is narrower and never leaves it */
+    assert_int_equal(ttf_layers_weight(0, 1, 12, 8), 65536 / 4);
+    assert_int_equal(ttf_layers_weight(1, 1, 12, 8), 65536 * 3 / 4);
+    assert_int_equal(ttf_layers_weight(2, 1, 12, 8), 65536);
+}
+
+static void layers_are_laid_one_over_the_other(void **state)
+{
+    uint32_t source[2] = {0, 1};
+    struct ttf_quilt_layer layers[] = {{1, 1, 65536}, {1, 2, 16384}, {1, 0, 32768}};
+    const struct ttf_quilt_map map = {.width = 2,
+                                      .height = 1,
+                                      .source_width = 3,
+                                      .source_height = 1,
+                                      .source = source,
+                                      .n_layers = 3,
+                                      .layers = layers};
+    const uint16_t codes[9] = {0, 100, 65535, 1000, 2000, 3000, 5000, 2000, 65535};
+    uint16_t got[6];
+
+    (void)state;
+    ttf_quilt_compose(&map, codes, got);
+    assert_memory_equal(got, codes, 6);
+    assert_int_equal(got[3], 1000); /* (1000 * 3 + 5000) / 4 / 2 */
+    assert_int_equal(got[4], 1050); /* (2000 + 100) / 2 */
+    assert_int_equal(got[5], ((3000 * 3 + 65535 + 2) / 4 + 65535 + 1) / 2); /* rounded each time */
+}
+
 static void a_blend_of_equal_light_changes_nothing(void **state)
 {
     struct texture_sequence input = texture_make(TEXTURE_CONSTANT, 40, 36, 2);
@@ -422,6 +467,8 @@ int main(void)
         cmocka_unit_test(seeds_give_different_pictures_and_each_seed_always_the_same),
         cmocka_unit_test(a_constant_input_offers_every_position),
         cmocka_unit_test(feathering_blends_light_near_seams_and_nowhere_else),
+        cmocka_unit_test(a_feather_is_a_ramp_centred_on_the_cut),
+        cmocka_unit_test(layers_are_laid_one_over_the_other),
         cmocka_unit_test(a_blend_of_equal_light_changes_nothing),
         cmocka_unit_test(frames_quilted_alone_have_maps_of_their_own),
         cmocka_unit_test(impossible_settings_are_refused_by_name),

@@ -204,6 +204,34 @@ static void fast_float_kernels_agree_within_rounding(void **state)
     }
 }
 
+static void trajectories_hold_every_frame_and_channel_of_a_pixel_together(void **state)
+{
+    struct texture_sequence made = texture_make(TEXTURE_NOISE, W, H, 50);
+    struct ttf_pool *pool = ttf_pool_create(3);
+    struct ttf_trajectories display, linear;
+
+    (void)state;
+    assert_int_equal(
+        ttf_trajectories_load(made.sequence, 3, 44, TTF_METRIC_DISPLAY, pool, NULL, &display, NULL),
+        0);
+    assert_int_equal(
+        ttf_trajectories_load(made.sequence, 3, 44, TTF_METRIC_LINEAR, pool, NULL, &linear, NULL),
+        0);
+    assert_int_equal(display.dims, 3 * 44);
+    for (size_t p = 0; p < (size_t)W * H; p++) {
+        for (size_t i = 0; i < display.dims; i++) {
+            uint16_t code = made.codes[((3 + i / 3) * W * H + p) * 3 + i % 3];
+
+            assert_int_equal(ttf_trajectory(&display, p)[i], ttf_linear16_to_srgb8(code));
+            assert_int_equal(ttf_trajectory(&linear, p)[i], (int)(code / 257.0 + 0.5));
+        }
+    }
+    ttf_trajectories_free(&display);
+    ttf_trajectories_free(&linear);
+    ttf_pool_destroy(pool);
+    texture_free(&made);
+}
+
 static void noise_is_estimated_from_time_and_never_below_rounding(void **state)
 {
     struct texture_sequence made = texture_make(TEXTURE_CONSTANT, W, H, 12);
@@ -239,6 +267,7 @@ int main(void)
         cmocka_unit_test(bounds_exclude_most_of_a_texture),
         cmocka_unit_test(fast_kernels_agree_with_the_reference),
         cmocka_unit_test(fast_float_kernels_agree_within_rounding),
+        cmocka_unit_test(trajectories_hold_every_frame_and_channel_of_a_pixel_together),
         cmocka_unit_test(noise_is_estimated_from_time_and_never_below_rounding),
     };
 
