@@ -123,13 +123,16 @@ void optics_resample_row(const struct optics *o, const float *src, uint32_t y, f
     const int sw = (int)o->src_width, sh = (int)o->src_height;
     struct optics_row row;
     double vp;
-    float cover_v, t;
+    float cover_v, left, right, t;
     int j0, j1;
 
     optics_row(o, y + 0.5, &row);
     /* Rounded to 2^-16 pixel, so that a mapping of pixel to pixel is exact in spite of the divisions. */
     vp = floor(row.v * sh * 65536.0 + 0.5) / 65536.0;
-    cover_v = clamp01((float)(vp + 0.5)) * clamp01((float)(sh - vp + 0.5));
+    /* How much of the pixel the sample covers: its edges cross pixels where the keystone slants them. */
+    left = (float)(-row.u0 / row.du);
+    right = (float)((1.0 - row.u0) / row.du);
+    cover_v = clamp01((float)(y + 1.0 - o->y0)) * clamp01((float)(o->y1 - (double)y));
     vp = fmin(fmax(vp - 0.5, 0.0), sh - 1.0);
     j0 = (int)vp;
     j1 = j0 + 1 < sh ? j0 + 1 : j0;
@@ -142,7 +145,7 @@ void optics_resample_row(const struct optics *o, const float *src, uint32_t y, f
     }
     for (uint32_t x = 0; x < o->width; x++) {
         const float up = (float)((row.u0 + (x + 0.5) * row.du) * sw);
-        const float cover = cover_v * clamp01(up + 0.5f) * clamp01((float)sw - up + 0.5f);
+        const float cover = cover_v * clamp01((float)x + 1.0f - left) * clamp01(right - (float)x);
         const float at = fminf(fmaxf(up - 0.5f, 0.0f), (float)(sw - 1));
         const int i0 = (int)at, i1 = i0 + 1 < sw ? i0 + 1 : i0;
         const float f = at - (float)i0, rest = (1.0f - cover) * o->margin;
