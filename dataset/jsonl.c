@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "jsonl.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io_path.h"
+
+#define PIECE_BYTES ((size_t)64 * 1024)
+
+int ttf_jsonl_open(struct ttf_jsonl *f, struct ttf_io *io, const char *path,
+                   const struct ttf_lines_tail *tail, struct ttf_err *err)
+{
+    *f = (struct ttf_jsonl){.io = io, .file = -1};
+    f->path = strdup(path);
+    if (!f->path)
+        return ttf_err_set(err, -ENOMEM, path, "no memory");
+    f->bytes = tail->good_bytes;
+    f->next_seq = tail->next_seq;
+    f->no_newline = tail->no_newline;
+    f->file = io->ops->open(io, path, TTF_IO_APPEND);
+    if (f->file < 0)
+        return ttf_err_set(err, f->file, path, "cannot be opened: %s", strerrordesc_np(-f->file));
+    return 0;
+}
+
+/* Copies the good lines behind one another into a fresh file. */
+static int copy_good(struct ttf_jsonl *f, int to)
+{
+    void *piece = malloc(PIECE_BYTES);
+    int64_t at = 0, got;
+    size_t n;
+    int r = 0;
+
+    if (!piece)
+        return -ENOMEM;
+    while (r == 0 && at < f->bytes) {
+        n = f->bytes - at < (int64_t)PIECE_BYTES ? (size_t)(f->bytes - at) : PIECE_BYTES;
+        got = ttf_io_pread_all(f->io, f->file, piece, n, at);
+        if (got != (int64_t)n)
+            r = got < 0 ? (int)got : -EIO;
+        else
+            r = ttf_io_append_all(f->io, to, piece, n);
+        at += (int64_t)n;
+    }
+    free(piece);
+    return r;
+}
+
+/*
+ * After a failed write or sync nobody knows which bytes of the file are on the
+ * disk, and a second sync of it may wrongly succeed. So all of it is written
+ * again as a new file under a temporary name, which then takes its place.
+ */
+static int write_anew(struct ttf_jsonl *f, const char *text, size_t n)
+{
+    char *temporary = ttf_path_format("%s.tmp", f->path);
+    int file = -1, r = -ENOMEM;
+
+    if (!temporary)
+        return r;
+    r = f->io->ops->unlink(f->io, temporary);
+    if (r == -ENOENT || r == 0)
+        r = file = f->io->ops->open(f->io, temporary, TTF_IO_CREATE_NEW);
+    if (r < 0)
+        goto out;
+    r = copy_good(f, file);
+    if (r == 0)
+        r = ttf_io_append_all(f->io, file, text, n);
+    if (r == 0)
+        r = f->io->ops->sync(f->io, file, false);
+    if (r == 0)
+        r = f->io->ops->rename(f->io, temporary, f->path);
+    if (r) {
+        f->io->ops->close(f->io, file);
+        f->io->ops->unlink(f->io, temporary);
+        goto out;
+    }
+    f->io->ops->close(f->io, f->file);
+    f->file = file;
+    r = ttf_io_sync_parent(f->io, f->path);
+out:
+    free(temporary);
+    return r;
+}
+
+/* Appends text behind the good lines and syncs, or leaves them as they were. */
+static int put(struct ttf_jsonl *f, const char *text, size_t n)
+{
+    int r, back;
+
+    r = ttf_io_append_all(f->io, f->file, text, n);
+    if (r == -ENOSPC || r == -EDQUOT || r == -EROFS) {
+        back = f->io->ops->truncate(f->io, f->file, f->bytes);
+        if (back) /* a piece of a line stays at the end: only opening anew can repair it */
+            f->broken = r;
+        return r;
+    }
+    if (r == 0)
+        r = f->io->ops->sync(f->io, f->file, true);
+    if (r == 0)
+        return 0;
+    back = write_anew(f, text, n);
+    if (back == 0)
+        return 0;
+    f->broken = r;
+    /* Not acknowledged: better it is not there either. */
+    if (f->io->ops->truncate(f->io, f->file, f->bytes) == 0)
+        (void)f->io->ops->sync(f->io, f->file, true);
+    return r;
+}
+
+int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_json *json, struct ttf_err *err)
+{
+    const char *text;
+    char *owed = NULL;
+    size_t n;
+    int r;
+
+    r = ttf_line_finish(json, &text, &n);
+    if (r) {
+        ttf_err_set(err, r, f->path, "a line cannot be put into words: %s", strerrordesc_np(-r));
+        goto out;
+    }
+    if (f->broken) {
+        r = ttf_err_set(err, f->broken, f->path,
+                        "an earlier write failed; nothing more is written");
+        goto out;
+    }
+    if (f->no_newline) {
+        owed = ttf_path_format("\n%s", text);
+        if (!owed) {
+            r = ttf_err_set(err, -ENOMEM, f->path, "no memory");
+            goto out;
+        }
+        text = owed;
+        n++;
+    }
+    r = put(f, text, n);
+    if (r) {
+        ttf_err_set(err, r, f->path, "a line cannot be written: %s", strerrordesc_np(-r));
+        goto out;
+    }
+    f->bytes += (int64_t)n;
+    f->next_seq++;
+    /*
+     * The line is on the disk. Only now its newline, which the next sync takes
+     * along: so a line that has one is whole, whatever order blocks reach the disk in.
+     */
+    f->no_newline = ttf_io_append_all(f->io, f->file, "\n", 1) != 0;
+    f->bytes += f->no_newline ? 0 : 1;
+out:
+    free(owed);
+    ttf_json_free(json);
+    return r;
+}
+
+int ttf_jsonl_settle(struct ttf_jsonl *f, struct ttf_err *err)
+{
+    int r = f->broken;
+
+    if (r == 0 && f->no_newline) {
+        r = ttf_io_append_all(f->io, f->file, "\n", 1);
+        if (r == 0) {
+            f->no_newline = false;
+            f->bytes++;
+        }
+    }
+    if (r == 0)
+        r = f->io->ops->sync(f->io, f->file, true);
+    if (r) {
+        f->broken = f->broken ? f->broken : r;
+        return ttf_err_set(err, r, f->path, "cannot be written: %s", strerrordesc_np(-r));
+    }
+    return 0;
+}
+
+void ttf_jsonl_close(struct ttf_jsonl *f)
+{
+    if (f->file >= 0)
+        f->io->ops->close(f->io, f->file);
+    f->file = -1;
+    free(f->path);
+    f->path = NULL;
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * jsonl.h: a file of lines that only grows, each line durable when append returns.
+ * DESIGN.md, "A line". For the store's files only.
+ */
+#ifndef TTF_DATASET_JSONL_H
+#define TTF_DATASET_JSONL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "lines.h"
+#include "ttf/base/err.h"
+#include "ttf/dataset/io.h"
+
+struct ttf_jsonl {
+    struct ttf_io *io;
+    char *path;
+    int file;      /* -1: not open */
+    int64_t bytes; /* of good lines */
+    int64_t next_seq;
+    bool no_newline; /* the last line's newline is still to be written */
+    int broken;      /* 0, or what every later append returns: what is on the disk is not known */
+};
+
+/* Opens for going on where a scan ended; the tail's fragment must be gone. */
+TTF_MUST_USE int ttf_jsonl_open(struct ttf_jsonl *f, struct ttf_io *io, const char *path,
+                                const struct ttf_lines_tail *tail, struct ttf_err *err);
+
+/* Finishes the line in json (begun with seq f->next_seq), appends and syncs it; frees json. */
+TTF_MUST_USE int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_json *json, struct ttf_err *err);
+
+/* Writes a newline that is still owed, and syncs. */
+TTF_MUST_USE int ttf_jsonl_settle(struct ttf_jsonl *f, struct ttf_err *err);
+
+void ttf_jsonl_close(struct ttf_jsonl *f);
+
+#endif

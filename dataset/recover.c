@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Opening for writing: what a crash can leave is put right, and nothing else (DESIGN.md, "Recovery"). */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io_path.h"
+#include "record_line.h"
+#include "sums.h"
+#include "walk.h"
+#include "writer_private.h"
+
+/* Of a fragment as much as any line of an ordinary slot has. */
+#define ASIDE_BYTES_MAX ((size_t)64 * 1024)
+
+/* ---- bytes behind the last whole line ---- */
+
+static char *read_hex(struct ttf_io *io, int file, int64_t offset, int64_t bytes)
+{
+    static const char digits[] = "0123456789abcdef";
+    size_t n = bytes < (int64_t)ASIDE_BYTES_MAX ? (size_t)bytes : ASIDE_BYTES_MAX, i;
+    unsigned char *raw = malloc(n);
+    char *hex = malloc(2 * n + 1);
+
+    if (!raw || !hex || ttf_io_pread_all(io, file, raw, n, offset) != (int64_t)n) {
+        free(raw);
+        free(hex);
+        return NULL;
+    }
+    for (i = 0; i < n; i++) {
+        hex[2 * i] = digits[raw[i] >> 4];
+        hex[2 * i + 1] = digits[raw[i] & 15];
+    }
+    hex[2 * n] = '\0';
+    free(raw);
+    return hex;
+}
+
+static int aside_event(struct ttf_writer *writer, const char *name, int64_t bytes, const char *hex,
+                       struct ttf_err *err)
+{
+    char text[160];
+    struct ttf_json json;
+    const char *detail;
+    int r;
+
+    snprintf(text, sizeof(text), "%s ended in %lld bytes that are no whole line: set aside here",
+             name, (long long)bytes);
+    ttf_json_init(&json, false);
+    ttf_json_object(&json);
+    ttf_json_kstring(&json, "file", name);
+    ttf_json_kint(&json, "bytes", bytes);
+    if (hex)
+        ttf_json_kstring(&json, "hex", hex);
+    ttf_json_object_end(&json);
+    r = ttf_json_finish(&json, &detail, NULL);
+    if (r == 0)
+        r = ttf_writer_event(writer, "repair", TTF_NS_UNKNOWN, TTF_NS_UNKNOWN, text, detail, err);
+    else
+        ttf_err_set(err, r, name, "no memory");
+    ttf_json_free(&json);
+    return r;
+}
+
+static int cut_fragment(struct ttf_jsonl *f, const struct ttf_lines_tail *tail, struct ttf_err *err)
+{
+    int r;
+
+    r = f->io->ops->truncate(f->io, f->file, tail->good_bytes);
+    if (r == 0)
+        r = f->io->ops->sync(f->io, f->file, false);
+    return r ? ttf_err_set(err, r, f->path, "cannot be repaired: %s", strerrordesc_np(-r)) : 0;
+}
+
+/* Both files end in whole lines after this; what was cut off stands in events.jsonl. */
+static int repair_ends(struct ttf_writer *writer, const struct ttf_lines_tail *records,
+                       const struct ttf_lines_tail *events, struct ttf_err *err)
+{
+    struct ttf_io *io = writer->io;
+    char *of_events = NULL, *of_records = NULL;
+    int r = 0;
+
+    if (events->fragment_bytes > 0) {
+        of_events =
+            read_hex(io, writer->events.file, events->fragment_offset, events->fragment_bytes);
+        r = cut_fragment(&writer->events, events, err);
+        if (r == 0)
+            r = aside_event(writer, "events.jsonl", events->fragment_bytes, of_events, err);
+        writer->state.repaired++;
+    }
+    if (r == 0 && records->fragment_bytes > 0) {
+        of_records =
+            read_hex(io, writer->records.file, records->fragment_offset, records->fragment_bytes);
+        r = aside_event(writer, "records.jsonl", records->fragment_bytes, of_records, err);
+        if (r == 0)
+            r = cut_fragment(&writer->records, records, err);
+        writer->state.repaired++;
+    }
+    if (r == 0 && writer->records.no_newline) {
+        r = ttf_jsonl_settle(&writer->records, err);
+        writer->state.repaired++;
+    }
+    if (r == 0 && writer->events.no_newline)
+        r = ttf_jsonl_settle(&writer->events, err);
+    free(of_records);
+    free(of_events);
+    return r;
+}
+
+/* ---- files that are no part of any committed slot ---- */
+
+struct orphans {
+    struct ttf_paths paths;
+    int64_t index; /* of all of them; -1: none yet, -2: of several slots */
+};
+
+static int named_file(void *ctx, const struct ttf_named_file *file, struct ttf_err *err)
+{
+    struct orphans *o = ctx;
+    size_t i;
+
+    for (i = 0; i < o->paths.n; i++)
+        if (strcmp(o->paths.items[i], file->path) == 0)
+            o->index = -2; /* somebody's own way of naming: hands off */
+    return 0;
+}
+
+static int named_line(void *ctx, const struct ttf_line *line, struct ttf_err *err)
+{
+    return ttf_line_files(line, named_file, ctx, err);
+}
+
+static int find_leftovers(struct ttf_writer *writer, const struct ttf_paths *files,
+                          struct ttf_paths *temporary, struct orphans *orphans, struct ttf_err *err)
+{
+    int64_t index;
+    size_t i;
+    int r = 0;
+
+    for (i = 0; r == 0 && i < files->n; i++) {
+        index = ttf_path_index(files->items[i]);
+        if (ttf_is_temporary(files->items[i])) {
+            r = ttf_paths_add(temporary, files->items[i]);
+        } else if (index >= writer->state.next_index) {
+            r = ttf_paths_add(&orphans->paths, files->items[i]);
+            orphans->index = orphans->index == -1 || orphans->index == index ? index : -2;
+        }
+    }
+    if (r)
+        return ttf_err_set(err, r, writer->path, "no memory");
+    if (orphans->index >= 0)
+        r = ttf_lines_scan(writer->io, writer->records.path, named_line, NULL, orphans, NULL, err);
+    return r;
+}
+
+static int remove_all(struct ttf_writer *writer, const struct ttf_paths *paths, struct ttf_err *err)
+{
+    char *full;
+    size_t i;
+    int r = 0;
+
+    for (i = 0; r >= 0 && i < paths->n; i++) {
+        full = ttf_path_format("%s/%s", writer->path, paths->items[i]);
+        r = full ? ttf_remove(writer->io, full, err) : -ENOMEM;
+        free(full);
+        writer->state.repaired++;
+    }
+    return r < 0 ? r : 0;
+}
+
+static int repair_files(struct ttf_writer *writer, char *told, size_t told_size,
+                        struct ttf_err *err)
+{
+    struct ttf_paths files = {0}, temporary = {0};
+    struct orphans orphans = {.index = -1};
+    int r;
+
+    r = ttf_walk(writer->io, writer->path, &files, err);
+    if (r)
+        return r;
+    r = find_leftovers(writer, &files, &temporary, &orphans, err);
+    if (r == 0)
+        r = remove_all(writer, &temporary, err);
+    /*
+     * A crash leaves files of at most the one slot that was being committed. Files of
+     * several slots mean that records were lost: they stay, verify names them.
+     */
+    if (r == 0 && orphans.index >= 0)
+        r = remove_all(writer, &orphans.paths, err);
+    if (temporary.n > 0 || orphans.paths.n > 0)
+        snprintf(told, told_size, "%zu temporary files removed; %zu files without a record %s",
+                 temporary.n, orphans.paths.n, orphans.index == -2 ? "left alone" : "removed");
+    ttf_paths_free(&orphans.paths);
+    ttf_paths_free(&temporary);
+    ttf_paths_free(&files);
+    return r;
+}
+
+/* ---- the whole ---- */
+
+static int check_sums(struct ttf_writer *writer, enum ttf_sums_state *ret, struct ttf_err *err)
+{
+    char path[200];
+    int r;
+
+    r = ttf_sums_compare(writer->io, writer->path, ret, path, sizeof(path), err);
+    if (r || *ret != TTF_SUMS_AHEAD)
+        return r;
+    ttf_err_set(err, -TTF_EDAMAGED, writer->records.path,
+                "has lost lines: " TTF_SUMS_NAME " lists %s, which no record names", path);
+    ttf_err_hint(err, "keep a copy of the folder; go on in a new dataset");
+    return -TTF_EDAMAGED;
+}
+
+int ttf_writer_repair(struct ttf_writer *writer, const struct ttf_lines_tail *records,
+                      const struct ttf_lines_tail *events, struct ttf_err *err)
+{
+    enum ttf_sums_state sums;
+    char told[120] = "", text[200];
+    unsigned before;
+    int r;
+
+    r = check_sums(writer, &sums, err);
+    if (r)
+        return r;
+    r = repair_ends(writer, records, events, err);
+    if (r)
+        return r;
+    before = writer->state.repaired;
+    r = repair_files(writer, told, sizeof(told), err);
+    if (r == 0 && sums == TTF_SUMS_BEHIND) {
+        r = ttf_sums_rebuild(writer->io, writer->path, err);
+        writer->state.repaired++;
+    }
+    if (r)
+        return r;
+    if (writer->state.repaired > before) {
+        snprintf(text, sizeof(text), "%s%s%s", told, told[0] && sums == TTF_SUMS_BEHIND ? "; " : "",
+                 sums == TTF_SUMS_BEHIND ? TTF_SUMS_NAME " brought up to date" : "");
+        r = ttf_writer_event(writer, "repair", TTF_NS_UNKNOWN, TTF_NS_UNKNOWN, text, NULL, err);
+    }
+    return r;
+}

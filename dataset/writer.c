@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a writer does between opening and closing. Files: writer_file.c; the seal: seal.c. */
+#include "ttf/dataset/writer.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io_path.h"
+#include "record_line.h"
+#include "sums.h"
+#include "writer_private.h"
+
+struct ttf_writer *ttf_writer_alloc(struct ttf_io *io, const char *path)
+{
+    struct ttf_writer *writer = calloc(1, sizeof(*writer));
+    size_t n = strlen(path);
+
+    if (!writer)
+        return NULL;
+    while (n > 1 && path[n - 1] == '/')
+        n--;
+    writer->io = io;
+    writer->lock = writer->sums = writer->records.file = writer->events.file = -1;
+    writer->state.last_due_ns = TTF_NS_UNKNOWN;
+    writer->path = strndup(path, n);
+    if (!writer->path) {
+        free(writer);
+        return NULL;
+    }
+    return writer;
+}
+
+int ttf_writer_lock(struct ttf_writer *writer, struct ttf_err *err)
+{
+    struct ttf_io *io = writer->io;
+    int r;
+
+    writer->lock = io->ops->open(io, writer->path, TTF_IO_READ);
+    if (writer->lock < 0)
+        return ttf_err_set(err, writer->lock, writer->path, "cannot be opened: %s",
+                           strerrordesc_np(-writer->lock));
+    r = io->ops->lock(io, writer->lock);
+    if (r == -EAGAIN) {
+        ttf_err_set(err, -EBUSY, writer->path, "another program is writing this dataset");
+        ttf_err_hint(err, "wait until it is done, or stop it");
+        return -EBUSY;
+    }
+    /* Some network file systems know no locks: then nobody guards, and the work goes on. */
+    if (r && r != -EBADF && r != -ENOTSUP && r != -ENOLCK && r != -EINVAL && r != -ENOSYS)
+        return ttf_err_set(err, r, writer->path, "cannot be locked: %s", strerrordesc_np(-r));
+    return 0;
+}
+
+const struct ttf_manifest *ttf_writer_manifest(const struct ttf_writer *writer)
+{
+    return &writer->manifest;
+}
+
+const struct ttf_writer_state *ttf_writer_state(const struct ttf_writer *writer)
+{
+    return &writer->state;
+}
+
+const char *ttf_writer_path(const struct ttf_writer *writer)
+{
+    return writer->path;
+}
+
+int ttf_writer_space(struct ttf_writer *writer, struct ttf_io_space *ret)
+{
+    return writer->io->ops->space(writer->io, writer->path, ret);
+}
+
+int ttf_writer_unseal(struct ttf_writer *writer, struct ttf_err *err)
+{
+    int r;
+
+    if (!writer->sealed)
+        return 0;
+    r = ttf_sums_rebuild(writer->io, writer->path, err);
+    if (r)
+        return r;
+    writer->sealed = false;
+    ttf_reserve_make(writer);
+    return 0;
+}
+
+int ttf_writer_learn_segment(struct ttf_writer *writer, const struct ttf_segment *segment)
+{
+    struct ttf_writer_state *state = &writer->state;
+
+    if (segment->segment > state->n_segments)
+        return -EINVAL;
+    if (segment->segment == state->n_segments)
+        state->n_segments++;
+    if (segment->segment == state->n_segments - 1)
+        state->last_segment = *segment;
+    return 0;
+}
+
+int ttf_writer_segment(struct ttf_writer *writer, const struct ttf_segment *segment,
+                       struct ttf_err *err)
+{
+    const struct ttf_writer_state *state = &writer->state;
+    struct ttf_segment s = *segment;
+    struct ttf_json json;
+    int r;
+
+    r = ttf_segment_check(&s, err);
+    if (r)
+        return r;
+    if (s.segment > state->n_segments || (s.segment < state->n_segments) != s.corrects)
+        return ttf_err_set(err, -EINVAL, "segment", "segment is %d%s, but %d is the next new one",
+                           s.segment, s.corrects ? " (a correction)" : "", state->n_segments);
+    if (s.plan == 0 && state->n_plans == 0)
+        s.plan = -1;
+    if (s.plan >= state->n_plans)
+        return ttf_err_set(err, -EINVAL, "segment", "plan is %d, but there are %d plans", s.plan,
+                           state->n_plans);
+    r = ttf_writer_unseal(writer, err);
+    if (r)
+        return r;
+    ttf_line_begin(&json, "segment", writer->records.next_seq);
+    ttf_segment_put(&json, &s);
+    r = ttf_jsonl_append(&writer->records, &json, err);
+    if (r == 0) {
+        writer->ended = false;
+        r = ttf_writer_learn_segment(writer, &s);
+    }
+    return r;
+}
+
+int ttf_writer_plan(struct ttf_writer *writer, const char *yaml, const char *text,
+                    struct ttf_err *err)
+{
+    int n = writer->state.n_plans, r;
+    struct ttf_json json;
+
+    if (!yaml && !text)
+        return ttf_err_set(err, -EINVAL, "plan", "there is neither YAML nor JSON of it");
+    r = ttf_writer_unseal(writer, err);
+    if (r)
+        return r;
+    ttf_line_begin(&json, "plan", writer->records.next_seq);
+    r = ttf_writer_plan_files(writer, n, yaml, text, &json, err);
+    if (r) {
+        ttf_json_free(&json);
+        return r;
+    }
+    r = ttf_jsonl_append(&writer->records, &json, err);
+    if (r)
+        return r;
+    writer->ended = false;
+    writer->state.n_plans++;
+    return n;
+}
+
+/* Lines of SHA256SUMS for a slot's files. Not synced: opening repairs it from the records. */
+static void list_files(struct ttf_writer *writer, const struct ttf_slot_record *record)
+{
+    struct ttf_io *io = writer->io;
+    const struct ttf_file_ref *file;
+    unsigned i, k;
+    char *line;
+
+    for (i = 0; i < record->n_images; i++)
+        for (k = 0; k < record->images[i].n_files && !writer->sums_behind; k++) {
+            file = &record->images[i].files[k];
+            if (writer->sums < 0) {
+                line = ttf_path_format("%s/" TTF_SUMS_NAME, writer->path);
+                writer->sums = line ? io->ops->open(io, line, TTF_IO_APPEND) : -ENOMEM;
+                free(line);
+            }
+            line = ttf_path_format("%s  %s\n", file->sha256, file->path);
+            writer->sums_behind = writer->sums < 0 || !line ||
+                                  ttf_io_append_all(io, writer->sums, line, strlen(line)) != 0;
+            free(line);
+        }
+}
+
+int ttf_writer_commit(struct ttf_writer *writer, const struct ttf_slot_record *record,
+                      struct ttf_err *err)
+{
+    struct ttf_writer_state *state = &writer->state;
+    struct ttf_json json;
+    int r;
+
+    r = ttf_slot_check(record, err);
+    if (r)
+        return r;
+    if (record->index < state->next_index || record->index == INT64_MAX)
+        return ttf_err_set(err, -EINVAL, "slot", "index is %lld, but %lld is the next one",
+                           (long long)record->index, (long long)state->next_index);
+    if (record->segment >= state->n_segments)
+        return ttf_err_set(err, -EINVAL, "slot", "segment %d has no line yet", record->segment);
+    r = ttf_writer_unseal(writer, err);
+    if (r)
+        return r;
+    ttf_line_begin(&json, "slot", writer->records.next_seq);
+    ttf_slot_put(&json, record);
+    r = ttf_jsonl_append(&writer->records, &json, err);
+    if (r)
+        return r;
+    writer->ended = false;
+    state->next_index = record->index + 1;
+    state->last_due_ns = record->due_ns;
+    state->counts[record->result]++;
+    list_files(writer, record);
+    return 0;
+}
+
+/* JSON has no line ends inside texts, so those in a detail can only be blanks. */
+static int put_detail(struct ttf_json *json, const char *detail, struct ttf_err *err)
+{
+    json_t *parsed = json_loads(detail, 0, NULL);
+    bool object = json_is_object(parsed);
+    char *line, *c;
+
+    json_decref(parsed);
+    if (!object)
+        return ttf_err_set(err, -EINVAL, "event", "detail is no JSON object");
+    line = strdup(detail);
+    if (!line)
+        return ttf_err_set(err, -ENOMEM, "event", "no memory");
+    for (c = line; *c; c++)
+        if (*c == '\n' || *c == '\r')
+            *c = ' ';
+    ttf_json_key(json, "detail");
+    ttf_json_raw(json, line);
+    free(line);
+    return 0;
+}
+
+static int append_event(struct ttf_writer *writer, const char *kind, int64_t at_ns,
+                        int64_t at_utc_ns, const char *text, const char *detail,
+                        struct ttf_err *err)
+{
+    struct ttf_json json;
+    int r;
+
+    ttf_line_begin(&json, "event", writer->events.next_seq);
+    ttf_json_kstring(&json, "kind", kind);
+    if (at_ns != TTF_NS_UNKNOWN)
+        ttf_json_kint(&json, "at_ns", at_ns);
+    if (at_utc_ns != TTF_NS_UNKNOWN)
+        ttf_json_kint(&json, "at_utc_ns", at_utc_ns);
+    if (text && text[0])
+        ttf_json_kstring(&json, "text", text);
+    if (detail) {
+        r = put_detail(&json, detail, err);
+        if (r) {
+            ttf_json_free(&json);
+            return r;
+        }
+    }
+    return ttf_jsonl_append(&writer->events, &json, err);
+}
+
+int ttf_writer_event(struct ttf_writer *writer, const char *kind, int64_t at_ns, int64_t at_utc_ns,
+                     const char *text, const char *detail_json, struct ttf_err *err)
+{
+    int r;
+
+    r = ttf_writer_unseal(writer, err);
+    if (r)
+        return r;
+    do
+        r = append_event(writer, kind, at_ns, at_utc_ns, text, detail_json, err);
+    while (r == -ENOSPC && writer->events.broken == 0 && ttf_reserve_use(writer));
+    return r;
+}
+
+/* Newlines that are owed, and SHA256SUMS. What fails here, opening puts right. */
+static void settle(struct ttf_writer *writer)
+{
+    struct ttf_io *io = writer->io;
+    int r;
+
+    if (writer->sealed || writer->records.file < 0 || writer->events.file < 0)
+        return;
+    r = ttf_jsonl_settle(&writer->records, NULL);
+    if (r == 0)
+        r = ttf_jsonl_settle(&writer->events, NULL);
+    if (r == 0 && writer->sums_behind)
+        r = ttf_sums_rebuild(io, writer->path, NULL);
+    else if (r == 0 && writer->sums >= 0)
+        r = io->ops->sync(io, writer->sums, false);
+    if (r == 0)
+        (void)io->ops->sync_dir(io, writer->path);
+}
+
+void ttf_writer_close(struct ttf_writer *writer)
+{
+    if (!writer)
+        return;
+    settle(writer);
+    ttf_writer_abandon(writer);
+}
+
+void ttf_writer_abandon(struct ttf_writer *writer)
+{
+    struct ttf_io *io;
+
+    if (!writer)
+        return;
+    io = writer->io;
+    ttf_jsonl_close(&writer->records);
+    ttf_jsonl_close(&writer->events);
+    if (writer->sums >= 0)
+        io->ops->close(io, writer->sums);
+    if (writer->lock >= 0)
+        io->ops->close(io, writer->lock);
+    free(writer->calibrations);
+    free(writer->path);
+    free(writer);
+}

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One image file on its way to the disk (DESIGN.md, "Commit of a slot"). */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io_hashing.h"
+#include "io_path.h"
+#include "manifest_rules.h"
+#include "writer_private.h"
+
+/* What one attempt at a file needs. */
+struct attempt {
+    struct ttf_writer *writer;
+    ttf_produce_fn *produce;
+    void *ctx;
+    const char *path; /* relative */
+    char *full, *temporary;
+};
+
+/* A failure that another name, and so other blocks of the disk, may not meet again. */
+static bool worth_another_name(int r)
+{
+    return r == -EIO || r == -EUCLEAN || r == -ENXIO || r == -EREMOTEIO;
+}
+
+/* Writes, syncs, renames, syncs the folder. What it leaves on failure is removed as well as can be. */
+static int attempt(struct attempt *a, struct ttf_file_ref *ret, struct ttf_err *err)
+{
+    struct ttf_io *io = a->writer->io;
+    struct ttf_io_hashing hashing;
+    const char *step = "cannot be made";
+    int file, r, closed;
+
+    file = io->ops->open(io, a->temporary, TTF_IO_CREATE_NEW);
+    if (file < 0)
+        return ttf_err_set(err, file, a->path, "%s: %s", step, strerrordesc_np(-file));
+    ttf_io_hashing_init(&hashing, io, file);
+    r = a->produce(a->ctx, &hashing.io, file, err);
+    if (r < 0) {
+        io->ops->close(io, file);
+        io->ops->unlink(io, a->temporary);
+        if (err && err->code == 0)
+            ttf_err_set(err, r, a->path, "cannot be written: %s", strerrordesc_np(-r));
+        return r;
+    }
+    step = "cannot be synced to the disk";
+    r = io->ops->sync(io, file, false);
+    if (r == 0) {
+        step = "cannot be read back";
+        r = ttf_io_hashing_result(&hashing, &ret->bytes, ret->sha256);
+    }
+    closed = io->ops->close(io, file);
+    if (r == 0 && closed) {
+        step = "cannot be closed";
+        r = closed;
+    }
+    if (r == 0) {
+        step = "cannot be renamed";
+        r = io->ops->rename(io, a->temporary, a->full);
+    }
+    if (r) {
+        io->ops->unlink(io, a->temporary);
+        return ttf_err_set(err, r, a->path, "%s: %s", step, strerrordesc_np(-r));
+    }
+    r = ttf_io_sync_parent(io, a->full);
+    if (r) {
+        io->ops->unlink(io, a->full);
+        return ttf_err_set(err, r, a->path, "its folder cannot be synced to the disk: %s",
+                           strerrordesc_np(-r));
+    }
+    return 0;
+}
+
+/* frames/main/000012.b1.mask.r1.tif: the parts that apply. */
+static int make_path(struct ttf_file_ref *ref, const char *stream, int64_t index, int bracket,
+                     const char *extension, int retry)
+{
+    bool raw = strcmp(ref->role, "raw") == 0;
+    char b[24] = "", role[24] = "", again[24] = "";
+    int n;
+
+    if (bracket >= 0)
+        snprintf(b, sizeof(b), ".b%d", bracket);
+    if (!raw && strcmp(ref->role, "developed") != 0)
+        snprintf(role, sizeof(role), ".%s", ref->role);
+    if (retry > 0)
+        snprintf(again, sizeof(again), ".r%d", retry);
+    n = snprintf(ref->path, sizeof(ref->path), "%s/%s/%06lld%s%s%s.%s", raw ? "raw" : "frames",
+                 stream, (long long)index, b, role, again, extension);
+    return n < (int)sizeof(ref->path) && ttf_path_ok(ref->path) ? 0 : -EINVAL;
+}
+
+/* The first name from `retry` on that nothing on the disk has. */
+static int free_name(struct ttf_writer *writer, struct ttf_file_ref *ref, const char *stream,
+                     int64_t index, int bracket, const char *extension, int *retry, char **full)
+{
+    struct ttf_io_stat st;
+    int r;
+
+    for (;; (*retry)++) {
+        r = make_path(ref, stream, index, bracket, extension, *retry);
+        if (r)
+            return r;
+        *full = ttf_path_format("%s/%s", writer->path, ref->path);
+        if (!*full)
+            return -ENOMEM;
+        r = writer->io->ops->stat(writer->io, *full, &st);
+        if (r == -ENOENT)
+            return 0;
+        free(*full);
+        *full = NULL;
+        if (r && r != -EIO)
+            return r;
+    }
+}
+
+static int one_try(struct attempt *a, struct ttf_file_ref *ref, const char *stream, int64_t index,
+                   int bracket, const char *extension, int *retry, struct ttf_err *err)
+{
+    struct ttf_io *io = a->writer->io;
+    int r;
+
+    r = free_name(a->writer, ref, stream, index, bracket, extension, retry, &a->full);
+    if (r)
+        return ttf_err_set(err, r, ref->path, "no name can be had for this file: %s",
+                           strerrordesc_np(-r));
+    a->temporary = ttf_path_format("%s.tmp", a->full);
+    if (!a->temporary) {
+        r = ttf_err_set(err, -ENOMEM, ref->path, "no memory");
+    } else {
+        a->path = ref->path;
+        (void)io->ops->unlink(io, a->temporary);
+        r = attempt(a, ref, err);
+    }
+    free(a->temporary);
+    free(a->full);
+    a->temporary = a->full = NULL;
+    return r;
+}
+
+int ttf_writer_file(struct ttf_writer *writer, const char *role, const char *stream, int64_t index,
+                    int bracket, const char *extension, ttf_produce_fn *produce, void *ctx,
+                    struct ttf_file_ref *ret, struct ttf_err *err)
+{
+    struct attempt a = {.writer = writer, .produce = produce, .ctx = ctx};
+    struct ttf_file_ref ref = {0};
+    char *folder;
+    int r, retry = 0;
+
+    if (!ttf_name_ok(role) || strlen(role) >= sizeof(ref.role) ||
+        !ttf_manifest_stream(&writer->manifest, stream) || index < 0 || !ttf_name_ok(extension))
+        return ttf_err_set(err, -EINVAL, stream,
+                           "no file of role \"%s\", stream \"%s\", extension \"%s\" can be named",
+                           role, stream, extension);
+    r = ttf_writer_unseal(writer, err);
+    if (r)
+        return r;
+    snprintf(ref.role, sizeof(ref.role), "%s", role);
+    folder = ttf_path_format("%s/%s/%s", writer->path, strcmp(role, "raw") == 0 ? "raw" : "frames",
+                             stream);
+    if (!folder)
+        return ttf_err_set(err, -ENOMEM, stream, "no memory");
+    r = ttf_io_mkdirs(writer->io, folder, err);
+    free(folder);
+    if (r)
+        return r;
+    r = one_try(&a, &ref, stream, index, bracket, extension, &retry, err);
+    if (worth_another_name(r)) {
+        retry++;
+        if (err)
+            *err = (struct ttf_err){0};
+        r = one_try(&a, &ref, stream, index, bracket, extension, &retry, err);
+    }
+    if (r < 0)
+        return r;
+    *ret = ref;
+    return 0;
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A writer's knowledge of the records that are there already. */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "json_read.h"
+#include "record_line.h"
+#include "writer_private.h"
+
+int ttf_writer_learn_calibration(struct ttf_writer *writer, const char *id)
+{
+    char(*grown)[64];
+
+    grown = reallocarray(writer->calibrations, writer->n_calibrations + 1, sizeof(*grown));
+    if (!grown)
+        return -ENOMEM;
+    writer->calibrations = grown;
+    ttf_text_cut(grown[writer->n_calibrations++], sizeof(*grown), id);
+    return 0;
+}
+
+static int learn_slot(struct ttf_writer *writer, const struct ttf_line *line, struct ttf_err *err)
+{
+    struct ttf_writer_state *state = &writer->state;
+    struct ttf_slot_brief brief;
+    int r;
+
+    r = ttf_slot_get_brief(line, &brief, err);
+    if (r)
+        return r;
+    if (brief.index < state->next_index)
+        return ttf_err_set(err, -TTF_EDAMAGED, line->where,
+                           "slot %lld comes where %lld or more is due", (long long)brief.index,
+                           (long long)state->next_index);
+    if (brief.segment >= state->n_segments)
+        return ttf_err_set(err, -TTF_EDAMAGED, line->where,
+                           "slot %lld is of segment %d, which has no line before it",
+                           (long long)brief.index, brief.segment);
+    state->next_index = brief.index + 1;
+    state->last_due_ns = brief.due_ns;
+    state->counts[brief.result]++;
+    return 0;
+}
+
+static int learn_segment(struct ttf_writer *writer, const struct ttf_line *line,
+                         struct ttf_err *err)
+{
+    struct ttf_segment segment;
+    int r;
+
+    r = ttf_segment_get(line, &segment, err);
+    if (r)
+        return r;
+    if (ttf_writer_learn_segment(writer, &segment) != 0)
+        return ttf_err_set(err, -TTF_EDAMAGED, line->where,
+                           "segment %d comes where segment %d is due", segment.segment,
+                           writer->state.n_segments);
+    return 0;
+}
+
+int ttf_writer_learn(struct ttf_writer *writer, const struct ttf_line *line, struct ttf_err *err)
+{
+    const char *id;
+    int r = 0;
+
+    if (strcmp(line->type, "end") == 0) {
+        writer->ended = true;
+        return 0;
+    }
+    if (strcmp(line->type, "slot") == 0) {
+        r = learn_slot(writer, line, err);
+    } else if (strcmp(line->type, "segment") == 0) {
+        r = learn_segment(writer, line, err);
+    } else if (strcmp(line->type, "plan") == 0) {
+        writer->state.n_plans++;
+    } else if (strcmp(line->type, "calibration") == 0) {
+        id = json_string_value(json_object_get(line->json, "id"));
+        r = ttf_writer_learn_calibration(writer, id ? id : "");
+        if (r)
+            return ttf_err_set(err, r, line->where, "no memory");
+    } else {
+        return 0;
+    }
+    writer->ended = false;
+    return r;
+}

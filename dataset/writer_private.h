@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* writer_private.h: what the writer's files share. */
+#ifndef TTF_DATASET_WRITER_PRIVATE_H
+#define TTF_DATASET_WRITER_PRIVATE_H
+
+#include "jsonl.h"
+#include "ttf/dataset/writer.h"
+
+#define TTF_RESERVE_NAME  ".events-reserve"
+#define TTF_RESERVE_BYTES ((int64_t)256 * 1024)
+
+struct ttf_writer {
+    struct ttf_io *io;
+    char *path;
+    int lock; /* handle of the folder, locked; -1 */
+    struct ttf_manifest manifest;
+    struct ttf_writer_state state;
+    struct ttf_jsonl records, events;
+    bool sealed;      /* SHA256SUMS covers everything: to be undone before anything is written */
+    bool ended;       /* the last line is an "end" line */
+    int sums;         /* handle of SHA256SUMS, appended to; -1: not open */
+    bool sums_behind; /* an append failed: to be rebuilt */
+    unsigned n_calibrations;
+    char (*calibrations)[64]; /* ids that have a line */
+};
+
+/* Takes the folder's lock. -EBUSY. */
+TTF_MUST_USE int ttf_writer_lock(struct ttf_writer *writer, struct ttf_err *err);
+
+/* An empty writer for path; NULL: no memory. ttf_writer_abandon frees it. */
+struct ttf_writer *ttf_writer_alloc(struct ttf_io *io, const char *path);
+
+/* Before anything is written: the seal goes first. */
+TTF_MUST_USE int ttf_writer_unseal(struct ttf_writer *writer, struct ttf_err *err);
+
+/* Remembers what a line of records.jsonl says; also when reading them on opening. */
+TTF_MUST_USE int ttf_writer_learn(struct ttf_writer *writer, const struct ttf_line *line,
+                                  struct ttf_err *err);
+TTF_MUST_USE int ttf_writer_learn_segment(struct ttf_writer *writer,
+                                          const struct ttf_segment *segment);
+TTF_MUST_USE int ttf_writer_learn_calibration(struct ttf_writer *writer, const char *id);
+
+/* Space that events can fall back on. Making it may fail quietly: the disk is full already. */
+void ttf_reserve_make(struct ttf_writer *writer);
+/* Frees a part of it: true if there was one. */
+bool ttf_reserve_use(struct ttf_writer *writer);
+
+/* Puts right what a crash left: temporary files, orphans, ends of lines, SHA256SUMS. */
+TTF_MUST_USE int ttf_writer_repair(struct ttf_writer *writer, const struct ttf_lines_tail *records,
+                                   const struct ttf_lines_tail *events, struct ttf_err *err);
+
+/* Writes plans/N.yaml and .json and puts their entries into json as "files". */
+TTF_MUST_USE int ttf_writer_plan_files(struct ttf_writer *writer, int n, const char *yaml,
+                                       const char *text, struct ttf_json *json,
+                                       struct ttf_err *err);
+
+#endif
