@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Whatever a client, the sensors and the door do, and however rarely anybody
+ * looks: no lamp is on beyond any of its limits. The judge below knows nothing of
+ * the guardian's inside: it keeps every instant at which a level changed, finds
+ * these by asking the guardian's state at its own next instants, and checks the
+ * log by brute force.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ttf/base/time.h"
+#include "ttf/hal/guardian.h"
+
+#define S         TTF_NS_PER_S
+#define MS        TTF_NS_PER_MS
+#define STRETCHES 4096
+#define EVENTS    700
+#define SCHEDULES 150
+#define LAMPS     2
+
+struct stretch {
+    int64_t from, to;
+};
+
+struct judge {
+    struct ttf_guardian g;
+    uint64_t random;
+    int64_t now;
+    int64_t renewed, temp_at, open_since; /* what the judge itself did; TTF_NS_NEVER: not */
+    bool leased, hot, open;
+    int32_t temp;
+    unsigned n[LAMPS];
+    struct stretch log[LAMPS][STRETCHES];
+    bool lit[LAMPS];
+};
+
+static uint64_t rnd(struct judge *j, uint64_t below)
+{
+    j->random = j->random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (j->random >> 33) % below;
+}
+
+/* Writes what the lamps do from `at` on into the log. */
+static void note(struct judge *j, int64_t at)
+{
+    for (unsigned i = 0; i < j->g.n; i++) {
+        bool lit = j->g.lamp[i].actual_permille > 0;
+
+        if (lit && !j->lit[i]) {
+            assert_true(j->n[i] < STRETCHES);
+            j->log[i][j->n[i]++] = (struct stretch){at, TTF_NS_NEVER};
+        } else if (!lit && j->lit[i]) {
+            j->log[i][j->n[i] - 1].to = at;
+        }
+        j->lit[i] = lit;
+        assert_int_equal(lit, j->g.lamp[i].on_since_ns != TTF_NS_UNKNOWN);
+    }
+}
+
+/* Rules of the moment: held at every instant at which the lamps were looked at. */
+static void check_moment(const struct judge *j, int64_t at)
+{
+    for (unsigned i = 0; i < j->g.n; i++) {
+        const struct ttf_lamp_info *info = &j->g.info[i];
+
+        if (j->g.lamp[i].actual_permille == 0)
+            continue;
+        assert_true(j->leased && at < j->renewed + TTF_LEASE_LAPSE_NS);
+        assert_false(info->interlock_door && j->open);
+        if (info->max_temp_mdegc != 0) {
+            assert_true(at < j->temp_at + TTF_TEMP_MISSING_NS);
+            assert_false(j->hot && j->temp > info->max_temp_mdegc);
+        }
+    }
+}
+
+/* Sometimes stops at each of the guardian's own instants, sometimes looks only at the end. */
+static void pass(struct judge *j, int64_t to)
+{
+    struct ttf_guardian sleeper = j->g;
+
+    for (;;) {
+        int64_t next = ttf_guardian_next_ns(&j->g);
+
+        if (next > to)
+            break;
+        ttf_guardian_advance(&j->g, next);
+        note(j, next);
+        check_moment(j, next);
+    }
+    ttf_guardian_advance(&j->g, to);
+    note(j, to);
+    check_moment(j, to);
+    /* Whoever looks only at the end must find the same. */
+    ttf_guardian_advance(&sleeper, to);
+    assert_memory_equal(&sleeper, &j->g, sizeof(sleeper));
+    j->now = to;
+}
+
+static void check_log(const struct judge *j, unsigned i)
+{
+    const struct ttf_lamp_info *info = &j->g.info[i];
+    int64_t limit = info->duty_window_ns / 1000 * info->max_duty_permille;
+
+    for (unsigned a = 0; a < j->n[i]; a++) {
+        int64_t end = j->log[i][a].to < j->now ? j->log[i][a].to : j->now, used = 0;
+
+        if (info->max_on_ns > 0)
+            assert_true(end - j->log[i][a].from <= info->max_on_ns);
+        if (info->max_duty_permille == TTF_LAMP_FULL)
+            continue;
+        /* The worst windows end with a stretch. */
+        for (unsigned b = 0; b <= a; b++) {
+            int64_t from = j->log[i][b].from, to = b == a ? end : j->log[i][b].to;
+
+            if (from < end - info->duty_window_ns)
+                from = end - info->duty_window_ns;
+            if (to > from)
+                used += to - from;
+        }
+        assert_true(used <= limit);
+    }
+}
+
+static void event(struct judge *j)
+{
+    unsigned i = (unsigned)rnd(j, j->g.n);
+
+    switch (rnd(j, 12)) {
+    case 0:
+        if (ttf_guardian_acquire(&j->g, j->now) == 0) {
+            j->leased = true;
+            j->renewed = j->now;
+        }
+        break;
+    case 1:
+        if (rnd(j, 10) == 0) {
+            ttf_guardian_release(&j->g, j->now);
+            j->leased = false;
+        }
+        break;
+    case 2:
+    case 3:
+        j->temp = (int32_t)rnd(j, 60000);
+        j->temp_at = j->now;
+        j->hot = true;
+        ttf_guardian_temp(&j->g, j->now, j->temp);
+        break;
+    case 4:
+        j->open = rnd(j, 3) == 0;
+        ttf_guardian_door(&j->g, j->now, j->open);
+        break;
+    case 5:
+        (void)ttf_guardian_clear(&j->g, j->now, i);
+        break;
+    default:
+        (void)ttf_guardian_set(&j->g, j->now, i, (unsigned)(rnd(j, 3) * 500));
+        break;
+    }
+    if (ttf_guardian_renew(&j->g, j->now) == 0)
+        j->renewed = j->now;
+    note(j, j->now);
+    check_moment(j, j->now);
+}
+
+static void no_schedule_of_events_leaves_a_lamp_on_beyond_any_limit(void **state)
+{
+    struct judge *j = malloc(sizeof(*j));
+    unsigned lit = 0, trips[TTF_TRIP_COUNT] = {0};
+
+    (void)state;
+    assert_non_null(j);
+    for (uint64_t seed = 1; seed <= SCHEDULES; seed++) {
+        struct ttf_lamp_info info[2] = {{.kind = TTF_LAMP_PWM}, {.kind = TTF_LAMP_PWM}};
+
+        memset(j, 0, sizeof(*j));
+        j->random = seed * UINT64_C(0x9e3779b97f4a7c15);
+        for (int i = 0; i < 2; i++) {
+            info[i].max_on_ns = rnd(j, 3) ? (int64_t)(rnd(j, 20) + 1) * S : 0;
+            info[i].max_duty_permille = rnd(j, 4) ? (unsigned)rnd(j, 900) + 1 : TTF_LAMP_FULL;
+            info[i].duty_window_ns = (int64_t)(rnd(j, 120) + 1) * S;
+            info[i].max_temp_mdegc = rnd(j, 2) ? 50000 : 0;
+            info[i].hysteresis_mdegc = 2000;
+            info[i].interlock_door = rnd(j, 2);
+        }
+        j->now = (int64_t)rnd(j, 1000) * S;
+        j->temp_at = j->now;
+        ttf_guardian_init(&j->g, info, 2, j->now);
+        for (int e = 0; e < EVENTS; e++) {
+            /* Mostly quick, so that the lease holds; now and then a hang. */
+            pass(j, j->now + (int64_t)rnd(j, rnd(j, 40) ? 390 : 30000) * MS + (int64_t)rnd(j, MS));
+            event(j);
+            for (unsigned i = 0; i < 2; i++)
+                trips[j->g.lamp[i].trip]++;
+        }
+        for (unsigned i = 0; i < 2; i++) {
+            check_log(j, i);
+            lit += j->n[i];
+        }
+    }
+    free(j);
+    /* The schedules were not idle: lamps burned, and every limit struck. */
+    assert_true(lit > 1000);
+    for (int trip = 1; trip < TTF_TRIP_COUNT; trip++)
+        assert_true(trips[trip] > 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_schedule_of_events_leaves_a_lamp_on_beyond_any_limit),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
