@@ -226,6 +226,11 @@ const char *ttf_reader_path(const struct ttf_reader *reader)
     return reader->path;
 }
 
+struct ttf_io *ttf_reader_io(const struct ttf_reader *reader)
+{
+    return reader->io;
+}
+
 int ttf_reader_segment(struct ttf_reader *reader, int i, struct ttf_segment *ret)
 {
     if (i < 0 || i >= reader->summary.n_segments)

@@ -34,6 +34,7 @@ void ttf_reader_close(struct ttf_reader *reader); /* NULL allowed */
 const struct ttf_manifest *ttf_reader_manifest(const struct ttf_reader *reader);
 const struct ttf_reader_summary *ttf_reader_summary(const struct ttf_reader *reader);
 const char *ttf_reader_path(const struct ttf_reader *reader);
+struct ttf_io *ttf_reader_io(const struct ttf_reader *reader);
 
 /* Segment i as corrected by later lines; -ENOENT. */
 TTF_MUST_USE int ttf_reader_segment(struct ttf_reader *reader, int i, struct ttf_segment *ret);
