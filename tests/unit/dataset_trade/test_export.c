@@ -1,0 +1,551 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "trade_test.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#include "ttf/dataset/export.h"
+
+#define W 31 /* odd, as 4:2:0 does not like it */
+#define H 18
+
+/* A sequence with holes: frames of noise at given slots. */
+struct holes {
+    struct ttf_sequence base;
+    struct ttf_sequence *memory;
+};
+
+static int holes_rows(struct ttf_sequence *s, uint32_t t, uint32_t y0, uint32_t rows, uint16_t *dst,
+                      struct ttf_err *err)
+{
+    return ttf_sequence_read_rows(((struct holes *)s)->memory, t, y0, rows, dst, err);
+}
+
+static void holes_destroy(struct ttf_sequence *s)
+{
+    ttf_sequence_destroy(((struct holes *)s)->memory);
+}
+
+static const struct ttf_sequence_ops holes_ops = {holes_rows, holes_destroy};
+static const struct ttf_encoding plain = {.pedestal = 0, .scale = 65535};
+
+/* n frames of 8-bit sRGB noise as light; frames is W x H x 3 each. */
+static void fill(uint16_t *frames, unsigned n)
+{
+    for (unsigned t = 0; t < n; t++) {
+        struct ttf_pixbuf noise = make_picture(W, H, 3, TTF_SAMPLE_U8, t + 1);
+
+        for (size_t i = 0; i < (size_t)W * H * 3; i++)
+            frames[(size_t)t * W * H * 3 + i] = ttf_srgb8_to_linear16(((uint8_t *)noise.data)[i]);
+        ttf_pixbuf_free(&noise);
+    }
+}
+
+static struct ttf_sequence *with_holes(struct holes *holes, const uint16_t *frames, uint32_t n,
+                                       const int64_t *index, const struct ttf_encoding *encoding)
+{
+    assert_int_equal(ttf_sequence_of_memory(frames, W, H, n, encoding, &holes->memory, NULL), 0);
+    holes->base = *holes->memory;
+    holes->base.ops = &holes_ops;
+    if (index)
+        holes->base.index = index;
+    return &holes->base;
+}
+
+static struct ttf_pixbuf read_back(const char *path)
+{
+    struct ttf_pixbuf pixels = {0};
+    struct ttf_err err = {0};
+
+    if (ttf_image_read(ttf_io_posix(), path, 0, &pixels, NULL, &err))
+        fail_msg("%s: %s", err.where, err.what);
+    return pixels;
+}
+
+static struct ttf_export_result export_ok(struct ttf_sequence *s,
+                                          const struct ttf_export_config *config)
+{
+    struct ttf_export_result result;
+    struct ttf_err err = {0};
+
+    if (ttf_export(s, ttf_io_posix(), config, &result, &err))
+        fail_msg("%s: %s; %s", err.where, err.what, err.hint);
+    return result;
+}
+
+static void png_numbers_are_contiguous_and_held_frames_are_named(void **state)
+{
+    static const int64_t index[3] = {10, 11, 14};
+    uint16_t frames[3 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 3, index, &plain);
+    const char *out = in_folder(state, "out");
+    struct ttf_export_config config = {.kind = TTF_EXPORT_PNG, .output = out, .name = "leaf"};
+    struct ttf_export_result result;
+    struct ttf_pixbuf want, got;
+    char *text;
+    size_t n;
+
+    fill(frames, 3);
+    result = export_ok(s, &config);
+    assert_int_equal(result.frames, 5);
+    assert_int_equal(result.invented, 2);
+    assert_int_equal(count_entries(out), 6);
+    want = make_picture(W, H, 3, TTF_SAMPLE_U8, 3);
+    got = read_back(in_folder(state, "out/leaf.1005.png"));
+    assert_true(same_pixels(&want, &got));
+    ttf_pixbuf_free(&want);
+    ttf_pixbuf_free(&got);
+    assert_true(
+        same_files(in_folder(state, "out/leaf.1002.png"), in_folder(state, "out/leaf.1003.png")));
+    assert_true(
+        same_files(in_folder(state, "out/leaf.1002.png"), in_folder(state, "out/leaf.1004.png")));
+    text = (char *)slurp(in_folder(state, "out/leaf.json"), &n);
+    assert_non_null(strstr(text, "\"frame\": 1003"));
+    assert_non_null(strstr(text, "\"frame\": 1004"));
+    assert_null(strstr(text, "\"frame\": 1002"));
+    free(text);
+    assert_int_equal(count_entries(in_folder(state, ".")), 1);
+    ttf_sequence_destroy(s);
+}
+
+static void interpolation_mixes_light_and_fail_refuses(void **state)
+{
+    static const int64_t index[2] = {0, 4};
+    uint16_t frames[2 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 2, index, &plain);
+    struct ttf_export_config config = {.kind = TTF_EXPORT_TIFF,
+                                       .output = in_folder(state, "out"),
+                                       .gaps = TTF_GAPS_FAIL,
+                                       .start = 7};
+    struct ttf_pixbuf got;
+    struct ttf_err err = {0};
+
+    fill(frames, 2);
+    assert_int_equal(ttf_export(s, ttf_io_posix(), &config, NULL, &err), -ENODATA);
+    assert_non_null(strstr(err.what, "slot 1"));
+    assert_int_equal(count_entries(in_folder(state, ".")), 0);
+    config.gaps = TTF_GAPS_INTERPOLATE;
+    export_ok(s, &config);
+    got = read_back(in_folder(state, "out/frame.0008.tif"));
+    assert_int_equal(got.format, TTF_SAMPLE_U16);
+    for (size_t i = 0; i < (size_t)W * H * 3; i++)
+        assert_int_equal(((uint16_t *)got.data)[i],
+                         (frames[i] * 3 + frames[W * H * 3 + i] + 2) / 4);
+    ttf_pixbuf_free(&got);
+    ttf_sequence_destroy(s);
+}
+
+static void every_kth_slot_and_a_size_limit_are_kept(void **state)
+{
+    uint16_t frames[9 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 9, NULL, &plain);
+    struct ttf_export_config config = {.kind = TTF_EXPORT_PNG,
+                                       .output = in_folder(state, "out"),
+                                       .every = 4,
+                                       .width_max = 16,
+                                       .png_bits = 16};
+    struct ttf_export_result result;
+    struct ttf_pixbuf got;
+
+    fill(frames, 9);
+    result = export_ok(s, &config);
+    assert_int_equal(result.frames, 3);
+    assert_int_equal(result.width, 16);
+    assert_int_equal(result.height, 9);
+    got = read_back(in_folder(state, "out/frame.1003.png"));
+    assert_int_equal(got.format, TTF_SAMPLE_U16);
+    assert_int_equal(got.width, 16);
+    ttf_pixbuf_free(&got);
+    ttf_sequence_destroy(s);
+}
+
+/* As small a reader of NumPy's format as does. */
+static const uint8_t *check_npy(const uint8_t *data, size_t n, const char *shape)
+{
+    size_t header = (size_t)data[8] | (size_t)data[9] << 8;
+    char text[256] = "";
+
+    assert_memory_equal(data, "\x93NUMPY\x01\x00", 8);
+    assert_true(header < sizeof(text) && 10 + header <= n);
+    assert_int_equal((10 + header) % 64, 0);
+    memcpy(text, data + 10, header);
+    assert_int_equal(text[header - 1], '\n');
+    assert_non_null(strstr(text, "'descr': '<u2'"));
+    assert_non_null(strstr(text, "'fortran_order': False"));
+    assert_non_null(strstr(text, shape));
+    return data + 10 + header;
+}
+
+static void npy_holds_light_as_uint16(void **state)
+{
+    uint16_t frames[2 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 2, NULL, &plain);
+    struct ttf_export_config config = {.kind = TTF_EXPORT_NPY, .output = in_folder(state, "a.npy")};
+    const uint8_t *body;
+    uint8_t *data;
+    size_t n;
+
+    fill(frames, 2);
+    export_ok(s, &config);
+    data = slurp(in_folder(state, "a.npy"), &n);
+    body = check_npy(data, n, "'shape': (2, 18, 31, 3)");
+    assert_int_equal(n - (size_t)(body - data), sizeof(frames));
+    for (size_t i = 0; i < sizeof(frames) / 2; i++)
+        assert_int_equal(body[2 * i] | body[2 * i + 1] << 8, frames[i]);
+    free(data);
+    assert_true(exists(in_folder(state, "a.npy.json")));
+    ttf_sequence_destroy(s);
+}
+
+static void captured_codes_lose_their_pedestal_and_headroom(void **state)
+{
+    static const struct ttf_encoding captured = {.pedestal = TTF_PEDESTAL, .scale = TTF_SCALE};
+    uint16_t frames[W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 1, NULL, &captured);
+    struct ttf_export_config config = {.kind = TTF_EXPORT_NPY, .output = in_folder(state, "a.npy")};
+    uint8_t *data;
+    const uint8_t *body;
+    size_t n;
+
+    for (size_t i = 0; i < (size_t)W * H * 3; i++)
+        frames[i] = TTF_PEDESTAL;
+    frames[0] = TTF_PEDESTAL + TTF_SCALE;
+    frames[1] = 65535;
+    frames[2] = TTF_PEDESTAL + TTF_SCALE / 2;
+    frames[3] = 0;
+    export_ok(s, &config);
+    data = slurp(in_folder(state, "a.npy"), &n);
+    body = check_npy(data, n, "(1, 18, 31, 3)");
+    assert_int_equal(body[0] | body[1] << 8, 65535);
+    assert_int_equal(body[2] | body[3] << 8, 65535);
+    assert_int_equal(body[4] | body[5] << 8, 32768);
+    assert_int_equal(body[6] | body[7] << 8, 0);
+    assert_int_equal(body[8] | body[9] << 8, 0);
+    free(data);
+    ttf_sequence_destroy(s);
+}
+
+static bool have(const char *program)
+{
+    char text[64];
+
+    if (run_program((const char *const[]){program, "-version", NULL}, text, sizeof(text)) == 0)
+        return true;
+    print_message("skipped: there is no %s here\n", program);
+    return false;
+}
+
+/* Frames of a video as 8-bit RGB, by ffmpeg itself. */
+static uint8_t *decode(void **state, const char *video, size_t *ret_bytes)
+{
+    const char *raw = in_folder(state, "decoded.rgb");
+    char text[512];
+
+    remove(raw);
+    assert_int_equal(
+        run_program((const char *const[]){"ffmpeg", "-v", "error", "-i", video, "-pix_fmt", "rgb24",
+                                          "-sws_flags", "accurate_rnd+full_chroma_int", "-vsync",
+                                          "passthrough", "-f", "rawvideo", raw, NULL},
+                    text, sizeof(text)),
+        0);
+    return slurp(raw, ret_bytes);
+}
+
+static void y4m_is_what_ffmpeg_reads_in_right_colours(void **state)
+{
+    uint16_t frames[3 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 3, NULL, &plain);
+    struct ttf_export_config config = {
+        .kind = TTF_EXPORT_Y4M, .output = in_folder(state, "a.y4m"), .fps_num = 10};
+    char text[512];
+    uint8_t *rgb;
+    size_t n;
+
+    if (!have("ffprobe") || !have("ffmpeg"))
+        skip();
+    fill(frames, 3);
+    export_ok(s, &config);
+    assert_int_equal(
+        run_program((const char *const[]){"ffprobe", "-v", "error", "-count_frames",
+                                          "-show_entries",
+                                          "stream=width,height,pix_fmt,r_frame_rate,nb_read_frames",
+                                          "-of", "csv=p=0", in_folder(state, "a.y4m"), NULL},
+                    text, sizeof(text)),
+        0);
+    assert_non_null(strstr(text, "31,18,yuv444p,10/1,3"));
+    rgb = decode(state, in_folder(state, "a.y4m"), &n);
+    assert_int_equal(n, sizeof(frames) / 2);
+    for (size_t i = 0; i < n; i++)
+        assert_true(abs(rgb[i] - ttf_linear16_to_srgb8(frames[i])) <= 4);
+    free(rgb);
+    config.chroma = 420;
+    export_ok(s, &config); /* over the old one */
+    rgb = decode(state, in_folder(state, "a.y4m"), &n);
+    assert_int_equal(n, sizeof(frames) / 2);
+    free(rgb);
+    ttf_sequence_destroy(s);
+}
+
+static void mp4_plays_everywhere_and_shows_the_right_colours(void **state)
+{
+    uint16_t frames[3 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 3, NULL, &plain);
+    struct ttf_export_config config = {.kind = TTF_EXPORT_MP4, .output = in_folder(state, "a.mp4")};
+    static const uint8_t colour[3] = {180, 90, 40};
+    struct ttf_export_result result;
+    char text[512];
+    uint8_t *rgb;
+    size_t n;
+
+    if (!have("ffprobe") || !have("ffmpeg"))
+        skip();
+    for (size_t i = 0; i < sizeof(frames) / 2; i++)
+        frames[i] = ttf_srgb8_to_linear16(colour[i % 3]);
+    result = export_ok(s, &config);
+    assert_int_equal(result.frames, 3);
+    assert_int_equal(run_program(
+                         (const char *const[]){
+                             "ffprobe", "-v", "error", "-count_frames", "-show_entries",
+                             "stream=codec_name,width,height,pix_fmt,color_space,nb_read_frames",
+                             "-of", "csv=p=0", in_folder(state, "a.mp4"), NULL},
+                         text, sizeof(text)),
+                     0);
+    assert_non_null(strstr(text, "h264,32,18,yuv420p,bt709,3"));
+    rgb = decode(state, in_folder(state, "a.mp4"), &n);
+    assert_int_equal(n, 3 * 32 * 18 * 3);
+    for (size_t i = 0; i < n; i++)
+        assert_true(abs(rgb[i] - colour[i % 3]) <= 4);
+    free(rgb);
+    assert_int_equal(waitpid(-1, NULL, WNOHANG), -1); /* no child is left */
+    ttf_sequence_destroy(s);
+}
+
+static void gif_holds_all_frames_and_leaves_no_palette_behind(void **state)
+{
+    uint16_t frames[5 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 5, NULL, &plain);
+    struct ttf_export_config config = {.kind = TTF_EXPORT_GIF, .output = in_folder(state, "a.gif")};
+    char text[512];
+
+    if (!have("ffprobe") || !have("ffmpeg"))
+        skip();
+    fill(frames, 5);
+    export_ok(s, &config);
+    assert_int_equal(
+        run_program((const char *const[]){"ffprobe", "-v", "error", "-count_frames",
+                                          "-show_entries",
+                                          "stream=codec_name,width,height,"
+                                          "nb_read_frames",
+                                          "-of", "csv=p=0", in_folder(state, "a.gif"), NULL},
+                    text, sizeof(text)),
+        0);
+    assert_non_null(strstr(text, "gif,31,18,5"));
+    assert_int_equal(count_entries(in_folder(state, ".")), 2);
+    ttf_sequence_destroy(s);
+}
+
+static int open_files(void)
+{
+    return count_entries("/proc/self/fd");
+}
+
+static void a_missing_or_failing_ffmpeg_is_told_and_leaves_nothing(void **state)
+{
+    uint16_t frames[9 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 9, NULL, &plain);
+    struct ttf_export_config config = {.kind = TTF_EXPORT_MP4,
+                                       .output = in_folder(state, "a.mp4"),
+                                       .ffmpeg = "no-such-program-at-all"};
+    struct ttf_err err = {0};
+    int files = open_files();
+
+    fill(frames, 9);
+    assert_int_equal(ttf_export(s, ttf_io_posix(), &config, NULL, &err), -ENOENT);
+    assert_non_null(strstr(err.hint, "install ffmpeg"));
+    config.ffmpeg = "false"; /* ends at once, reading nothing */
+    err = (struct ttf_err){0};
+    assert_int_equal(ttf_export(s, ttf_io_posix(), &config, NULL, &err), -EPROTO);
+    assert_string_equal(err.where, "false");
+    assert_int_equal(count_entries(in_folder(state, ".")), 0);
+    assert_int_equal(open_files(), files);
+    assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
+    ttf_sequence_destroy(s);
+}
+
+static void the_words_of_a_failing_ffmpeg_reach_the_user(void **state)
+{
+    uint16_t frames[W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 1, NULL, &plain);
+    struct ttf_export_config config = {.kind = TTF_EXPORT_MP4,
+                                       .output = in_folder(state, "a.mp4"),
+                                       .ffmpeg = in_folder(state, "fake")};
+    static const char script[] = "#!/bin/sh\necho one >&2\necho disk of doom >&2\nexit 3\n";
+    struct ttf_err err = {0};
+
+    fill(frames, 1);
+    write_bytes(config.ffmpeg, script, sizeof(script) - 1);
+    assert_int_equal(
+        run_program((const char *const[]){"chmod", "+x", config.ffmpeg, NULL}, err.what, 64), 0);
+    assert_int_equal(ttf_export(s, ttf_io_posix(), &config, NULL, &err), -EPROTO);
+    assert_non_null(strstr(err.what, "disk of doom"));
+    ttf_sequence_destroy(s);
+}
+
+static int stop_at_two(void *ctx, int64_t done, int64_t total)
+{
+    assert_int_equal(total, *(int64_t *)ctx);
+    return done == 2;
+}
+
+static void a_stopped_export_leaves_what_was_there_before(void **state)
+{
+    uint16_t frames[4 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 4, NULL, &plain);
+    int64_t total = 4;
+    static const enum ttf_export_kind all[] = {TTF_EXPORT_NPY, TTF_EXPORT_Y4M, TTF_EXPORT_MP4,
+                                               TTF_EXPORT_SHEET};
+    struct ttf_export_config config = {
+        .output = in_folder(state, "old"), .progress = stop_at_two, .progress_ctx = &total};
+    int files = open_files();
+
+    fill(frames, 4);
+    write_bytes(config.output, "precious", 8);
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) {
+        uint8_t *data;
+        size_t n;
+
+        config.kind = all[i];
+        assert_int_equal(ttf_export(s, ttf_io_posix(), &config, NULL, NULL), -ECANCELED);
+        data = slurp(config.output, &n);
+        assert_memory_equal(data, "precious", 8);
+        free(data);
+        assert_int_equal(count_entries(in_folder(state, ".")), 1);
+    }
+    config.kind = TTF_EXPORT_PNG;
+    assert_int_equal(ttf_export(s, ttf_io_posix(), &config, NULL, NULL), -EEXIST);
+    assert_int_equal(open_files(), files);
+    assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
+    ttf_sequence_destroy(s);
+}
+
+static int deny_writes(void *ctx, const char *op, const char *path)
+{
+    int *left = ctx;
+
+    return strcmp(op, "pwrite") == 0 && (*left)-- <= 0 ? -ENOSPC : 0;
+}
+
+static void a_full_disk_leaves_nothing_behind(void **state)
+{
+    uint16_t frames[2 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 2, NULL, &plain);
+    static const enum ttf_export_kind all[] = {TTF_EXPORT_NPY, TTF_EXPORT_Y4M, TTF_EXPORT_PNG,
+                                               TTF_EXPORT_TIFF, TTF_EXPORT_SHEET};
+
+    fill(frames, 2);
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) {
+        for (int writes = 0; writes < 3; writes++) {
+            int left = writes;
+            struct ttf_io *io = ttf_io_faulty_create(ttf_io_posix(), deny_writes, &left);
+            struct ttf_export_config config = {.kind = all[i], .output = in_folder(state, "out")};
+
+            if (ttf_export(s, io, &config, NULL, NULL) == 0)
+                remove(in_folder(state, "out")); /* a small file in so few writes */
+            else
+                assert_int_equal(count_entries(in_folder(state, ".")), 0);
+            ttf_io_faulty_destroy(io);
+        }
+    }
+    ttf_sequence_destroy(s);
+}
+
+static void a_contact_sheet_shows_first_and_last_in_a_grid(void **state)
+{
+    uint16_t frames[20 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 20, NULL, &plain);
+    struct ttf_export_config config = {.kind = TTF_EXPORT_SHEET,
+                                       .output = in_folder(state, "sheet.png"),
+                                       .sheet_frames = 6,
+                                       .sheet_columns = 3};
+    struct ttf_pixbuf sheet, first, last, cell;
+    struct ttf_export_result result;
+
+    fill(frames, 20);
+    result = export_ok(s, &config);
+    assert_int_equal(result.frames, 6);
+    sheet = read_back(in_folder(state, "sheet.png"));
+    assert_int_equal(sheet.width, 4 + 3 * (W + 4));
+    assert_int_equal(sheet.height, 4 + 2 * (H + 4));
+    first = make_picture(W, H, 3, TTF_SAMPLE_U8, 1);
+    last = make_picture(W, H, 3, TTF_SAMPLE_U8, 20);
+    assert_int_equal(ttf_pixbuf_view(&sheet, 4, 4, W, H, &cell), 0);
+    assert_true(same_pixels(&cell, &first));
+    assert_int_equal(ttf_pixbuf_view(&sheet, 4 + 2 * (W + 4), 4 + H + 4, W, H, &cell), 0);
+    assert_true(same_pixels(&cell, &last));
+    ttf_pixbuf_free(&sheet);
+    ttf_pixbuf_free(&first);
+    ttf_pixbuf_free(&last);
+    ttf_sequence_destroy(s);
+}
+
+static void wrong_options_are_refused(void **state)
+{
+    uint16_t frames[W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 1, NULL, &plain);
+    struct ttf_export_config config = {.kind = TTF_EXPORT_PNG, .output = in_folder(state, "out")};
+
+    fill(frames, 1);
+    config.png_bits = 12;
+    assert_int_equal(ttf_export(s, ttf_io_posix(), &config, NULL, NULL), -EINVAL);
+    config.png_bits = 0;
+    config.name = "a/b";
+    assert_int_equal(ttf_export(s, ttf_io_posix(), &config, NULL, NULL), -EINVAL);
+    config.name = NULL;
+    config.start = -1;
+    assert_int_equal(ttf_export(s, ttf_io_posix(), &config, NULL, NULL), -EINVAL);
+    config.start = 0;
+    config.output = "";
+    assert_int_equal(ttf_export(s, ttf_io_posix(), &config, NULL, NULL), -EINVAL);
+    assert_int_equal(count_entries(in_folder(state, ".")), 0);
+    ttf_sequence_destroy(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+#define IN_FOLDER(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
+        IN_FOLDER(png_numbers_are_contiguous_and_held_frames_are_named),
+        IN_FOLDER(interpolation_mixes_light_and_fail_refuses),
+        IN_FOLDER(every_kth_slot_and_a_size_limit_are_kept),
+        IN_FOLDER(npy_holds_light_as_uint16),
+        IN_FOLDER(captured_codes_lose_their_pedestal_and_headroom),
+        IN_FOLDER(y4m_is_what_ffmpeg_reads_in_right_colours),
+        IN_FOLDER(mp4_plays_everywhere_and_shows_the_right_colours),
+        IN_FOLDER(gif_holds_all_frames_and_leaves_no_palette_behind),
+        IN_FOLDER(a_missing_or_failing_ffmpeg_is_told_and_leaves_nothing),
+        IN_FOLDER(the_words_of_a_failing_ffmpeg_reach_the_user),
+        IN_FOLDER(a_stopped_export_leaves_what_was_there_before),
+        IN_FOLDER(a_full_disk_leaves_nothing_behind),
+        IN_FOLDER(a_contact_sheet_shows_first_and_last_in_a_grid),
+        IN_FOLDER(wrong_options_are_refused),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
