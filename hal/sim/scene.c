@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -122,11 +123,10 @@ static const struct scene_kind *find_kind(const char *name)
 static int unknown_name(const char *name, struct ttf_err *err)
 {
     char names[128] = "";
+    size_t n = 0;
 
-    for (unsigned i = 0; i < TTF_COUNT_OF(kinds); i++) {
-        strcat(names, i ? ", " : "");
-        strcat(names, kinds[i]->name);
-    }
+    for (unsigned i = 0; i < TTF_COUNT_OF(kinds) && n < sizeof(names); i++)
+        n += (size_t)snprintf(names + n, sizeof(names) - n, "%s%s", i ? ", " : "", kinds[i]->name);
     ttf_err_set(err, -ENOENT, NULL, "there is no scene '%s'", name);
     return err ? ttf_err_hint(err, "the scenes are %s", names) : -ENOENT;
 }

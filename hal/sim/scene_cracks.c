@@ -189,7 +189,10 @@ int cracks_grow(uint64_t stream, struct crack_net *ret)
         const float phase = FIRST + step_phase * (float)round;
 
         /* More tries as tension rises; most land where it is already relieved. */
-        for (float tries = 0.10f + 7.0f * phase * phase; draw(g) < tries; tries -= 1.0f)
+        const float tries = 0.10f + 7.0f * phase * phase;
+        const int whole = (int)tries;
+
+        for (int n = draw(g) < tries - (float)whole ? -1 : 0; n < whole; n++)
             nucleate(g, phase);
         for (unsigned i = 0; i < g->tips; i++)
             advance(g, &g->tip[i], phase, step_phase);

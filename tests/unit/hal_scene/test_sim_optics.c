@@ -16,6 +16,12 @@
 
 static uint16_t frame[W * H];
 
+/* A frame's pixel as a number to reckon with. */
+static double at(uint32_t x, uint32_t y)
+{
+    return frame[y * W + x];
+}
+
 static unsigned channel_of(uint32_t x, uint32_t y)
 {
     return (x & 1u) + (y & 1u);
@@ -83,8 +89,8 @@ static void edges_of_row(uint32_t y, double *ret_left, double *ret_right)
     *ret_left = 0.0;
     *ret_right = W;
     for (uint32_t x = 0; x < W / 2; x++) {
-        *ret_left += 1.0 - frame[y * W + x] / 1000.0;
-        *ret_right -= 1.0 - frame[y * W + W - 1 - x] / 1000.0;
+        *ret_left += 1.0 - at(x, y) / 1000.0;
+        *ret_right -= 1.0 - at(W - 1 - x, y) / 1000.0;
     }
 }
 
@@ -139,7 +145,7 @@ static void the_samples_middle_lands_where_the_diagonals_cross(void **state)
     plain_shoot(model, H, 1.0f, INT64_C(1000000000), 1000, 25.0, 1, frame);
     sim_image_model_destroy(model);
     for (uint32_t y = 0; y < H; y++)
-        dark += 1.0 - frame[y * W + W / 2] / 1000.0;
+        dark += 1.0 - at(W / 2, y) / 1000.0;
     /* Symmetric, so they cross in the column's middle: where the diagonal TL-BR is at W / 2. */
     t = (0.5 * W - c[0][0]) / (c[2][0] - c[0][0]);
     assert_float_equal(dark, c[0][1] + t * (c[2][1] - c[0][1]), 0.6);
@@ -156,9 +162,9 @@ static void vignetting_takes_its_share_in_the_corner(void **state)
     config.sensitivity_e = 50000.0;
     plain_scene_init(&s, plain_white);
     plain_expose(&config, &s, 1.0f, frame);
-    assert_float_equal(frame[H / 2 * W + W / 2] / 50000.0, 1.0, 0.001);
-    assert_float_equal(frame[0] / 50000.0, 0.6, 0.01);
-    assert_float_equal(frame[W * H - 1] / 50000.0, 0.6, 0.01);
+    assert_float_equal(at(W / 2, H / 2) / 50000.0, 1.0, 0.001);
+    assert_float_equal(at(0, 0) / 50000.0, 0.6, 0.01);
+    assert_float_equal(at(W - 1, H - 1) / 50000.0, 0.6, 0.01);
     assert_true(frame[W / 2] > frame[0] && frame[W / 2] < frame[H / 2 * W + W / 2]);
 }
 
@@ -180,7 +186,8 @@ static void a_point_is_spread_as_wide_as_asked_and_loses_no_light(void **state)
     plain_expose(&config, &s, 1.0f, frame);
     for (uint32_t y = 0; y < H; y++) {
         for (uint32_t x = 0; x < W; x++) {
-            const double dx = (double)x - W / 2, dy = (double)y - H / 2, v = frame[y * W + x];
+            const double dx = (double)((int)x - (int)W / 2), dy = (double)((int)y - (int)H / 2);
+            const double v = at(x, y);
 
             sum += v;
             xx += v * dx * dx;
@@ -223,12 +230,11 @@ static void a_lamp_falls_off_with_distance_and_slant(void **state)
     config.lamps[0].colour[0] = config.lamps[0].colour[1] = config.lamps[0].colour[2] = 1.0;
     config.sensitivity_e = 20000.0;
     expose_with_lamp(&config, rows);
-    assert_float_equal(frame[H / 2 * W + W / 2] / 20000.0, 0.8, 0.01);
+    assert_float_equal(at(W / 2, H / 2) / 20000.0, 0.8, 0.01);
     /* Irradiance goes as height / r^3. Of the pixels at u = 0.2 and u = 0.9: */
     near3 = pow(0.25, 1.5);
     far3 = pow(0.25 + 0.49, 1.5);
-    assert_float_equal((double)frame[H / 2 * W + W * 9 / 10] / frame[H / 2 * W + W / 5],
-                       near3 / far3, 0.015);
+    assert_float_equal(at(W * 9 / 10, H / 2) / at(W / 5, H / 2), near3 / far3, 0.015);
 }
 
 static void a_lamps_colour_and_its_rows_reach_the_pixels(void **state)

@@ -75,7 +75,7 @@ static void variance_rises_with_the_mean_as_photons_demand(void **state)
     struct plain_scene s;
     struct sim_image_model *model;
     double sx = 0, sy = 0, sxx = 0, sxy = 0, slope;
-    int n = 0;
+    const int n = 10;
 
     noisy_config(&config);
     config.full_well_e = 4.0 * 64535.0;
@@ -84,11 +84,12 @@ static void variance_rises_with_the_mean_as_photons_demand(void **state)
     config.sensitivity_e = 200000.0;
     plain_scene_init(&s, plain_white);
     model = plain_model(&config, &s);
-    for (float light = 0.05f; light < 1.0f; light += 0.1f, n++) {
+    for (int i = 0; i < n; i++) {
+        const float light = 0.05f + 0.1f * (float)i;
         double mean, variance, v;
 
-        plain_shoot(model, H, light, S1, 1000, 25.0, 2 * (uint64_t)n, a);
-        plain_shoot(model, H, light, S1, 1000, 25.0, 2 * (uint64_t)n + 1, b);
+        plain_shoot(model, H, light, S1, 1000, 25.0, 2 * (uint64_t)i, a);
+        plain_shoot(model, H, light, S1, 1000, 25.0, 2 * (uint64_t)i + 1, b);
         mean_and_variance(a, &mean, &variance);
         v = noise_variance(a, b);
         sx += mean;
