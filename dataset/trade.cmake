@@ -4,5 +4,5 @@ set(TTF_DATASET_TRADE
     image_file.c image_file_exif.c image_file_linear.c
     import.c import_order.c import_pictures.c import_video.c
     jpeg.c npy.c png.c
-    sequence_frames.c sequence_image.c sequence_memory.c
+    sequence_dataset.c sequence_frames.c sequence_image.c sequence_memory.c
     video_child.c)
