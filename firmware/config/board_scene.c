@@ -14,14 +14,13 @@
 /* Refuses a name that no procedural scene has. */
 static int check_name(const struct yaml_node *node, const char *name, struct ttf_err *err)
 {
-    const char *names[SCENES_MAX + 2];
+    const char *names[SCENES_MAX + 1];
     char hint[200] = "known: ";
     const char *near;
     unsigned n = 0;
 
     for (const char *s; n < SCENES_MAX && (s = ttf_scene_name(n)); n++)
         names[n] = s;
-    names[n++] = "white";
     names[n] = NULL;
     for (unsigned i = 0; names[i]; i++) {
         if (strcmp(names[i], name) == 0)

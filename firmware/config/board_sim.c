@@ -143,6 +143,8 @@ static const struct cfg_field SIM[] = {
     {"power_on", cfg_i64_time, S(power_on_ns), 0, 36600 * DAY, "when this boot began", 0, 0},
     {"outage", cfg_i64_time, S(outage_ns), 0, 366 * DAY, "how long a power cut lasts", 0, 0},
     {"rtc", cfg_bool, S(rtc), NO_LIMIT, "whether UTC is kept over a cut", 0, 0},
+    {"utc_back", cfg_i64_time, S(utc_back_ns), 0, 366 * DAY,
+     "without rtc: when after a later power-on UTC is given again; 0s: never", 0, 0},
     TABLE("cost", COST, "virtual time that work takes"),
     {"scene", NULL, 0, 0, 0, NULL, 0, 0}, /* read from the board's own struct */
     {"mains", cfg_double_hz, S(mains_hz), 50, 60, "50Hz or 60Hz", 0, 0},

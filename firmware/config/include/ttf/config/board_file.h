@@ -39,7 +39,7 @@ const struct ttf_backend_entry *ttf_backend_find(const char *name);
 
 /* What the simulated camera looks at. Exactly one of name, images, dataset is set. */
 struct ttf_board_scene {
-    char name[32];     /* procedural, or "white": an even target */
+    char name[32];     /* procedural; "white" is an even target */
     char images[512];  /* a folder of pictures, in natural order of their names */
     char dataset[512]; /* a TTF dataset */
     int64_t span_ns;   /* the time from its first to its last state */

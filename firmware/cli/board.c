@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* board.c: which board, found where, changed how. */
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cli.h"
+#include "ttf/hal/clock.h"
+
+/* A box's own configuration would name another default; without one it is the simulated box. */
+#define DEFAULT_BOARD "sim"
+
+const char *const *cli_board_folders(void)
+{
+    static const char *const FOLDERS[] = {"boards", TTFBOX_INSTALLED_BOARDS, TTFBOX_SOURCE_BOARDS,
+                                          NULL};
+
+    return FOLDERS;
+}
+
+/* --scene: a dataset, a folder of pictures, or a procedural sample's name. */
+static int override_scene(struct cli *cli, struct ttf_board *board)
+{
+    const char *scene = cli->opt.scene;
+    char manifest[PATH_MAX];
+    struct ttf_io_stat st;
+
+    if (!board->simulated) {
+        ttf_err_set(&cli->err, -EINVAL, "--scene", "this board's camera looks at a real sample");
+        return ttf_err_hint(&cli->err, "--scene is for simulated boards"), -EINVAL;
+    }
+    if (strlen(scene) >= sizeof board->scene.images)
+        return ttf_err_set(&cli->err, -EINVAL, "--scene", "the path is too long");
+    memset(board->scene.name, 0, sizeof board->scene.name);
+    board->scene.images[0] = '\0';
+    board->scene.dataset[0] = '\0';
+    if (cli->io->ops->stat(cli->io, scene, &st) < 0 || !st.is_dir) {
+        if (strchr(scene, '/') || strlen(scene) >= sizeof board->scene.name)
+            return ttf_err_set(&cli->err, -ENOENT, scene, "there is no such folder to look at");
+        memcpy(board->scene.name, scene, strlen(scene) + 1);
+        return 0;
+    }
+    (void)snprintf(manifest, sizeof manifest, "%s/dataset.json", scene);
+    if (cli->io->ops->stat(cli->io, manifest, &st) == 0)
+        memcpy(board->scene.dataset, scene, strlen(scene) + 1);
+    else
+        memcpy(board->scene.images, scene, strlen(scene) + 1);
+    return 0;
+}
+
+int cli_load_board(struct cli *cli, struct ttf_board *ret)
+{
+    const char *name = cli->opt.board ? cli->opt.board : DEFAULT_BOARD;
+    char path[PATH_MAX];
+    int r = ttf_board_locate(name, cli_board_folders(), path, sizeof path, &cli->err);
+
+    if (r == 0)
+        r = ttf_board_load(path, cli->opt.sets, cli->opt.n_sets, ret, &cli->err);
+    if (r == 0 && cli->opt.scene)
+        r = override_scene(cli, ret);
+    if (r == 0 && cli->opt.has_seed)
+        ret->sim.seed = (uint64_t)cli->opt.seed;
+    return r;
+}
+
+int64_t cli_now_ns(void *clock)
+{
+    return ttf_clock_now_ns(clock);
+}

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cmd_calibrate.c: `ttfbox calibrate dark | flat | report`. */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "box.h"
+#include "commands.h"
+#include "ttf/capture/guided_calibration.h"
+#include "ttf/config/plan_file.h"
+#include "ttf/hal/sim.h"
+
+#define FRAMES_DEFAULT      64
+#define REFLECTANCE_DEFAULT 0.9
+#define TRUTH_SIDE          16 /* pixels of the coarse look at a simulated target */
+
+/* One calibration being made. */
+struct guided {
+    struct ttf_plan plan; /* whose shot it is for; a plain one without --plan */
+    struct ttf_plan_shot shot;
+    struct ttf_box box;
+    struct ttf_calibration calibration;
+};
+
+/* Without a plan: all lamps on, at --exposure. */
+static void plain_shot(const struct ttf_box *box, struct ttf_plan_shot *shot)
+{
+    shot->n_levels = 0;
+    for (unsigned i = 0; box->lamps && i < ttf_lamps_count(box->lamps); i++) {
+        struct ttf_lamp_level *level = &shot->levels[shot->n_levels++];
+
+        memcpy(level->lamp, ttf_lamps_info(box->lamps, i)->name, sizeof level->lamp);
+        level->permille = TTF_LAMP_FULL;
+    }
+}
+
+static int choose_shot(struct cli *cli, struct guided *g)
+{
+    const char *stream = cli->opt.shot;
+    struct ttf_plan_file *file = NULL;
+
+    ttf_plan_defaults(&g->plan);
+    if (!cli->opt.plan) {
+        if (stream)
+            return ttf_err_set(&cli->err, -EINVAL, "--shot", "names a shot of no --plan");
+        g->shot = g->plan.shots[0];
+        plain_shot(&g->box, &g->shot);
+    } else {
+        unsigned i = 0;
+        int r = ttf_plan_file_load(cli->opt.plan, &file, &cli->err);
+
+        if (r < 0)
+            return r;
+        g->plan = *ttf_plan_file_plan(file);
+        ttf_plan_file_free(file);
+        while (stream && i < g->plan.n_shots && strcmp(g->plan.shots[i].stream, stream) != 0)
+            i++;
+        if (i == g->plan.n_shots)
+            return ttf_err_set(&cli->err, -EINVAL, "--shot", "the plan has no stream '%s'", stream);
+        g->shot = g->plan.shots[i];
+    }
+    if (cli->opt.exposure_ns)
+        g->shot.exposure.exposure_ns = cli->opt.exposure_ns;
+    return 0;
+}
+
+/* What there is in CAL already; -EEXIST if it has the very part that is to be made. */
+static int open_folder(struct cli *cli, struct guided *g, bool flat)
+{
+    const char *folder = cli->opt.output;
+    char path[4096];
+    struct ttf_io_stat st;
+    int r;
+
+    ttf_calibration_init(&g->calibration);
+    (void)snprintf(path, sizeof path, "%s/calibration.json", folder);
+    if (cli->io->ops->stat(cli->io, path, &st) < 0)
+        return cli_refuse_existing(cli, folder);
+    r = ttf_calibration_load(cli->io, folder, &g->calibration, &cli->err);
+    if (r < 0)
+        return r;
+    if (flat ? g->calibration.has_flat : g->calibration.has_dark) {
+        ttf_err_set(&cli->err, -EEXIST, folder, "holds a %s already", flat ? "flat" : "dark");
+        ttf_err_hint(&cli->err, "nothing is overwritten: make a new calibration with another -o");
+        return -EEXIST;
+    }
+    return 0;
+}
+
+/* Of a simulated target the reflectance is known; one that is not even is no target. */
+static int simulated_reflectance(struct cli *cli, const struct guided *g, double *ret)
+{
+    float rgb[TRUTH_SIDE * TRUTH_SIDE * 3];
+    float lo = 1e9f, hi = 0;
+    double sum = 0;
+    int r = ttf_sim_truth(&g->box, ttf_clock_now_ns(g->box.clock), TRUTH_SIDE, TRUTH_SIDE, rgb,
+                          &cli->err);
+
+    if (r < 0)
+        return r;
+    for (unsigned i = 0; i < TTF_COUNT_OF(rgb); i++) {
+        lo = rgb[i] < lo ? rgb[i] : lo;
+        hi = rgb[i] > hi ? rgb[i] : hi;
+        sum += rgb[i];
+    }
+    if (hi > 1.02f * lo) {
+        ttf_err_set(&cli->err, -EINVAL, "--scene", "the simulated camera looks at no even target");
+        ttf_err_hint(&cli->err, "say --scene white");
+        return -EINVAL;
+    }
+    *ret = sum / TTF_COUNT_OF(rgb);
+    return 0;
+}
+
+static void say_report(struct cli *cli, const struct ttf_calibration *c, const char *folder);
+
+static int acquire(struct cli *cli, struct guided *g, bool flat)
+{
+    struct ttf_guided_config config = {
+        .box = &g->box,
+        .shot = &g->shot,
+        .mains_hz = g->plan.mains_hz,
+        .settle_ns = g->plan.settle_ns,
+        .frames = cli->opt.frames ? (unsigned)cli->opt.frames : FRAMES_DEFAULT,
+        .reflectance = cli->opt.reflectance > 0 ? cli->opt.reflectance : REFLECTANCE_DEFAULT,
+    };
+    int r = 0;
+
+    if (cli->opt.frames > 1000)
+        return ttf_err_set(&cli->err, -EINVAL, "--frames", "more than 1000");
+    if (flat && g->box.simulated && cli->opt.reflectance == 0)
+        r = simulated_reflectance(cli, g, &config.reflectance);
+    if (r == 0)
+        r = flat ? ttf_guided_flat(&config, &g->calibration, &cli->err)
+                 : ttf_guided_dark(&config, &g->calibration, &cli->err);
+    if (r < 0)
+        return r;
+    g->calibration.simulated = g->box.simulated;
+    r = ttf_calibration_name(&g->calibration, &cli->err);
+    if (r == 0)
+        r = ttf_io_mkdirs(cli->io, cli->opt.output, &cli->err);
+    if (r == 0)
+        r = ttf_calibration_save(&g->calibration, cli->io, cli->opt.output, &cli->err);
+    return r;
+}
+
+static int calibrate(struct cli *cli, bool flat)
+{
+    struct guided *g = calloc(1, sizeof *g);
+    struct ttf_board *board = calloc(1, sizeof *board);
+    int r = -ENOMEM;
+
+    if (!g || !board)
+        goto out;
+    r = cli_need(cli, cli->opt.output, "-o", "say where the calibration goes, as -o cal");
+    if (r == 0)
+        r = open_folder(cli, g, flat);
+    if (r == 0)
+        r = cli_load_board(cli, board);
+    if (r == 0)
+        r = box_create(board, cli->io, &g->box, &cli->err);
+    if (r == 0)
+        r = box_configure(board, &g->box, &cli->err);
+    if (r == 0)
+        r = choose_shot(cli, g);
+    if (r == 0)
+        r = acquire(cli, g, flat);
+    if (r == 0)
+        say_report(cli, &g->calibration, cli->opt.output);
+out:
+    if (g) {
+        ttf_box_destroy(&g->box);
+        ttf_calibration_free(&g->calibration);
+    }
+    free(g);
+    free(board);
+    return r;
+}
+
+int cmd_calibrate_dark(struct cli *cli)
+{
+    return calibrate(cli, false);
+}
+
+int cmd_calibrate_flat(struct cli *cli)
+{
+    return calibrate(cli, true);
+}
+
+/* Least and greatest gain of the flat: how even the light is. */
+static void gain_range(const struct ttf_calibration *c, double *ret_lo, double *ret_hi)
+{
+    uint16_t lo = UINT16_MAX, hi = 0;
+
+    for (size_t i = 0; i < (size_t)c->width * c->height; i++) {
+        lo = c->flat_gain[i] < lo ? c->flat_gain[i] : lo;
+        hi = c->flat_gain[i] > hi ? c->flat_gain[i] : hi;
+    }
+    *ret_lo = lo / 16384.0;
+    *ret_hi = hi / 16384.0;
+}
+
+static void say_dark(struct cli *cli, const struct ttf_calibration *c)
+{
+    struct ttf_json *j = &cli->out;
+    double mean = 0;
+
+    for (size_t i = 0; i < (size_t)c->width * c->height; i++)
+        mean += c->dark_offset_16[i] / 16.0;
+    mean /= (double)c->width * c->height;
+    cli_say(cli, "dark              %u frames of %.3f ms, %.3f codes above black, %u hot pixels",
+            c->dark_frames, (double)c->dark_settings.exposure_ns / 1e6, mean, c->n_hot);
+    ttf_json_kint(j, "dark_frames", c->dark_frames);
+    ttf_json_kint(j, "dark_exposure_ns", c->dark_settings.exposure_ns);
+    ttf_json_kdouble(j, "dark_mean_codes", mean);
+    ttf_json_kint(j, "hot_pixels", c->n_hot);
+}
+
+static void say_report(struct cli *cli, const struct ttf_calibration *c, const char *folder)
+{
+    struct ttf_json *j = &cli->out;
+    double lo, hi;
+
+    cli_say(cli, "calibration       %s in %s%s", c->id, folder, c->simulated ? ", SIMULATED" : "");
+    cli_say(cli, "camera            %s, %u x %u, black %u, white %u", c->camera, c->width,
+            c->height, c->black_level, c->white_level);
+    ttf_json_kstring(j, "id", c->id);
+    ttf_json_kstring(j, "folder", folder);
+    ttf_json_kbool(j, "simulated", c->simulated);
+    ttf_json_kstring(j, "camera", c->camera);
+    ttf_json_kint(j, "width", c->width);
+    ttf_json_kint(j, "height", c->height);
+    ttf_json_kbool(j, "has_dark", c->has_dark);
+    ttf_json_kbool(j, "has_flat", c->has_flat);
+    if (c->has_dark)
+        say_dark(cli, c);
+    else
+        cli_say(cli, "dark              none");
+    if (!c->has_flat) {
+        cli_say(cli, "flat              none");
+        return;
+    }
+    gain_range(c, &lo, &hi);
+    cli_say(cli,
+            "flat              %u frames of %.3f ms, target %.3f, gain %.3f to %.3f, white at %.0f "
+            "codes",
+            c->flat_frames, (double)c->flat_settings.exposure_ns / 1e6, c->flat_reflectance, lo, hi,
+            c->flat_level);
+    ttf_json_kint(j, "flat_frames", c->flat_frames);
+    ttf_json_kint(j, "flat_exposure_ns", c->flat_settings.exposure_ns);
+    ttf_json_kdouble(j, "flat_reflectance", c->flat_reflectance);
+    ttf_json_kdouble(j, "flat_gain_min", lo);
+    ttf_json_kdouble(j, "flat_gain_max", hi);
+    ttf_json_kdouble(j, "flat_level", c->flat_level);
+}
+
+int cmd_calibrate_report(struct cli *cli)
+{
+    struct ttf_calibration c;
+    int r;
+
+    ttf_calibration_init(&c);
+    r = ttf_calibration_load(cli->io, cli->opt.args[0], &c, &cli->err);
+    if (r == 0)
+        say_report(cli, &c, cli->opt.args[0]);
+    ttf_calibration_free(&c);
+    return r;
+}

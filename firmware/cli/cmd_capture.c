@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cmd_capture.c: `ttfbox capture`: a session, and, in a simulated box, its reboots. */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "box.h"
+#include "commands.h"
+#include "sim_boot.h"
+#include "ttf/capture/session.h"
+#include "ttf/config/plan_file.h"
+#include "ttf/dataset/reader.h"
+
+/* A simulated box that loses power more often than this in one run is set up wrongly. */
+#define BOOTS_MAX 1000
+
+struct capture {
+    struct cli *cli;
+    struct ttf_board board;
+    struct ttf_plan_file *file;
+    struct ttf_session_result result;
+    struct cli_progress bar;
+    unsigned events, boots;
+    bool resuming;
+};
+
+static void on_progress(void *ctx, const struct ttf_progress *p)
+{
+    struct capture *c = ctx;
+    char text[96];
+
+    if (p->kind == TTF_PROGRESS_EVENT) {
+        c->events++;
+        if (c->bar.shown) {
+            cli_progress_end(&c->bar);
+            cli_warn("%s", p->text);
+        }
+        return;
+    }
+    (void)snprintf(text, sizeof text, "%s%s", c->board.simulated ? "SIMULATED " : "",
+                   p->text ? p->text : "");
+    cli_progress_at(&c->bar, p->kind == TTF_PROGRESS_SLOT ? p->index + 1 : p->index, p->total,
+                    text);
+}
+
+/* One boot of the box: devices, plan against them, the session until it ends. */
+static int one_boot(struct capture *c, int64_t *ret_back_ns)
+{
+    struct cli *cli = c->cli;
+    struct ttf_box box = {0};
+    struct ttf_plan_figures figures;
+    struct ttf_io *disk = NULL;
+    struct ttf_utc utc;
+    int r = box_create(&c->board, cli->io, &box, &cli->err);
+
+    if (r == 0)
+        r = box_configure(&c->board, &box, &cli->err);
+    if (r < 0)
+        goto out;
+    ttf_clock_utc(box.clock, &utc);
+    r = ttf_plan_file_resolve(c->file, utc.utc_ns, &cli->err);
+    if (r == 0)
+        r = ttf_plan_check(ttf_plan_file_plan(c->file), &box, &figures, &cli->err);
+    if (r < 0) {
+        ttf_plan_file_place(c->file, &cli->err);
+        goto out;
+    }
+    disk = box_disk_create(cli->io, &box);
+    if (!disk) {
+        r = ttf_err_set(&cli->err, -ENOMEM, NULL, "no memory");
+        goto out;
+    }
+    struct ttf_session_config config = {
+        .box = &box,
+        .io = disk,
+        .path = cli->opt.output,
+        .plan = ttf_plan_file_plan(c->file),
+        .plan_yaml = ttf_plan_file_text(c->file),
+        .calibration_folder = cli->opt.calibration,
+        .threads = (unsigned)cli->opt.threads,
+        .progress = on_progress,
+        .progress_ctx = c,
+        .stop = cli_stop_flag(),
+        .rehearse = cli->opt.rehearse,
+        .skip_speed_check = cli->opt.no_speed_check,
+    };
+
+    r = ttf_session_run(&config, &c->result, &cli->err);
+    if (r == -EINVAL)
+        ttf_plan_file_place(c->file, &cli->err);
+    if (r == -ESHUTDOWN)
+        *ret_back_ns = ttf_sim_back_ns(&box);
+out:
+    box_disk_destroy(disk, cli->io);
+    ttf_box_destroy(&box);
+    return r;
+}
+
+/* New, or unfinished and to be gone on with. */
+static int look_at_output(struct capture *c)
+{
+    struct cli *cli = c->cli;
+    struct ttf_reader *reader = NULL;
+    struct ttf_io_stat st;
+    char path[4096];
+    int r;
+
+    (void)snprintf(path, sizeof path, "%s/dataset.json", cli->opt.output);
+    if (cli->io->ops->stat(cli->io, path, &st) < 0)
+        return cli_refuse_existing(cli, cli->opt.output);
+    r = ttf_reader_open(cli->io, cli->opt.output, &reader, &cli->err);
+    if (r < 0)
+        return r;
+    if (ttf_reader_manifest(reader)->simulated != c->board.simulated) {
+        r = ttf_err_set(&cli->err, -EINVAL, cli->opt.output, "%s",
+                        c->board.simulated ? "was captured by a real box, this one is simulated"
+                                           : "is SIMULATED, this box is real");
+        ttf_err_hint(&cli->err, "give another -o");
+    } else if (*ttf_reader_manifest(reader)->source || *ttf_reader_manifest(reader)->derived_uuid) {
+        r = ttf_err_set(&cli->err, -EEXIST, cli->opt.output, "is no capture: it was %s",
+                        *ttf_reader_manifest(reader)->source ? "imported" : "derived");
+        ttf_err_hint(&cli->err, "give another -o");
+    } else if (c->board.simulated) {
+        c->resuming = true;
+        r = sim_boot_power_on(reader, &c->board.sim, &c->board.sim.power_on_ns, &cli->err);
+    }
+    ttf_reader_close(reader);
+    return r;
+}
+
+static void say_rehearsal(struct capture *c)
+{
+    const struct ttf_session_result *s = &c->result;
+
+    cli_say(c->cli, "busy              %.3f s a slot", (double)s->busy_ns / 1e9);
+    cli_say(c->cli, "sustains          a slot every %.3f s",
+            (double)s->sustained_interval_ns / 1e9);
+    cli_say(c->cli, "headroom          %.2f stops below saturation", s->headroom_stops);
+    cli_say(c->cli, "sharpness         %.4g", s->sharpness);
+    cli_say(c->cli, "settling          %+.3f %% from the first slot to the last",
+            s->settle_change * 100);
+    cli_say(c->cli, "size              %.2f MB a slot", (double)s->slot_bytes / 1e6);
+}
+
+static void say(struct capture *c)
+{
+    const struct ttf_session_result *s = &c->result;
+    struct cli *cli = c->cli;
+
+    cli_say(cli, "%sdataset           %s", c->board.simulated ? "SIMULATED\n" : "",
+            cli->opt.output);
+    cli_say(cli,
+            "slots             %" PRId64 ": %" PRId64 " captured, %" PRId64 " partial, %" PRId64
+            " missed, %" PRId64 " failed, %" PRId64 " paused, %" PRId64 " without power",
+            s->slots, s->captured, s->partial, s->missed, s->failed, s->paused, s->power);
+    if (s->captured)
+        cli_say(cli, "timing            middle of exposure within %.3f ms (p99), %.3f ms at most",
+                (double)s->error_p99_ns / 1e6, (double)s->error_max_ns / 1e6);
+    if (cli->opt.rehearse)
+        say_rehearsal(c);
+    if (s->sealed)
+        cli_say(cli, "sealed            digest %s", s->digest);
+    else if (!cli->opt.rehearse)
+        cli_say(cli, "stopped           run the same command again to go on");
+}
+
+static void put_json(struct capture *c)
+{
+    const struct ttf_session_result *s = &c->result;
+    struct ttf_json *j = &c->cli->out;
+
+    ttf_json_kstring(j, "dataset", c->cli->opt.output);
+    ttf_json_kbool(j, "simulated", c->board.simulated);
+    ttf_json_kint(j, "slots", s->slots);
+    ttf_json_kint(j, "captured", s->captured);
+    ttf_json_kint(j, "partial", s->partial);
+    ttf_json_kint(j, "missed", s->missed);
+    ttf_json_kint(j, "failed", s->failed);
+    ttf_json_kint(j, "paused", s->paused);
+    ttf_json_kint(j, "power", s->power);
+    ttf_json_kint(j, "error_p99_ns", s->error_p99_ns);
+    ttf_json_kint(j, "error_max_ns", s->error_max_ns);
+    ttf_json_kint(j, "wakeup_p99_ns", s->wakeup_p99_ns);
+    ttf_json_kint(j, "wakeup_max_ns", s->wakeup_max_ns);
+    ttf_json_kint(j, "events", c->events);
+    ttf_json_kint(j, "boots", c->boots);
+    ttf_json_kbool(j, "resumed", s->resumed || c->boots > 1);
+    ttf_json_kbool(j, "sealed", s->sealed);
+    if (s->sealed)
+        ttf_json_kstring(j, "digest", s->digest);
+    if (c->cli->opt.rehearse) {
+        ttf_json_kint(j, "busy_ns", s->busy_ns);
+        ttf_json_kdouble(j, "headroom_stops", s->headroom_stops);
+        ttf_json_kdouble(j, "sharpness", s->sharpness);
+        ttf_json_kdouble(j, "settle_change", s->settle_change);
+        ttf_json_kint(j, "slot_bytes", s->slot_bytes);
+        ttf_json_kint(j, "sustained_interval_ns", s->sustained_interval_ns);
+    }
+}
+
+/* Boots until the plan is done: a simulated box comes back by itself. */
+static int all_boots(struct capture *c)
+{
+    struct cli *cli = c->cli;
+    int r;
+
+    for (c->boots = 1;; c->boots++) {
+        int64_t back_ns = 0;
+
+        r = one_boot(c, &back_ns);
+        if (r != -ESHUTDOWN)
+            return r;
+        cli_progress_end(&c->bar);
+        cli_warn("ttfbox capture: the simulated box lost power; it is back %.1f h after its first "
+                 "start and goes on",
+                 (double)back_ns / (double)TTF_NS_PER_H);
+        if (c->boots == BOOTS_MAX || back_ns <= c->board.sim.power_on_ns) {
+            ttf_err_set(&cli->err, -EIO, "sim.faults", "the simulated box never keeps its power");
+            return -EIO;
+        }
+        if (*cli_stop_flag())
+            return 0;
+        memset(&cli->err, 0, sizeof cli->err);
+        c->board.sim.power_on_ns = back_ns;
+    }
+}
+
+int cmd_capture(struct cli *cli)
+{
+    struct capture *c = calloc(1, sizeof *c);
+    int r = c ? 0 : -ENOMEM;
+
+    if (r == 0) {
+        c->cli = cli;
+        r = cli_need(cli, cli->opt.output, "-o", "say where the dataset goes, as -o grass");
+    }
+    if (r == 0)
+        r = ttf_plan_file_load(cli->opt.args[0], &c->file, &cli->err);
+    if (r == 0)
+        r = cli_load_board(cli, &c->board);
+    if (r == 0)
+        r = look_at_output(c);
+    if (r == 0) {
+        cli_stop_catch();
+        cli_progress_begin(&c->bar, cli, c->resuming ? "going on" : "capturing");
+        r = all_boots(c);
+        cli_progress_end(&c->bar);
+    }
+    if (r == 0) {
+        say(c);
+        put_json(c);
+        if (!c->result.sealed && !cli->opt.rehearse)
+            r = CLI_FAILED; /* stopped before it was done */
+    }
+    if (c)
+        ttf_plan_file_free(c->file);
+    free(c);
+    return r;
+}

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cmd_export.c: `ttfbox export`. */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "commands.h"
+#include "ttf/dataset/export.h"
+#include "ttf/dataset/reader.h"
+
+static int on_progress(void *ctx, int64_t done, int64_t total)
+{
+    cli_progress_at(ctx, done, total, NULL);
+    return *cli_stop_flag();
+}
+
+/* --to, or else by the output's ending. */
+static int choose_kind(struct cli *cli, struct ttf_export_config *config)
+{
+    const char *dot = strrchr(cli->opt.output, '.');
+    const char *name = cli->opt.to ? cli->opt.to : dot ? dot + 1 : "";
+    int kind = ttf_export_kind_find(name);
+
+    /* One picture of a whole sequence is a contact sheet; folders have no ending. */
+    if (!cli->opt.to && strcmp(name, "png") == 0)
+        kind = TTF_EXPORT_SHEET;
+    if (kind < 0 || (!cli->opt.to && kind == TTF_EXPORT_TIFF)) {
+        ttf_err_set(&cli->err, -EINVAL, cli->opt.to ? "--to" : cli->opt.output,
+                    "'%s' is nothing that can be exported to", name);
+        ttf_err_hint(&cli->err, "say --to mp4, gif, y4m, png, tiff, npy or sheet");
+        return -EINVAL;
+    }
+    config->kind = (enum ttf_export_kind)kind;
+    return 0;
+}
+
+static int choose(struct cli *cli, struct ttf_export_config *config)
+{
+    int r = choose_kind(cli, config);
+
+    if (r < 0)
+        return r;
+    if (cli->opt.gaps) {
+        int gaps = ttf_gaps_find(cli->opt.gaps);
+
+        if (gaps < 0) {
+            ttf_err_set(&cli->err, -EINVAL, "--gaps", "'%s' fills no gap", cli->opt.gaps);
+            ttf_err_hint(&cli->err, "hold, fail or interpolate");
+            return -EINVAL;
+        }
+        config->gaps = (enum ttf_gaps)gaps;
+    }
+    config->output = cli->opt.output;
+    config->name = cli->opt.name;
+    config->start = cli->opt.start;
+    config->every = (uint32_t)cli->opt.every;
+    config->fps_num = (uint32_t)cli->opt.fps;
+    config->fps_den = cli->opt.fps ? 1 : 0;
+    config->width_max = (uint32_t)cli->opt.width_max;
+    config->white = cli->opt.white;
+    if (config->kind == TTF_EXPORT_SHEET) {
+        config->sheet_frames = (unsigned)cli->opt.frames;
+        config->sheet_columns = (unsigned)cli->opt.columns;
+        config->sheet_cell = (uint32_t)cli->opt.width_max;
+        config->width_max = 0;
+    } else {
+        config->frames_max = (uint32_t)(cli->opt.frames > UINT32_MAX ? 0 : cli->opt.frames);
+    }
+    return 0;
+}
+
+static void say(struct cli *cli, const struct ttf_export_config *config,
+                const struct ttf_export_result *result, bool simulated)
+{
+    cli_say(cli, "%s%-17s %s", simulated ? "SIMULATED\n" : "", ttf_export_kind_name(config->kind),
+            config->output);
+    cli_say(cli, "frames            %" PRId64 " of %u x %u, %" PRId64 " of them invented",
+            result->frames, result->width, result->height, result->invented);
+    ttf_json_kstring(&cli->out, "kind", ttf_export_kind_name(config->kind));
+    ttf_json_kstring(&cli->out, "output", config->output);
+    ttf_json_kbool(&cli->out, "simulated", simulated);
+    ttf_json_kint(&cli->out, "frames", result->frames);
+    ttf_json_kint(&cli->out, "invented", result->invented);
+    ttf_json_kint(&cli->out, "width", result->width);
+    ttf_json_kint(&cli->out, "height", result->height);
+}
+
+int cmd_export(struct cli *cli)
+{
+    struct cli_progress bar;
+    struct ttf_export_config config = {.progress = on_progress, .progress_ctx = &bar};
+    struct ttf_export_result result;
+    struct ttf_reader *reader = NULL;
+    struct ttf_sequence *sequence = NULL;
+    int r = cli_need(cli, cli->opt.output, "-o", "say where it goes, as -o grass.mp4");
+
+    if (r == 0)
+        r = cli_refuse_existing(cli, cli->opt.output);
+    if (r == 0)
+        r = choose(cli, &config);
+    if (r == 0)
+        r = ttf_reader_open(cli->io, cli->opt.args[0], &reader, &cli->err);
+    if (r == 0)
+        r = ttf_sequence_of_dataset(reader, cli->opt.stream, &sequence, &cli->err);
+    if (r == 0) {
+        cli_stop_catch();
+        cli_progress_begin(&bar, cli, "exporting");
+        r = ttf_export(sequence, cli->io, &config, &result, &cli->err);
+        cli_progress_end(&bar);
+    }
+    if (r == 0)
+        say(cli, &config, &result, ttf_reader_manifest(reader)->simulated);
+    ttf_sequence_destroy(sequence);
+    ttf_reader_close(reader);
+    return r;
+}

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cmd_plan.c: `ttfbox plan check`. */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+
+#include "box.h"
+#include "commands.h"
+#include "ttf/capture/disk_budget.h"
+#include "ttf/config/plan_file.h"
+#include "ttf/config/units.h"
+
+/* What is checked, and what came of it. */
+struct check {
+    struct ttf_plan_file *file;
+    struct ttf_box box;
+    struct ttf_clock *clock; /* the machine's: disks are measured in real time */
+    struct ttf_plan_figures figures;
+    struct ttf_disk_figures disk;
+    int64_t now_utc_ns;
+};
+
+/* A duration for people: "7d 3h", "12min 30s". */
+static const char *span(int64_t ns, char *buf, size_t size)
+{
+    int64_t s = ns / TTF_NS_PER_S;
+
+    if (ns < TTF_NS_PER_MIN)
+        (void)snprintf(buf, size, "%.3g s", (double)ns / 1e9);
+    else if (s < 3600)
+        (void)snprintf(buf, size, "%" PRId64 " min %" PRId64 " s", s / 60, s % 60);
+    else if (s < 86400)
+        (void)snprintf(buf, size, "%" PRId64 " h %" PRId64 " min", s / 3600, s / 60 % 60);
+    else
+        (void)snprintf(buf, size, "%" PRId64 " d %" PRId64 " h %" PRId64 " min", s / 86400,
+                       s / 3600 % 24, s / 60 % 60);
+    return buf;
+}
+
+static const char *size_text(int64_t bytes, char *buf, size_t size)
+{
+    if (bytes < 10 * 1000000)
+        (void)snprintf(buf, size, "%.1f kB", (double)bytes / 1e3);
+    else if (bytes < INT64_C(10) * 1000000000)
+        (void)snprintf(buf, size, "%.1f MB", (double)bytes / 1e6);
+    else
+        (void)snprintf(buf, size, "%.1f GB", (double)bytes / 1e9);
+    return buf;
+}
+
+static void say_lamps(const struct cli *cli, const struct check *c)
+{
+    const struct ttf_plan_figures *f = &c->figures;
+
+    for (unsigned i = 0; c->box.lamps && i < ttf_lamps_count(c->box.lamps); i++)
+        cli_say(cli, "lamp %-12s %.1f h on, %" PRId64 " switchings, duty %u permille",
+                ttf_lamps_info(c->box.lamps, i)->name, (double)f->lamp_on_ns[i] / TTF_NS_PER_H,
+                f->lamp_switchings[i], f->lamp_duty_permille[i]);
+}
+
+static void say(const struct cli *cli, const struct check *c)
+{
+    const struct ttf_plan *plan = ttf_plan_file_plan(c->file);
+    const struct ttf_plan_figures *f = &c->figures;
+    int64_t start = plan->start_utc_ns ? plan->start_utc_ns : c->now_utc_ns;
+    char a[64], b[64];
+
+    if (c->box.simulated)
+        cli_say(cli, "SIMULATED         board '%s' photographs nothing", c->box.board);
+    if (*plan->title)
+        cli_say(cli, "plan              %s", plan->title);
+    cli_say(cli, "slots             %" PRId64 ", one every %s", f->slots,
+            span(plan->interval_ns, a, sizeof a));
+    cli_say(cli, "length            %s", span(f->duration_ns, a, sizeof a));
+    cli_say(cli, "end               %s if it starts %s",
+            ttf_utc_format(start + f->duration_ns, a, sizeof a),
+            plan->start_utc_ns ? ttf_utc_format(start, b, sizeof b) : "now");
+    cli_say(cli, "busy              %s of each interval", span(f->slot_busy_ns, a, sizeof a));
+    for (unsigned i = 0; i < plan->n_shots; i++)
+        cli_say(cli, "exposure %-8s %.3f ms", plan->shots[i].stream,
+                (double)f->exposure_ns[i] / 1e6);
+    say_lamps(cli, c);
+    cli_say(cli, "storage           %s, %s a slot", size_text(f->bytes, a, sizeof a),
+            size_text(f->slot_bytes, b, sizeof b));
+    cli_say(cli, "memory            %s", size_text(f->memory_bytes, a, sizeof a));
+    if (c->disk.free_bytes)
+        cli_say(cli, "disk              %s free, room for %" PRId64 " slots",
+                size_text(c->disk.free_bytes, a, sizeof a), c->disk.slots_that_fit);
+    if (c->disk.bytes_per_s)
+        cli_say(cli, "write speed       %s/s, sustains a slot every %s",
+                size_text(c->disk.bytes_per_s, a, sizeof a),
+                span(c->disk.shortest_interval_ns, b, sizeof b));
+    cli_say(cli, "The plan fits.");
+}
+
+static void put_json(struct ttf_json *j, const struct check *c)
+{
+    const struct ttf_plan *plan = ttf_plan_file_plan(c->file);
+    const struct ttf_plan_figures *f = &c->figures;
+
+    ttf_json_kbool(j, "simulated", c->box.simulated);
+    ttf_json_kstring(j, "title", plan->title);
+    ttf_json_kint(j, "slots", f->slots);
+    ttf_json_kint(j, "interval_ns", plan->interval_ns);
+    ttf_json_kint(j, "duration_ns", f->duration_ns);
+    ttf_json_kint(j, "bytes", f->bytes);
+    ttf_json_kint(j, "slot_bytes", f->slot_bytes);
+    ttf_json_kint(j, "slot_busy_ns", f->slot_busy_ns);
+    ttf_json_kint(j, "memory_bytes", f->memory_bytes);
+    ttf_json_key(j, "lamps");
+    ttf_json_array(j);
+    for (unsigned i = 0; c->box.lamps && i < ttf_lamps_count(c->box.lamps); i++) {
+        ttf_json_object(j);
+        ttf_json_kstring(j, "name", ttf_lamps_info(c->box.lamps, i)->name);
+        ttf_json_kint(j, "on_ns", f->lamp_on_ns[i]);
+        ttf_json_kint(j, "switchings", f->lamp_switchings[i]);
+        ttf_json_kint(j, "duty_permille", f->lamp_duty_permille[i]);
+        ttf_json_object_end(j);
+    }
+    ttf_json_array_end(j);
+    if (c->disk.free_bytes)
+        ttf_json_kint(j, "disk_free_bytes", c->disk.free_bytes);
+    if (c->disk.bytes_per_s) {
+        ttf_json_kint(j, "disk_bytes_per_s", c->disk.bytes_per_s);
+        ttf_json_kint(j, "shortest_interval_ns", c->disk.shortest_interval_ns);
+    }
+}
+
+/* The plan against the box, and against the disk if a folder is named. */
+static int check(struct cli *cli, struct check *c, const struct ttf_board *board)
+{
+    const struct ttf_plan *plan = ttf_plan_file_plan(c->file);
+    struct ttf_utc utc;
+    int r = box_create(board, cli->io, &c->box, &cli->err);
+
+    if (r < 0)
+        return r;
+    r = box_configure(board, &c->box, &cli->err);
+    if (r < 0)
+        return r;
+    ttf_clock_utc(c->box.clock, &utc);
+    c->now_utc_ns = utc.utc_ns;
+    r = ttf_plan_file_resolve(c->file, utc.utc_ns, &cli->err);
+    if (r == 0)
+        r = ttf_plan_check(plan, &c->box, &c->figures, &cli->err);
+    if (r == 0 && cli->opt.output) {
+        c->clock = ttf_clock_real_create();
+        r = ttf_disk_budget_check(cli->io, cli->opt.output, c->clock, plan, &c->figures, &c->disk,
+                                  &cli->err);
+        /* Too small a disk is a plan that does not fit: wrong input. */
+        r = r == -ENOSPC ? -EINVAL : r;
+    }
+    if (r < 0)
+        ttf_plan_file_place(c->file, &cli->err);
+    return r;
+}
+
+int cmd_plan_check(struct cli *cli)
+{
+    struct check c = {0};
+    struct ttf_board board;
+    int r = ttf_plan_file_load(cli->opt.args[0], &c.file, &cli->err);
+
+    if (r == 0)
+        r = cli_load_board(cli, &board);
+    if (r == 0)
+        r = check(cli, &c, &board);
+    if (r == 0) {
+        say(cli, &c);
+        put_json(&cli->out, &c);
+    }
+    ttf_clock_destroy(c.clock);
+    ttf_box_destroy(&c.box);
+    ttf_plan_file_free(c.file);
+    return r;
+}

@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* commands.c: every command's words; see commands.h. */
+#include "commands.h"
+
+#include <string.h>
+
+#define BOARD_OPTIONS                                      \
+    {OPT_BOARD, NULL}, {OPT_SET, NULL}, {OPT_SCENE, NULL}, \
+    {                                                      \
+        OPT_SEED, NULL                                     \
+    }
+
+static const struct cli_command COMMANDS[] = {
+    {
+        .name = "plan check",
+        .args = "PLAN",
+        .summary = "check a capture plan against a box, before anything is photographed",
+        .text =
+            "Reads the plan (YAML), checks it by itself and against the board, and prints slots, "
+            "the end, storage, lamp hours, switchings and memory. With -o it measures how fast "
+            "the folder there takes synced writes, and refuses an interval or a length that it "
+            "cannot hold, naming the best it can.\n\n"
+            "What is wrong is named with file, line and column, and ends with exit code 2.",
+        .min_args = 1,
+        .max_args = 1,
+        .run = cmd_plan_check,
+        .options = {BOARD_OPTIONS,
+                    {OPT_OUTPUT, "the dataset that will be made: measures the disk there"},
+                    {OPT_JSON, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox plan check boards/sim/plans/grass-week.yaml",
+                      "what a week of growing grass needs"},
+                     {"ttfbox plan check week.yaml -o /data/grass",
+                      "the same, measuring the disk under /data"}},
+    },
+    {
+        .name = "board probe",
+        .args = "",
+        .summary = "show what answers on this box",
+        .text = "Makes the box's devices as its description says and asks each of them: camera "
+                "modes and limits, lamps, sensors, clock, panel, watchdog. Exit code 1 if one "
+                "that the board names does not answer.",
+        .run = cmd_board_probe,
+        .options = {BOARD_OPTIONS, {OPT_JSON, NULL}, {OPT_END, NULL}},
+        .examples = {{"ttfbox board probe --board sim", "the simulated box"}},
+    },
+    {
+        .name = "calibrate dark",
+        .args = "",
+        .summary = "measure the sensor's dark signal and hot pixels",
+        .text = "Turns all lamps off, averages frames of the shot's exposure (64, or --frames) and "
+                "keeps black level, dark signal and hot pixels in the calibration folder CAL. "
+                "Refused with a reason if the frames are not dark.\n\n"
+                "CAL may exist already and hold a flat: it is completed.",
+        .run = cmd_calibrate_dark,
+        .options = {BOARD_OPTIONS,
+                    {OPT_PLAN, NULL},
+                    {OPT_SHOT, NULL},
+                    {OPT_EXPOSURE, NULL},
+                    {OPT_FRAMES, "frames to average (default: 64)"},
+                    {OPT_OUTPUT, "the calibration folder CAL"},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox calibrate dark --plan week.yaml -o cal", "for the plan's exposure"}},
+    },
+    {
+        .name = "calibrate flat",
+        .args = "",
+        .summary = "measure what an even target looks like under the plan's lamps",
+        .text = "Put an even white target in the sample's place first; on a simulated box say "
+                "--scene white. Turns the shot's lamps on, waits until they have settled, averages "
+                "frames (64, or --frames) and keeps the gain of every pixel in CAL, so that a "
+                "perfect diffuser becomes value 1 wherever it lies. Refused with a reason if the "
+                "frames are saturated, too dark, or more uneven than 8 to 1.\n\n"
+                "Make the dark first, in the same CAL: it is subtracted.",
+        .run = cmd_calibrate_flat,
+        .options = {BOARD_OPTIONS,
+                    {OPT_PLAN, NULL},
+                    {OPT_SHOT, NULL},
+                    {OPT_EXPOSURE, NULL},
+                    {OPT_REFLECTANCE, NULL},
+                    {OPT_FRAMES, "frames to average (default: 64)"},
+                    {OPT_OUTPUT, "the calibration folder CAL"},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox calibrate flat --plan week.yaml --scene white -o cal",
+                      "in the simulated box"}},
+    },
+    {
+        .name = "calibrate report",
+        .args = "CAL",
+        .summary = "say what a calibration holds",
+        .text = "Prints the camera, dark signal, hot pixels, evenness of the light and what each "
+                "part was measured with.",
+        .min_args = 1,
+        .max_args = 1,
+        .run = cmd_calibrate_report,
+        .options = {{OPT_JSON, NULL}, {OPT_END, NULL}},
+        .examples = {{"ttfbox calibrate report cal", NULL}},
+    },
+    {
+        .name = "capture",
+        .args = "PLAN",
+        .summary = "photograph a sample by a plan into a calibrated dataset",
+        .text =
+            "Checks the plan, measures the disk, locks the exposure and then takes every slot on "
+            "its own instant of an absolute grid until the plan is done and the dataset sealed. "
+            "Every slot ends as one record: captured, or missed or failed with a reason.\n\n"
+            "Run again on an unfinished dataset, it goes on where it was, on the same grid, "
+            "whatever stopped it: Ctrl-C (ends within a slot), a kill, a power cut. In the "
+            "simulated box a power cut is part of the run: the box comes back by itself after the "
+            "board's sim.outage. A dataset of the simulated box says SIMULATED.",
+        .min_args = 1,
+        .max_args = 1,
+        .run = cmd_capture,
+        .options = {BOARD_OPTIONS,
+                    {OPT_OUTPUT, "the dataset: new, or unfinished to go on with"},
+                    {OPT_CALIBRATION, NULL},
+                    {OPT_REHEARSE, NULL},
+                    {OPT_NO_SPEED_CHECK, NULL},
+                    {OPT_THREADS, NULL},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox capture week.yaml --rehearse 3 -o try", "three slots at once"},
+                     {"ttfbox capture week.yaml -c cal -o grass", "the week itself"},
+                     {"ttfbox capture week.yaml -c cal -o grass", "the same again: goes on"}},
+    },
+    {
+        .name = "import",
+        .args = "FILES...",
+        .summary = "make a dataset of pictures, a TIFF stack or a video",
+        .text = "Pictures (PNG, JPEG, TIFF) in the natural order of their names, or by the time "
+                "they were taken; the pages of TIFF stacks; the frames of one video. 8-bit sRGB "
+                "pictures come back to the bit when exported again. A video says its own interval, "
+                "pictures ordered by time too; otherwise --interval must say it.",
+        .min_args = 1,
+        .max_args = 1000000,
+        .run = cmd_import,
+        .options = {{OPT_OUTPUT, "the new dataset"},
+                    {OPT_INTERVAL, NULL},
+                    {OPT_ORDER, NULL},
+                    {OPT_TRANSFER, NULL},
+                    {OPT_TITLE, NULL},
+                    {OPT_MM_PER_PX, NULL},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox import copper/*.png --interval 1min -o copper-ttf", NULL},
+                     {"ttfbox import *.jpg --order exif-time -o banana",
+                      "by when they were taken"}},
+    },
+    {
+        .name = "info",
+        .args = "DATASET",
+        .summary = "say what a dataset holds",
+        .text = "Prints streams, slots and their results, segments, calibrations, size, whether it "
+                "is sealed, its digest, and where it came from. Changes nothing.",
+        .min_args = 1,
+        .max_args = 1,
+        .run = cmd_info,
+        .options = {{OPT_JSON, NULL}, {OPT_END, NULL}},
+        .examples = {{"ttfbox info grass", NULL},
+                     {"ttfbox info grass --json | jq .slots", "for programs"}},
+    },
+    {
+        .name = "verify",
+        .args = "DATASET",
+        .summary = "check every byte of a dataset",
+        .text = "Checks records, checksums, files and the seal. Damage is named by file and slot "
+                "and ends with exit code 3; what a crash leaves and the next capture puts right is "
+                "reported with exit code 0. Changes nothing. Without this program: "
+                "sha256sum --strict -c SHA256SUMS in the dataset's folder.",
+        .min_args = 1,
+        .max_args = 1,
+        .run = cmd_verify,
+        .options = {{OPT_THREADS, NULL}, {OPT_JSON, NULL}, {OPT_QUIET, NULL}, {OPT_END, NULL}},
+        .examples = {{"ttfbox verify grass", NULL}},
+    },
+    {
+        .name = "develop",
+        .args = "DATASET",
+        .summary = "develop a dataset's raw frames anew, with another calibration",
+        .text = "Reads the raw frames and writes a new dataset, derived from the old one, which is "
+                "not changed. The same raw frames and calibration give the same bits on every "
+                "machine.",
+        .min_args = 1,
+        .max_args = 1,
+        .run = cmd_develop,
+        .options = {{OPT_OUTPUT, "the new dataset"},
+                    {OPT_CALIBRATION, NULL},
+                    {OPT_FRAMES, NULL},
+                    {OPT_THREADS, NULL},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox develop grass -c better-cal -o grass-2", NULL}},
+    },
+    {
+        .name = "export",
+        .args = "DATASET",
+        .summary = "turn a dataset into a video, pictures, an array or a contact sheet",
+        .text =
+            "mp4, gif and y4m videos; png and tiff folders of pictures numbered without holes; "
+            "npy, "
+            "one array n x h x w x 3 of linear 16-bit values; sheet, one picture of frames spread "
+            "over the time. Slots without an image are filled as --gaps says, and a .json beside "
+            "the output names every frame that was invented.",
+        .min_args = 1,
+        .max_args = 1,
+        .run = cmd_export,
+        .options = {{OPT_OUTPUT, "the file, or the folder of pictures"},
+                    {OPT_TO, NULL},
+                    {OPT_GAPS, NULL},
+                    {OPT_START, NULL},
+                    {OPT_EVERY, NULL},
+                    {OPT_FRAMES, NULL},
+                    {OPT_FPS, NULL},
+                    {OPT_WIDTH_MAX, NULL},
+                    {OPT_COLUMNS, NULL},
+                    {OPT_WHITE, NULL},
+                    {OPT_NAME, NULL},
+                    {OPT_STREAM, NULL},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox export grass -o grass.mp4", "a video"},
+                     {"ttfbox export grass --to sheet -o sheet.png", "a contact sheet"},
+                     {"ttfbox export grass --to png -o frames", "frames/frame.1001.png, ..."}},
+    },
+    {
+        .name = "synth quilt",
+        .args = "INPUT",
+        .summary = "synthesize a larger time-varying texture by quilting",
+        .text =
+            "INPUT is a dataset or a picture. Blocks are cuboids: the same spatial block for all "
+            "frames, cut along one seam that is best over all of them; frames are copied, so every "
+            "pixel of the output lives the life of one pixel of the input. The output is a dataset "
+            "again, derived from the input, with report.json: coherence, seams, times.\n\n"
+            "--check reads the result back and compares every pixel's life with its source's.",
+        .min_args = 1,
+        .max_args = 1,
+        .run = cmd_synth_quilt,
+        .options = {{OPT_OUTPUT, "the new dataset, or the file of --sink raw"},
+                    {OPT_SIZE, NULL},
+                    {OPT_BLOCK, NULL},
+                    {OPT_OVERLAP, NULL},
+                    {OPT_TOLERANCE, NULL},
+                    {OPT_SEED, NULL},
+                    {OPT_FRAMES, "the first N frames only"},
+                    {OPT_METRIC, NULL},
+                    {OPT_PER_FRAME, NULL},
+                    {OPT_FEATHER, NULL},
+                    {OPT_SINK, NULL},
+                    {OPT_COMPRESS, NULL},
+                    {OPT_STREAM, NULL},
+                    {OPT_CHECK, NULL},
+                    {OPT_THREADS, NULL},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox synth quilt grass --size 1024x1024 --block 48x96 -o meadow",
+                      "elongated blocks for grass"},
+                     {"ttfbox synth quilt copper-ttf --size 512x512 --check -o big",
+                      "and prove that it was copied"}},
+    },
+    {
+        .name = "help",
+        .args = "[COMMAND]",
+        .summary = "explain the program or a command",
+        .text = "The same texts as --help; with --man as the source of the manual page.",
+        .max_args = 3,
+        .run = cmd_help,
+        .options = {{OPT_MAN, NULL}, {OPT_END, NULL}},
+        .examples = {{"ttfbox help --man capture | man -l -", "read the manual page"}},
+    },
+};
+
+const struct cli_command *cli_command(unsigned i)
+{
+    return i < TTF_COUNT_OF(COMMANDS) ? &COMMANDS[i] : NULL;
+}
+
+/* How many of the words the name takes up, or 0. */
+static int match(const char *name, int n, char *const *words)
+{
+    int used = 0;
+
+    while (*name) {
+        size_t length = strcspn(name, " ");
+
+        if (used == n || strlen(words[used]) != length || strncmp(words[used], name, length) != 0)
+            return 0;
+        used++;
+        name += length;
+        name += *name == ' ';
+    }
+    return used;
+}
+
+const struct cli_command *cli_command_find(int n, char *const *words, int *ret_words,
+                                           bool *ret_group)
+{
+    *ret_group = false;
+    for (unsigned i = 0; i < TTF_COUNT_OF(COMMANDS); i++) {
+        const char *name = COMMANDS[i].name;
+        size_t length = strcspn(name, " ");
+        int used = match(name, n, words);
+
+        if (used) {
+            *ret_words = used;
+            return &COMMANDS[i];
+        }
+        if (n && strlen(words[0]) == length && strncmp(name, words[0], length) == 0)
+            *ret_group = true;
+    }
+    return NULL;
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* derive.h: a new dataset made of an old one: what it says of its parent, and its frames. */
+#ifndef CLI_DERIVE_H
+#define CLI_DERIVE_H
+
+#include "cli.h"
+#include "ttf/dataset/reader.h"
+#include "ttf/dataset/tiff.h"
+#include "ttf/dataset/writer.h"
+
+/* What dataset.json says of the command that made it: the words after "ttfbox". Returns buf. */
+const char *derive_command(const struct cli *cli, char *buf, size_t size);
+
+/* A manifest of its own uuid, with parent, command and SIMULATED taken over. */
+TTF_MUST_USE int derive_manifest(struct cli *cli, struct ttf_reader *parent,
+                                 struct ttf_manifest *ret);
+
+/* Bytes of a whole dataset that could not be finished, taken away. */
+void derive_discard(struct ttf_io *io, const char *path);
+
+#endif

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * options.h: the options of all commands, each spelled, typed and explained
+ * once. A command lists which of them it takes (commands.c).
+ */
+#ifndef CLI_OPTIONS_H
+#define CLI_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ttf/base/err.h"
+#include "ttf/config/board_file.h"
+
+#define CLI_SETS_MAX 32
+
+/* Values as given; what was not given has the value the option's table names. */
+struct cli_options {
+    const char *board, *scene, *output, *calibration, *plan, *shot, *to, *gaps, *order, *transfer;
+    const char *compress, *sink, *stream, *title, *name, *metric;
+    bool json, quiet, per_frame, no_speed_check, check, man;
+    int64_t threads, rehearse, frames, every, start, fps, feather, columns, width_max;
+    int64_t seed;
+    bool has_seed;
+    int64_t interval_ns, exposure_ns;
+    uint32_t size[2], block[2], overlap[2];
+    double tolerance, reflectance, mm_per_px, white;
+    struct ttf_board_set sets[CLI_SETS_MAX];
+    unsigned n_sets;
+    char *set_texts[CLI_SETS_MAX]; /* owned: what sets[] points into */
+    const char *const *args;       /* what is no option */
+    unsigned n_args;
+};
+
+enum cli_option {
+    OPT_END = 0,
+    OPT_BOARD,
+    OPT_SET,
+    OPT_SCENE,
+    OPT_OUTPUT,
+    OPT_CALIBRATION,
+    OPT_PLAN,
+    OPT_SHOT,
+    OPT_EXPOSURE,
+    OPT_REFLECTANCE,
+    OPT_REHEARSE,
+    OPT_NO_SPEED_CHECK,
+    OPT_THREADS,
+    OPT_SEED,
+    OPT_INTERVAL,
+    OPT_ORDER,
+    OPT_TRANSFER,
+    OPT_TITLE,
+    OPT_MM_PER_PX,
+    OPT_TO,
+    OPT_GAPS,
+    OPT_START,
+    OPT_EVERY,
+    OPT_FRAMES,
+    OPT_FPS,
+    OPT_WIDTH_MAX,
+    OPT_COLUMNS,
+    OPT_WHITE,
+    OPT_NAME,
+    OPT_STREAM,
+    OPT_SIZE,
+    OPT_BLOCK,
+    OPT_OVERLAP,
+    OPT_TOLERANCE,
+    OPT_METRIC,
+    OPT_COMPRESS,
+    OPT_SINK,
+    OPT_PER_FRAME,
+    OPT_FEATHER,
+    OPT_CHECK,
+    OPT_MAN,
+    OPT_JSON,
+    OPT_QUIET,
+    OPT_COUNT
+};
+
+enum cli_type {
+    CLI_FLAG = 0,
+    CLI_TEXT,
+    CLI_TIME,    /* int64_t ns */
+    CLI_WHOLE,   /* int64_t */
+    CLI_SEED,    /* int64_t and has_seed */
+    CLI_SIZE,    /* uint32_t[2] */
+    CLI_DECIMAL, /* double */
+    CLI_SET      /* PATH=VALUE, may be repeated */
+};
+
+struct cli_option_def {
+    const char *name; /* long, without dashes */
+    char letter;      /* 0: none */
+    const char *arg;  /* NULL: a flag */
+    enum cli_type type;
+    size_t offset; /* in struct cli_options */
+    double lo, hi; /* of numbers; times in ns */
+    const char *text;
+};
+
+const struct cli_option_def *cli_option_def(enum cli_option option);
+
+/* Values before any option was read. */
+void cli_options_defaults(struct cli_options *options);
+
+/* Takes one option. -EINVAL with *err naming the option. */
+int cli_option_take(struct cli_options *options, enum cli_option option, const char *value,
+                    struct ttf_err *err);
+void cli_options_free(struct cli_options *options);
+
+#endif

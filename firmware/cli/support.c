@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* support.c: how commands speak and end; see cli.h. */
+#include <errno.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "cli.h"
+#include "commands.h"
+
+void cli_say(const struct cli *cli, const char *fmt, ...)
+{
+    va_list args;
+
+    if (cli->opt.json)
+        return;
+    va_start(args, fmt);
+    (void)vprintf(fmt, args);
+    va_end(args);
+    (void)putchar('\n');
+}
+
+void cli_warn(const char *fmt, ...)
+{
+    va_list args;
+
+    va_start(args, fmt);
+    (void)vfprintf(stderr, fmt, args);
+    va_end(args);
+    (void)fputc('\n', stderr);
+}
+
+/* A signal handler can reach nothing but a global. */
+static volatile int stop_asked;
+
+static void on_stop(int signal_number)
+{
+    (void)signal_number;
+    stop_asked = 1;
+}
+
+void cli_stop_catch(void)
+{
+    /* Once: a second Ctrl-C ends the program at once; what is committed is safe. */
+    struct sigaction action = {.sa_handler = on_stop, .sa_flags = (int)SA_RESETHAND};
+
+    (void)sigemptyset(&action.sa_mask);
+    (void)sigaction(SIGINT, &action, NULL);
+    (void)sigaction(SIGTERM, &action, NULL);
+}
+
+const volatile int *cli_stop_flag(void)
+{
+    return &stop_asked;
+}
+
+int cli_exit_code(int error)
+{
+    switch (error) {
+    case 0:
+        return CLI_DONE;
+    case -TTF_EDAMAGED:
+        return CLI_DAMAGED;
+    case -EINVAL:
+    case -ENOENT:
+    case -EEXIST:
+    case -ENOTSUP:
+    case -ENOTDIR:
+    case -EISDIR:
+    case -ENOTEMPTY:
+    case -ENODATA:
+    case -ERANGE:
+    case -EFBIG:
+    case -ENAMETOOLONG:
+        return CLI_WRONG_INPUT;
+    default:
+        return CLI_FAILED;
+    }
+}
+
+int cli_need(struct cli *cli, const char *value, const char *option, const char *hint)
+{
+    if (value)
+        return 0;
+    ttf_err_set(&cli->err, -EINVAL, option, "is missing");
+    ttf_err_hint(&cli->err, "%s", hint);
+    return -EINVAL;
+}
+
+/* Stops at the first entry: the folder is not empty. */
+static int any_entry(void *ctx, const char *name, bool is_dir)
+{
+    (void)name;
+    (void)is_dir;
+    *(bool *)ctx = true;
+    return 1;
+}
+
+int cli_refuse_existing(struct cli *cli, const char *path)
+{
+    struct ttf_io_stat st;
+    bool any = false;
+    int r = cli->io->ops->stat(cli->io, path, &st);
+
+    if (r == -ENOENT)
+        return 0;
+    if (r < 0)
+        return ttf_err_set(&cli->err, r, path, "cannot be looked at: %s", strerrordesc_np(-r));
+    if (st.is_dir) {
+        r = cli->io->ops->list(cli->io, path, any_entry, &any);
+        if (r >= 0 && !any)
+            return 0;
+    }
+    ttf_err_set(&cli->err, -EEXIST, path, "exists already");
+    ttf_err_hint(&cli->err, "nothing is overwritten: give another -o, or move it away first");
+    return -EEXIST;
+}
