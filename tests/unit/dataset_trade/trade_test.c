@@ -43,22 +43,31 @@ int folder_teardown(void **state)
     struct folder *folder = *state;
 
     remove_tree(folder->path);
+    while (folder->texts) {
+        struct folder_text *text = folder->texts;
+
+        folder->texts = text->next;
+        free(text);
+    }
     free(folder);
     return 0;
 }
 
 const char *in_folder(void **state, const char *fmt, ...)
 {
-    static char ring[16][512];
-    static unsigned next;
-    char *text = ring[next++ % 16];
-    int n = snprintf(text, 512, "%s/", ((struct folder *)*state)->path);
+    struct folder *folder = *state;
+    struct folder_text *text = malloc(sizeof(*text));
     va_list args;
+    int n;
 
+    assert_non_null(text);
+    n = snprintf(text->text, sizeof(text->text), "%s/", folder->path);
     va_start(args, fmt);
-    vsnprintf(text + n, 512 - (size_t)n, fmt, args);
+    vsnprintf(text->text + n, sizeof(text->text) - (size_t)n, fmt, args);
     va_end(args);
-    return text;
+    text->next = folder->texts;
+    folder->texts = text;
+    return text->text;
 }
 
 bool exists(const char *path)

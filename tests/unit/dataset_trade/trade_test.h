@@ -15,15 +15,21 @@
 #include "ttf/dataset/io.h"
 #include "ttf/dataset/pixbuf.h"
 
+struct folder_text {
+    struct folder_text *next;
+    char text[512];
+};
+
 struct folder {
     char path[64];
+    struct folder_text *texts; /* handed out by in_folder */
 };
 
 /* cmocka fixtures: *state is a struct folder, removed with all that is in it afterwards. */
 int folder_setup(void **state);
 int folder_teardown(void **state);
 
-/* "FOLDER/..." in a ring of 16 buffers: good until the 16th next call. */
+/* "FOLDER/...", good until teardown. */
 const char *in_folder(void **state, const char *fmt, ...);
 
 bool exists(const char *path);
