@@ -74,19 +74,19 @@ static void scenes_are_listed_and_an_unknown_one_is_refused_with_the_list(void *
 
 static void a_picture_is_the_same_whatever_was_asked_before(void **state)
 {
-    static const double order[] = {0.7, 0.2, 1.0, 0.0, 0.45};
+    static const double order[] = {0.7, 0.2, 1.0};
     float *p = picture(), *q = picture(), *small = picture();
 
     for (unsigned k = 0; k < 5; k++) {
         struct ttf_scene used = scene_of(living[k], 3);
 
         draw_size(&used, 0.9, 50, 60, small);
-        for (unsigned i = 0; i < 5; i++) {
+        for (unsigned i = 0; i < 3; i++) {
             struct ttf_scene fresh = scene_of(living[k], 3);
 
             draw(&used, order[i], p);
             draw_size(&used, order[i], 40 + i, 30, small);
-            draw_size(&used, order[i], 41 + i, 30, small);
+            draw_size(&used, order[i], W, 20, small); /* as wide, not as high */
             draw(&fresh, order[i], q);
             fresh.ops->destroy(fresh.priv);
             assert_memory_equal(p, q, sizeof(*p) * 3 * N);

@@ -186,7 +186,8 @@ static void a_point_is_spread_as_wide_as_asked_and_loses_no_light(void **state)
     plain_expose(&config, &s, 1.0f, frame);
     for (uint32_t y = 0; y < H; y++) {
         for (uint32_t x = 0; x < W; x++) {
-            const double dx = (double)((int)x - (int)W / 2), dy = (double)((int)y - (int)H / 2);
+            const int cx = W / 2, cy = H / 2;
+            const double dx = (int)x - cx, dy = (int)y - cy;
             const double v = at(x, y);
 
             sum += v;
