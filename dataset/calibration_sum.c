@@ -43,11 +43,11 @@ void ttf_raw_sum_levels(const struct ttf_frame_format *format, uint16_t *ret_bla
 
 int calibration_samples(const struct ttf_frame_format *format)
 {
-    if (row_bytes(format) == 0)
-        return -ENOTSUP;
     if (format->width == 0 || format->height == 0 || format->width > 65535 ||
         format->height > 65535 || (unsigned)format->cfa >= TTF_CFA_COUNT)
         return -EINVAL;
+    if (row_bytes(format) == 0)
+        return -ENOTSUP;
     if (is_raw(format->packing) &&
         (format->bits < 1 || format->bits > 16 || format->white_level <= format->black_level))
         return -EINVAL;

@@ -14,6 +14,7 @@
 
 #include "scratch.h"
 #include "ttf/dataset/develop.h"
+#include "ttf/dataset/dng.h"
 
 #define W     97
 #define H     71
@@ -189,10 +190,357 @@ static void every_mosaic_and_parity_agrees_with_the_reference(void **state)
     }
 }
 
+/* ---- what a capture relies on ---- */
+
+/* A scene: even colour with a soft slope; linear in exposure. */
+static double scene(unsigned x, unsigned y, int colour)
+{
+    static const double colours[3] = {0.3, 0.5, 0.2};
+
+    return colours[colour] * (0.6 + 0.4 * x / W + 0.2 * y / H);
+}
+
+/* Response and vignetting of a camera, times exposure: codes above black. */
+static double response(unsigned x, unsigned y, int colour)
+{
+    static const double colours[3] = {1500, 2800, 2000};
+    double u = (double)x / W - 0.5, v = (double)y / H - 0.5;
+
+    return colours[colour] * (1.0 - u * u - v * v);
+}
+
+static void shoot(struct ttf_raw_sum *sum, double exposure, double reflectance, unsigned n)
+{
+    static uint16_t codes[W * H];
+    struct ttf_frame_format format = bayer(W, H, TTF_CFA_GRBG);
+    struct ttf_frame frame = {
+        .format = format, .data = codes, .bytes = sizeof(codes), .settings = settings};
+    uint32_t seed = 1;
+
+    frame.settings.exposure_ns = (int64_t)(1e7 * exposure);
+    assert_int_equal(ttf_raw_sum_init(sum, &format), 0);
+    for (unsigned k = 0; k < n; k++) {
+        for (unsigned i = 0; i < W * H; i++) {
+            unsigned x = i % W, y = i / W;
+            int c = colour_at(TTF_CFA_GRBG, (int)x, (int)y);
+            double value = reflectance > 0 ? reflectance : scene(x, y, c);
+            /* dithered, so that averages know more than 12 bits */
+            double dither = (scratch_random(&seed) % 1000) / 1000.0;
+
+            codes[i] = (uint16_t)(BLACK + 3 + response(x, y, c) * value * exposure + dither);
+        }
+        assert_int_equal(ttf_raw_sum_add(sum, &frame), 0);
+    }
+}
+
+static void calibrate(struct ttf_calibration *calibration)
+{
+    struct ttf_raw_sum dark, flat;
+    struct ttf_err err = {0};
+
+    ttf_calibration_init(calibration);
+    shoot(&dark, 1e-9, 1e-9, 32);
+    shoot(&flat, 1.0, 0.9, 32);
+    if (ttf_calibration_fit_dark(calibration, &dark, &err) < 0 ||
+        ttf_calibration_fit_flat(calibration, &flat, 0.9, &err) < 0)
+        fail_msg("%s", err.what);
+    ttf_raw_sum_free(&dark);
+    ttf_raw_sum_free(&flat);
+}
+
+static void a_calibrated_frame_is_the_scene_whatever_the_exposure(void **state)
+{
+    static const double exposures[] = {0.25, 0.5, 1.0, 1.6};
+    struct ttf_calibration calibration;
+
+    calibrate(&calibration);
+    for (unsigned e = 0; e < TTF_COUNT_OF(exposures); e++) {
+        struct ttf_develop_config config = {
+            .format = bayer(W, H, TTF_CFA_GRBG), .calibration = &calibration, .encoding = encoding};
+        struct ttf_image_figures figures;
+        struct ttf_raw_sum raw;
+        struct ttf_pixbuf out;
+        double error = 0;
+
+        shoot(&raw, exposures[e], 0, 16);
+        develop_all(&config, &raw, 2, &out, &figures);
+        for (unsigned y = 0; y < H; y++) {
+            for (unsigned x = 0; x < W; x++) {
+                for (int c = 0; c < 3; c++) {
+                    double code = ((uint16_t *)ttf_pixbuf_row(&out, y))[3 * x + (unsigned)c];
+
+                    error +=
+                        fabs((code - TTF_PEDESTAL) / TTF_SCALE - scene(x, y, c)) / (3.0 * W * H);
+                }
+            }
+        }
+        if (error > 1e-3)
+            fail_msg("at exposure %g the mean error is %g", exposures[e], error);
+        assert_float_equal(figures.mean_level, (0.3 + 0.5 + 0.2) / 3 * 0.9, 3e-3);
+        assert_float_equal(figures.saturated, 0.0, 0.0);
+        ttf_pixbuf_free(&out);
+        ttf_raw_sum_free(&raw);
+    }
+    ttf_calibration_free(&calibration);
+}
+
+static void without_a_flat_full_scale_is_one(void **state)
+{
+    static uint16_t codes[W * H];
+    struct ttf_frame_format format = bayer(W, H, TTF_CFA_RGGB);
+    struct ttf_develop_config config = {.format = format, .encoding = encoding};
+    struct ttf_image_figures figures;
+    struct ttf_raw_sum raw;
+    struct ttf_pixbuf out;
+
+    for (int i = 0; i < W * H; i++)
+        codes[i] = i < W * H / 4 ? WHITE : BLACK;
+    sum_of(&raw, &format, codes, sizeof(codes), 1);
+    develop_all(&config, &raw, 0, &out, &figures);
+    assert_int_equal(((uint16_t *)out.data)[0], TTF_PEDESTAL + TTF_SCALE);
+    assert_int_equal(((uint16_t *)ttf_pixbuf_row(&out, H - 1))[5], TTF_PEDESTAL);
+    assert_float_equal(figures.saturated, (double)(W * H / 4) / (W * H), 1e-12);
+    assert_float_equal(figures.mean_level, 0.25, 0.01);
+    ttf_pixbuf_free(&out);
+    ttf_raw_sum_free(&raw);
+}
+
+static void hot_pixels_leave_no_trace(void **state)
+{
+    struct ttf_hot_pixel hot[] = {{0, 0},   {50, 30}, {52, 30}, {51, 31},
+                                  {50, 32}, {96, 63}, {40, 64}, {96, 70}};
+    struct ttf_calibration calibration;
+    struct ttf_develop_config config = {
+        .format = bayer(W, H, TTF_CFA_GRBG), .calibration = &calibration, .encoding = encoding};
+    struct ttf_pixbuf clean, mended;
+    struct ttf_raw_sum raw;
+
+    calibrate(&calibration);
+    shoot(&raw, 1.0, 0.5, 8);
+    develop_all(&config, &raw, 0, &clean, NULL);
+    for (unsigned i = 0; i < TTF_COUNT_OF(hot); i++)
+        raw.sum[hot[i].y * W + hot[i].x] = WHITE * 8;
+    free(calibration.hot);
+    calibration.hot = hot;
+    calibration.n_hot = TTF_COUNT_OF(hot);
+    develop_all(&config, &raw, 0, &mended, NULL);
+    for (unsigned i = 0; i < W * H * 3; i++)
+        assert_near(((uint16_t *)mended.data)[i], ((uint16_t *)clean.data)[i], TTF_SCALE / 200,
+                    (int)(i / 3 % W), (int)(i / 3 / W), (int)(i % 3));
+    calibration.hot = NULL;
+    calibration.n_hot = 0;
+    ttf_calibration_free(&calibration);
+    ttf_pixbuf_free(&clean);
+    ttf_pixbuf_free(&mended);
+    ttf_raw_sum_free(&raw);
+}
+
+/* Threads, regions, TIFF by strips: all the same bits. On 300 rows, so that there are several chunks. */
+static void the_same_bits_come_however_it_is_cut(void **state)
+{
+    enum {
+        BW = 180,
+        BH = 300
+    };
+    static uint16_t codes[BW * BH];
+    struct ttf_hot_pixel hot[400];
+    struct ttf_frame_format format = bayer(BW, BH, TTF_CFA_BGGR);
+    struct ttf_calibration calibration;
+    struct ttf_develop_config config = {
+        .format = format, .calibration = &calibration, .encoding = encoding};
+    struct ttf_image_figures figures, others;
+    struct ttf_pixbuf whole, part, view, file_back;
+    struct ttf_tiff_times times = {.start_utc_ns = 0, .exposure_ns = 5};
+    struct ttf_io *io = ttf_io_posix();
+    struct ttf_develop *develop = NULL;
+    struct ttf_raw_sum raw;
+    uint32_t seed = 5;
+    int file;
+
+    for (int i = 0; i < BW * BH; i++)
+        codes[i] = (uint16_t)(scratch_random(&seed) % 4096);
+    for (unsigned i = 0; i < 400; i++) /* dense: their neighbours are hot as well */
+        hot[i] = (struct ttf_hot_pixel){(uint16_t)(2 * (i % 8) + 20 + i % 3 / 2),
+                                        (uint16_t)(20 + i / 8)};
+    ttf_calibration_init(&calibration);
+    calibration.hot = hot;
+    calibration.n_hot = 400;
+    calibration.colour_matrix[1] = -0.3;
+    calibration.colour_matrix[8] = 1.3;
+    sum_of(&raw, &format, codes, sizeof(codes), 1);
+    develop_all(&config, &raw, 0, &whole, &figures);
+    for (unsigned threads = 1; threads <= 4; threads++) {
+        develop_all(&config, &raw, threads, &part, &others);
+        assert_memory_equal(whole.data, part.data, sizeof(uint16_t) * 3 * BW * BH);
+        assert_memory_equal(&figures, &others, sizeof(figures));
+        ttf_pixbuf_free(&part);
+    }
+    assert_int_equal(ttf_develop_create(&config, &develop, NULL), 0);
+    file = scratch_create(state, "d.tif");
+    assert_int_equal(ttf_develop_tiff(develop, &raw, NULL, &times, io, file, &others, NULL), 0);
+    assert_int_equal(io->ops->close(io, file), 0);
+    ttf_develop_destroy(develop);
+    assert_memory_equal(&figures, &others, sizeof(figures));
+    assert_int_equal(ttf_tiff_read(io, scratch_path(state, "d.tif"), 0, &file_back, NULL), 0);
+    assert_memory_equal(whole.data, file_back.data, sizeof(uint16_t) * 3 * BW * BH);
+    for (uint32_t shift = 1; shift < 40; shift += 7) {
+        config.region = (struct ttf_region){shift, shift + 3, BW - 2 * shift, BH - 3 * shift - 3};
+        develop_all(&config, &raw, 0, &part, NULL);
+        assert_int_equal(
+            ttf_pixbuf_view(&whole, shift, shift + 3, BW - 2 * shift, BH - 3 * shift - 3, &view),
+            0);
+        for (uint32_t y = 0; y < part.height; y++)
+            assert_memory_equal(ttf_pixbuf_row(&part, y), ttf_pixbuf_row(&view, y), part.width * 6);
+        ttf_pixbuf_free(&part);
+    }
+    ttf_pixbuf_free(&whole);
+    ttf_pixbuf_free(&file_back);
+    ttf_raw_sum_free(&raw);
+}
+
+static void finished_pictures_are_taken_as_srgb(void **state)
+{
+    static const uint8_t rgb[2 * 4 * 3] = {0,   1,   2,  255, 254, 253, 128, 64, 32, 10, 20, 30,
+                                           200, 100, 50, 90,  80,  70,  3,   2,  1,  9,  99, 199};
+    static const uint8_t grey[8] = {0, 1, 2, 50, 100, 150, 200, 255};
+    static const uint8_t yuyv[8] = {16, 128, 235, 128,
+                                    81, 90,  81,  240}; /* black, white, red, red */
+    static const struct ttf_encoding imported = {0, 65535};
+    struct ttf_frame_format format = {
+        .width = 4, .height = 2, .stride = 12, .packing = TTF_PACKING_RGB8, .bits = 8};
+    struct ttf_develop_config config = {.format = format, .encoding = imported};
+    struct ttf_raw_sum raw;
+    struct ttf_pixbuf out;
+
+    sum_of(&raw, &format, rgb, sizeof(rgb), 5);
+    develop_all(&config, &raw, 0, &out, NULL);
+    for (unsigned i = 0; i < 24; i++) {
+        assert_int_equal(((uint16_t *)out.data)[i], ttf_srgb8_to_linear16(rgb[i]));
+        assert_int_equal(ttf_linear16_to_srgb8(((uint16_t *)out.data)[i]), rgb[i]);
+    }
+    ttf_pixbuf_free(&out);
+    ttf_raw_sum_free(&raw);
+    format.packing = TTF_PACKING_GREY8;
+    format.stride = 4;
+    config.format = format;
+    sum_of(&raw, &format, grey, sizeof(grey), 1);
+    develop_all(&config, &raw, 0, &out, NULL);
+    for (unsigned i = 0; i < 24; i++)
+        assert_int_equal(((uint16_t *)out.data)[i], ttf_srgb8_to_linear16(grey[i / 3]));
+    ttf_pixbuf_free(&out);
+    ttf_raw_sum_free(&raw);
+    format.packing = TTF_PACKING_YUYV8;
+    format.height = 1;
+    format.stride = 8;
+    config.format = format;
+    sum_of(&raw, &format, yuyv, sizeof(yuyv), 1);
+    develop_all(&config, &raw, 0, &out, NULL);
+    for (unsigned c = 0; c < 3; c++) {
+        assert_int_equal(((uint16_t *)out.data)[c], 0);
+        assert_int_equal(((uint16_t *)out.data)[3 + c], 65535);
+    }
+    /* 75 % red of BT.601's colour bars has Y 65, 81 is full red: 254, 0, 0. */
+    assert_in_range(ttf_linear16_to_srgb8(((uint16_t *)out.data)[6]), 253, 255);
+    assert_in_range(ttf_linear16_to_srgb8(((uint16_t *)out.data)[7]), 0, 1);
+    assert_in_range(ttf_linear16_to_srgb8(((uint16_t *)out.data)[8]), 0, 1);
+    ttf_pixbuf_free(&out);
+    ttf_raw_sum_free(&raw);
+}
+
+static void a_sharper_picture_has_more_sharpness(void **state)
+{
+    static uint16_t codes[W * H];
+    struct ttf_frame_format format = bayer(W, H, TTF_CFA_NONE);
+    struct ttf_develop_config config = {.format = format, .encoding = encoding};
+    double before = 1e9;
+
+    for (int blur = 1; blur <= 8; blur *= 2) {
+        struct ttf_image_figures figures;
+        struct ttf_raw_sum raw;
+        struct ttf_pixbuf out;
+
+        for (int i = 0; i < W * H; i++)
+            codes[i] = (uint16_t)(1500 + 800 * sin((double)(i % W) / blur));
+        sum_of(&raw, &format, codes, sizeof(codes), 1);
+        develop_all(&config, &raw, 0, &out, &figures);
+        assert_true(figures.sharpness > 0 && figures.sharpness < before / 1.5);
+        before = figures.sharpness;
+        ttf_pixbuf_free(&out);
+        ttf_raw_sum_free(&raw);
+    }
+}
+
+static void wrong_configurations_are_refused(void **state)
+{
+    struct ttf_calibration calibration;
+    struct ttf_develop *develop = NULL;
+    struct ttf_err err = {0};
+    struct ttf_develop_config config = {
+        .format = bayer(W, H, TTF_CFA_GRBG), .encoding = encoding, .region = {90, 0, 8, 8}};
+
+    assert_int_equal(ttf_develop_create(&config, &develop, &err), -EINVAL);
+    assert_string_equal(err.where, "region");
+    config.region = (struct ttf_region){0};
+    calibrate(&calibration);
+    config.calibration = &calibration;
+    config.format.width = W - 1;
+    assert_int_equal(ttf_develop_create(&config, &develop, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "97 x 71"));
+    config.format = bayer(W, H, TTF_CFA_GRBG);
+    config.format.black_level = 64;
+    assert_int_equal(ttf_develop_create(&config, &develop, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "levels"));
+    config.format.packing = TTF_PACKING_COUNT;
+    assert_int_equal(ttf_develop_create(&config, &develop, &err), -ENOTSUP);
+    ttf_calibration_free(&calibration);
+}
+
+/* A raw file that is developed later gives what was developed at once; of an average to half a 16-bit code. */
+static void a_dng_develops_to_the_same_picture(void **state)
+{
+    for (unsigned n = 1; n <= 8; n += 7) {
+        struct ttf_dng_info info = {.times = {.start_utc_ns = TTF_NS_UNKNOWN}};
+        struct ttf_io *io = ttf_io_posix();
+        struct ttf_calibration calibration;
+        struct ttf_develop_config config = {
+            .format = bayer(W, H, TTF_CFA_GRBG), .calibration = &calibration, .encoding = encoding};
+        struct ttf_raw_sum raw, back;
+        struct ttf_pixbuf direct, later;
+        int file = scratch_create(state, "a.dng");
+
+        calibrate(&calibration);
+        shoot(&raw, 0.7, 0, n);
+        assert_int_equal(ttf_dng_write(&raw, &info, io, file, NULL), 0);
+        assert_int_equal(io->ops->close(io, file), 0);
+        assert_int_equal(ttf_dng_read(io, scratch_path(state, "a.dng"), &back, NULL, NULL), 0);
+        develop_all(&config, &raw, 0, &direct, NULL);
+        config.format = back.format;
+        develop_all(&config, &back, 0, &later, NULL);
+        for (unsigned i = 0; i < W * H * 3; i++)
+            assert_near(((uint16_t *)direct.data)[i], ((uint16_t *)later.data)[i], n == 1 ? 0 : 4,
+                        (int)(i / 3 % W), (int)(i / 3 / W), (int)(i % 3));
+        ttf_calibration_free(&calibration);
+        ttf_pixbuf_free(&direct);
+        ttf_pixbuf_free(&later);
+        ttf_raw_sum_free(&raw);
+        ttf_raw_sum_free(&back);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_mosaic_and_parity_agrees_with_the_reference),
+        cmocka_unit_test(a_calibrated_frame_is_the_scene_whatever_the_exposure),
+        cmocka_unit_test(without_a_flat_full_scale_is_one),
+        cmocka_unit_test(hot_pixels_leave_no_trace),
+        cmocka_unit_test_setup_teardown(the_same_bits_come_however_it_is_cut, scratch_make,
+                                        scratch_remove),
+        cmocka_unit_test(finished_pictures_are_taken_as_srgb),
+        cmocka_unit_test(a_sharper_picture_has_more_sharpness),
+        cmocka_unit_test(wrong_configurations_are_refused),
+        cmocka_unit_test_setup_teardown(a_dng_develops_to_the_same_picture, scratch_make,
+                                        scratch_remove),
     };
 
     return cmocka_run_group_tests_name("develop", tests, NULL, NULL);

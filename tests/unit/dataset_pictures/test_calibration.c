@@ -1,0 +1,373 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "scratch.h"
+#include "ttf/dataset/calibration.h"
+
+#define W     160
+#define H     96
+#define BLACK 256
+#define WHITE 4095
+
+static uint16_t codes[W * H];
+
+static const struct ttf_frame_format format = {.width = W,
+                                               .height = H,
+                                               .stride = (size_t)W * 2,
+                                               .packing = TTF_PACKING_RAW16,
+                                               .cfa = TTF_CFA_RGGB,
+                                               .bits = 12,
+                                               .black_level = BLACK,
+                                               .white_level = WHITE};
+
+static void add(struct ttf_raw_sum *sum)
+{
+    struct ttf_frame frame = {.format = format,
+                              .data = codes,
+                              .bytes = sizeof(codes),
+                              .settings = {10000000, 1000, 1000, 1000, 0}};
+
+    assert_int_equal(ttf_raw_sum_add(sum, &frame), 0);
+}
+
+/* n dark frames: an offset of 2.5 codes on the right half, noise of +-2 codes, five hot pixels. */
+static const unsigned hot_at[] = {5, 777, 778, 5000, W *H - 1};
+
+static void make_dark(struct ttf_raw_sum *sum, unsigned n, unsigned level)
+{
+    uint32_t seed = 3;
+
+    assert_int_equal(ttf_raw_sum_init(sum, &format), 0);
+    for (unsigned k = 0; k < n; k++) {
+        for (unsigned i = 0; i < W * H; i++)
+            codes[i] = (uint16_t)(BLACK + level + (i % W >= W / 2 ? 2 + k % 2 : 0) +
+                                  scratch_random(&seed) % 5 - 2);
+        for (unsigned i = 0; i < 5; i++)
+            codes[hot_at[i]] = (uint16_t)(BLACK + 300 + 100 * i);
+        add(sum);
+    }
+}
+
+/* A target under vignetting, colours 1 : 2 : 1.5, the dark pattern below it. */
+static double flat_signal(unsigned x, unsigned y)
+{
+    static const double colours[4] = {600, 1200, 1200, 900};
+    double u = (double)x / W - 0.5, v = (double)y / H - 0.5;
+
+    return colours[(y % 2) * 2 + x % 2] * (1.2 - u * u - v * v);
+}
+
+static void make_flat(struct ttf_raw_sum *sum, unsigned n, double scale)
+{
+    assert_int_equal(ttf_raw_sum_init(sum, &format), 0);
+    for (unsigned i = 0; i < W * H; i++) {
+        double code = BLACK + flat_signal(i % W, i / W) * scale + (i % W >= W / 2 ? 2.5 : 0);
+
+        codes[i] = (uint16_t)(code > WHITE ? WHITE : code + 0.5);
+    }
+    for (unsigned k = 0; k < n; k++)
+        add(sum);
+}
+
+static void dark_frames_give_offsets_and_hot_pixels(void **state)
+{
+    struct ttf_calibration calibration;
+    struct ttf_raw_sum dark;
+    struct ttf_err err = {0};
+    double left = 0, right = 0;
+
+    ttf_calibration_init(&calibration);
+    make_dark(&dark, 16, 0);
+    if (ttf_calibration_fit_dark(&calibration, &dark, &err) < 0)
+        fail_msg("%s", err.what);
+    assert_true(calibration.has_dark);
+    assert_int_equal(calibration.dark_frames, 16);
+    assert_int_equal(calibration.dark_settings.exposure_ns, 10000000);
+    assert_int_equal(calibration.n_hot, 5);
+    for (unsigned i = 0; i < 5; i++)
+        assert_int_equal(calibration.hot[i].y * W + calibration.hot[i].x, hot_at[i]);
+    for (unsigned i = W; i < 2 * W; i++) {
+        if (i % W < W / 2)
+            left += calibration.dark_offset_16[i] / 16.0 / (W / 2);
+        else
+            right += calibration.dark_offset_16[i] / 16.0 / (W / 2);
+    }
+    assert_float_equal(left, 0.0, 0.2);
+    assert_float_equal(right, 2.5, 0.2);
+    ttf_raw_sum_free(&dark);
+    ttf_calibration_free(&calibration);
+}
+
+static void dark_frames_that_are_not_dark_are_refused_with_the_reason(void **state)
+{
+    struct ttf_calibration calibration;
+    struct ttf_raw_sum dark;
+    struct ttf_err err = {0};
+
+    ttf_calibration_init(&calibration);
+    make_dark(&dark, 2, 400);
+    assert_int_equal(ttf_calibration_fit_dark(&calibration, &dark, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "not dark"));
+    assert_non_null(strstr(err.what, "10.5 %"));
+    assert_non_null(strstr(err.hint, "lamps"));
+    assert_false(calibration.has_dark);
+    ttf_raw_sum_reset(&dark);
+    assert_int_equal(ttf_calibration_fit_dark(&calibration, &dark, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "no dark frames"));
+    /* A leak of light in one corner. */
+    for (unsigned i = 0; i < W * H; i++)
+        codes[i] = (uint16_t)(BLACK + (i % W < 20 && i / W < 20 ? 90 : i % 3));
+    add(&dark);
+    assert_int_equal(ttf_calibration_fit_dark(&calibration, &dark, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "not dark everywhere"));
+    ttf_raw_sum_free(&dark);
+    ttf_calibration_free(&calibration);
+}
+
+static void fit_both(struct ttf_calibration *calibration)
+{
+    struct ttf_raw_sum dark, flat;
+    struct ttf_err err = {0};
+
+    ttf_calibration_init(calibration);
+    snprintf(calibration->camera, sizeof(calibration->camera), "main");
+    calibration->simulated = true;
+    make_dark(&dark, 16, 0);
+    make_flat(&flat, 4, 1.0);
+    if (ttf_calibration_fit_dark(calibration, &dark, &err) < 0 ||
+        ttf_calibration_fit_flat(calibration, &flat, 0.8, &err) < 0)
+        fail_msg("%s", err.what);
+    ttf_raw_sum_free(&dark);
+    ttf_raw_sum_free(&flat);
+}
+
+/* What the gains are for: signal x gain is flat_level x reflectance, at every pixel and colour. */
+static void a_flat_makes_all_pixels_alike(void **state)
+{
+    struct ttf_calibration calibration;
+
+    fit_both(&calibration);
+    for (unsigned i = 0; i < W * H; i++) {
+        double signal =
+            floor(flat_signal(i % W, i / W) + BLACK + (i % W >= W / 2 ? 2.5 : 0) + 0.5) - BLACK -
+            calibration.dark_offset_16[i] / 16.0;
+        double out = signal * calibration.flat_gain[i] / 16384.0;
+        bool hot = false;
+
+        for (unsigned k = 0; k < 5; k++)
+            hot = hot || hot_at[k] == i;
+        if (!hot && fabs(out / (calibration.flat_level * 0.8) - 1) > 1e-3)
+            fail_msg("pixel %u: %g", i, out / (calibration.flat_level * 0.8));
+    }
+    assert_float_equal(calibration.flat_reflectance, 0.8, 0);
+    ttf_calibration_free(&calibration);
+}
+
+static void dead_pixels_join_the_list(void **state)
+{
+    struct ttf_calibration calibration;
+    struct ttf_raw_sum flat;
+
+    ttf_calibration_init(&calibration);
+    make_flat(&flat, 1, 1.0);
+    flat.sum[1234] = BLACK;
+    flat.sum[4321] = BLACK + 3;
+    assert_int_equal(ttf_calibration_fit_flat(&calibration, &flat, 0.9, NULL), 0);
+    assert_int_equal(calibration.n_hot, 2);
+    assert_int_equal(calibration.hot[0].y * W + calibration.hot[0].x, 1234);
+    ttf_raw_sum_free(&flat);
+    ttf_calibration_free(&calibration);
+}
+
+static void assert_flat_refused(double scale, double reflectance, const char *reason)
+{
+    struct ttf_calibration calibration;
+    struct ttf_raw_sum flat;
+    struct ttf_err err = {0};
+
+    ttf_calibration_init(&calibration);
+    make_flat(&flat, 1, scale);
+    assert_int_equal(ttf_calibration_fit_flat(&calibration, &flat, reflectance, &err), -EINVAL);
+    if (!strstr(err.what, reason))
+        fail_msg("'%s' does not say '%s'", err.what, reason);
+    assert_false(calibration.has_flat);
+    assert_int_equal(calibration.width, 0);
+    ttf_raw_sum_free(&flat);
+    ttf_calibration_free(&calibration);
+}
+
+static void useless_flats_are_refused_with_the_reason(void **state)
+{
+    struct ttf_calibration calibration;
+    struct ttf_raw_sum flat;
+    struct ttf_err err = {0};
+
+    assert_flat_refused(4.0, 0.9, "saturated");
+    assert_flat_refused(0.05, 0.9, "too dark");
+    assert_flat_refused(1.0, 1.5, "reflectance");
+    assert_flat_refused(1.0, NAN, "reflectance");
+    ttf_calibration_init(&calibration);
+    make_flat(&flat, 1, 1.0);
+    for (unsigned i = 0; i < W * H; i++)
+        flat.sum[i] = i % W < 64 ? BLACK + 100 : BLACK + 1500;
+    assert_int_equal(ttf_calibration_fit_flat(&calibration, &flat, 0.9, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "uneven"));
+    ttf_raw_sum_free(&flat);
+    fit_both(&calibration);
+    make_flat(&flat, 1, 1.0);
+    flat.format.black_level = 64;
+    assert_int_equal(ttf_calibration_fit_flat(&calibration, &flat, 0.9, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "another camera mode"));
+    ttf_raw_sum_free(&flat);
+    ttf_calibration_free(&calibration);
+}
+
+static void frames_that_do_not_fit_are_refused(void **state)
+{
+    struct ttf_raw_sum sum;
+    struct ttf_frame frame = {.format = format, .data = codes, .bytes = sizeof(codes)};
+    struct ttf_frame_format other = format;
+
+    assert_int_equal(ttf_raw_sum_init(&sum, &format), 0);
+    frame.bytes--;
+    assert_int_equal(ttf_raw_sum_add(&sum, &frame), -EINVAL);
+    frame.bytes++;
+    frame.format.width--;
+    assert_int_equal(ttf_raw_sum_add(&sum, &frame), -EINVAL);
+    frame.format.width++;
+    frame.format.stride = SIZE_MAX - 1;
+    assert_int_equal(ttf_raw_sum_add(&sum, &frame), -EINVAL);
+    ttf_raw_sum_free(&sum);
+    other.packing = TTF_PACKING_NONE;
+    assert_int_equal(ttf_raw_sum_init(&sum, &other), -ENOTSUP);
+    other = format;
+    other.width = 0;
+    assert_int_equal(ttf_raw_sum_init(&sum, &other), -EINVAL);
+}
+
+/* ---- its folder ---- */
+
+static void save(void **state, const struct ttf_calibration *calibration)
+{
+    struct ttf_err err = {0};
+
+    if (ttf_calibration_save(calibration, ttf_io_posix(), scratch_path(state, "cal"), &err) < 0)
+        fail_msg("%s", err.what);
+}
+
+static void a_calibration_comes_back_from_its_folder(void **state)
+{
+    struct ttf_calibration calibration, back;
+    struct ttf_err err = {0};
+    char id[64];
+
+    fit_both(&calibration);
+    calibration.dark_temp_mdegc = -1500;
+    calibration.colour_matrix[1] = -0.1234567890123;
+    assert_int_equal(ttf_calibration_name(&calibration, NULL), 0);
+    save(state, &calibration);
+    save(state, &calibration); /* again, over it */
+    if (ttf_calibration_load(ttf_io_posix(), scratch_path(state, "cal"), &back, &err) < 0)
+        fail_msg("%s: %s", err.where, err.what);
+    assert_string_equal(back.id, calibration.id);
+    assert_string_equal(back.camera, "main");
+    assert_true(back.simulated);
+    assert_int_equal(back.width, W);
+    assert_int_equal(back.cfa, TTF_CFA_RGGB);
+    assert_int_equal(back.dark_temp_mdegc, -1500);
+    assert_int_equal(back.dark_frames, 16);
+    assert_int_equal(back.flat_frames, 4);
+    assert_memory_equal(back.dark_offset_16, calibration.dark_offset_16, sizeof(int32_t) * W * H);
+    assert_memory_equal(back.flat_gain, calibration.flat_gain, sizeof(uint16_t) * W * H);
+    assert_int_equal(back.n_hot, calibration.n_hot);
+    assert_memory_equal(back.hot, calibration.hot, sizeof(*back.hot) * back.n_hot);
+    assert_memory_equal(back.colour_matrix, calibration.colour_matrix, sizeof(back.colour_matrix));
+    assert_true(back.flat_level == calibration.flat_level);
+    snprintf(id, sizeof(id), "%s", back.id);
+    back.flat_gain[7]++;
+    assert_int_equal(ttf_calibration_name(&back, NULL), 0);
+    assert_string_not_equal(id, back.id);
+    ttf_calibration_free(&calibration);
+    ttf_calibration_free(&back);
+}
+
+static void a_changed_picture_is_damage(void **state)
+{
+    struct ttf_calibration calibration, back;
+    struct ttf_err err = {0};
+    uint8_t *bytes;
+    size_t n;
+
+    fit_both(&calibration);
+    assert_int_equal(ttf_calibration_name(&calibration, NULL), 0);
+    save(state, &calibration);
+    bytes = scratch_read(state, "cal/flat.tif", &n);
+    bytes[n / 2] ^= 1;
+    scratch_write(state, "cal/flat.tif", bytes, n);
+    assert_int_equal(ttf_calibration_load(ttf_io_posix(), scratch_path(state, "cal"), &back, &err),
+                     -TTF_EDAMAGED);
+    free(bytes);
+    ttf_calibration_free(&calibration);
+    assert_int_equal(ttf_calibration_load(ttf_io_posix(), scratch_path(state, "no"), &back, &err),
+                     -ENOENT);
+}
+
+static void wrong_json_is_refused_by_field(void **state)
+{
+    static const struct {
+        const char *text, *reason;
+    } cases[] = {
+        {"", "no JSON"},
+        {"[]", "no JSON"},
+        {"{\"format\":{\"name\":\"x\"}}", "format"},
+        {"{\"format\":{\"name\":\"ttf-calibration\",\"major\":2}}", "major"},
+        {"{\"format\":{\"name\":\"ttf-calibration\",\"major\":1},\"id\":7}", "id"},
+        {"{\"format\":{\"name\":\"ttf-calibration\",\"major\":1},\"id\":\"a\",\"camera\":\"\","
+         "\"width\":-1}",
+         "width"},
+        {"{\"format\":{\"name\":\"ttf-calibration\",\"major\":1},\"id\":\"a\",\"camera\":\"\","
+         "\"width\":4,\"height\":4,\"black_level\":0,\"white_level\":9,\"hot\":[1,4]}",
+         "hot"},
+    };
+    struct ttf_calibration back;
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(cases); i++) {
+        struct ttf_err err = {0};
+
+        scratch_write(state, "calibration.json", cases[i].text, strlen(cases[i].text));
+        assert_true(ttf_calibration_load(ttf_io_posix(), *state, &back, &err) < 0);
+        if (!strstr(err.what, cases[i].reason))
+            fail_msg("case %u: '%s' does not say '%s'", i, err.what, cases[i].reason);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(dark_frames_give_offsets_and_hot_pixels),
+        cmocka_unit_test(dark_frames_that_are_not_dark_are_refused_with_the_reason),
+        cmocka_unit_test(a_flat_makes_all_pixels_alike),
+        cmocka_unit_test(dead_pixels_join_the_list),
+        cmocka_unit_test(useless_flats_are_refused_with_the_reason),
+        cmocka_unit_test(frames_that_do_not_fit_are_refused),
+        cmocka_unit_test_setup_teardown(a_calibration_comes_back_from_its_folder, scratch_make,
+                                        scratch_remove),
+        cmocka_unit_test_setup_teardown(a_changed_picture_is_damage, scratch_make, scratch_remove),
+        cmocka_unit_test_setup_teardown(wrong_json_is_refused_by_field, scratch_make,
+                                        scratch_remove),
+    };
+
+    return cmocka_run_group_tests_name("calibration", tests, NULL, NULL);
+}
