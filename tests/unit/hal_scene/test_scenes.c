@@ -86,7 +86,11 @@ static void a_picture_is_the_same_whatever_was_asked_before(void **state)
 
             draw(&used, order[i], p);
             draw_size(&used, order[i], 40 + i, 30, small);
+            draw(&used, order[i], p);
             draw_size(&used, order[i], W, 20, small); /* as wide, not as high */
+            draw_size(&fresh, order[i], W, 20, q);
+            assert_memory_equal(small, q, sizeof(*p) * 3 * W * 20);
+            draw(&used, order[i], p);
             draw(&fresh, order[i], q);
             fresh.ops->destroy(fresh.priv);
             assert_memory_equal(p, q, sizeof(*p) * 3 * N);
