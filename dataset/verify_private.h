@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* verify_private.h: what verify's files share. */
+#ifndef TTF_DATASET_VERIFY_PRIVATE_H
+#define TTF_DATASET_VERIFY_PRIVATE_H
+
+#include "named_files.h"
+#include "record_line.h"
+#include "ttf/dataset/manifest.h"
+#include "ttf/dataset/verify.h"
+#include "walk.h"
+
+#define TTF_VERIFY_BATCH 64
+
+/* A file to be looked at. */
+struct ttf_verify_job {
+    char path[200];
+    char sha256[65]; /* wanted */
+    int64_t bytes;   /* wanted; -1: only the hash is known */
+    int64_t slot;
+    int result; /* 0 or what went wrong reading */
+    int64_t actual_bytes;
+    char actual[65];
+};
+
+struct ttf_verify_run {
+    struct ttf_io *io;
+    const char *path;
+    const struct ttf_verify_options *options;
+    struct ttf_verify_report *report;
+    unsigned findings_room;
+    int failed; /* -ENOMEM, sticky */
+    bool has_manifest;
+    struct ttf_manifest manifest;
+    /* from the records */
+    bool records_good; /* no damaged line */
+    int64_t next_index, counts[TTF_RESULT_COUNT];
+    int n_segments, n_plans;
+    bool ended;
+    struct ttf_end_record end;
+    struct ttf_paths calibrations; /* ids with a line */
+    struct ttf_named_files named;
+    int64_t slot; /* of the line being read */
+    /* files waiting to be looked at */
+    unsigned n_jobs;
+    struct ttf_verify_job jobs[TTF_VERIFY_BATCH];
+};
+
+void ttf_verify_find(struct ttf_verify_run *run, enum ttf_severity severity, int64_t slot,
+                     const char *file, const char *fmt, ...) TTF_PRINTF(5, 6);
+
+/* Queues a file; looks at all queued when the batch is full, and when flush is called. */
+void ttf_verify_queue(struct ttf_verify_run *run, const char *path, int64_t bytes,
+                      const char *sha256, int64_t slot);
+void ttf_verify_flush(struct ttf_verify_run *run);
+
+/* records.jsonl and events.jsonl. */
+void ttf_verify_records(struct ttf_verify_run *run);
+void ttf_verify_events(struct ttf_verify_run *run);
+
+/* SHA256SUMS and the files of the folder, after the records. */
+void ttf_verify_sums(struct ttf_verify_run *run);
+
+#endif

@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* verify: the lines of records.jsonl and events.jsonl, and what they say to each other. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io_path.h"
+#include "verify_private.h"
+
+/* "records.jsonl:12" of a line's full name. */
+static const char *short_name(const struct ttf_verify_run *run, const char *where)
+{
+    size_t n = strlen(run->path);
+
+    return strncmp(where, run->path, n) == 0 && where[n] == '/' ? where + n + 1 : where;
+}
+
+static void bad_line(void *ctx, const char *where, const char *text)
+{
+    struct ttf_verify_run *run = ctx;
+
+    run->records_good = false;
+    ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, short_name(run, where), "damaged line: %s", text);
+}
+
+static void bad_field(struct ttf_verify_run *run, const struct ttf_line *line, int64_t slot,
+                      const char *text)
+{
+    run->records_good = false;
+    ttf_verify_find(run, TTF_FINDING_DAMAGE, slot, short_name(run, line->where), "%.200s", text);
+}
+
+static int take_file(void *ctx, const struct ttf_named_file *file, struct ttf_err *err)
+{
+    struct ttf_verify_run *run = ctx;
+    int r;
+
+    r = ttf_named_files_add(&run->named, file->path, file->sha256);
+    if (r)
+        run->failed = r;
+    else
+        ttf_verify_queue(run, file->path, file->bytes, file->sha256, run->slot);
+    return r;
+}
+
+static bool has_calibration(struct ttf_verify_run *run, const char *id)
+{
+    struct ttf_io_stat st;
+    char *folder;
+    size_t i;
+    bool found = false;
+
+    for (i = 0; i < run->calibrations.n; i++)
+        if (strcmp(run->calibrations.items[i], id) == 0)
+            return true;
+    folder = ttf_path_format("%s/calibration/%s", run->path, id);
+    if (folder)
+        found = run->io->ops->stat(run->io, folder, &st) == 0 && st.is_dir;
+    free(folder);
+    return found;
+}
+
+static void check_images(struct ttf_verify_run *run, const struct ttf_line *line,
+                         const struct ttf_slot_record *record)
+{
+    const struct ttf_image *image;
+    char text[200];
+    unsigned i;
+
+    for (i = 0; i < record->n_images; i++) {
+        image = &record->images[i];
+        if (image->n_files == 0 && image->lacking[0] == '\0' &&
+            !json_object_get(json_array_get(json_object_get(line->json, "images"), i), "files")) {
+            snprintf(text, sizeof(text), "image %u has no files and does not say why", i);
+            bad_field(run, line, record->index, text);
+        }
+        if (image->calibration[0] && !has_calibration(run, image->calibration))
+            ttf_verify_find(run, TTF_FINDING_DAMAGE, record->index, short_name(run, line->where),
+                            "names calibration %s, which is not there", image->calibration);
+        if (run->has_manifest && !ttf_manifest_stream(&run->manifest, image->stream))
+            ttf_verify_find(run, TTF_FINDING_NOTE, record->index, short_name(run, line->where),
+                            "has an image of stream %s, which dataset.json does not list",
+                            image->stream);
+    }
+}
+
+static void take_slot(struct ttf_verify_run *run, const struct ttf_line *line)
+{
+    struct ttf_slot_record record;
+    struct ttf_err err = {0};
+    int r;
+
+    run->report->slots++;
+    run->slot = -1;
+    if (ttf_slot_get(line, &record, &err) != 0) {
+        bad_field(run, line, -1, err.what);
+        return;
+    }
+    run->slot = record.index;
+    if (record.index < run->next_index)
+        bad_field(run, line, record.index, "its index does not rise");
+    if (record.segment >= run->n_segments)
+        bad_field(run, line, record.index, "its segment has no line before it");
+    run->next_index = record.index + 1;
+    run->counts[record.result]++;
+    check_images(run, line, &record);
+    r = ttf_line_files(line, take_file, run, &err);
+    if (r == -TTF_EDAMAGED)
+        bad_field(run, line, record.index, err.what);
+    ttf_slot_record_free(&record);
+}
+
+static void take_segment(struct ttf_verify_run *run, const struct ttf_line *line)
+{
+    struct ttf_segment segment;
+    struct ttf_err err = {0};
+
+    if (ttf_segment_get(line, &segment, &err) != 0) {
+        bad_field(run, line, -1, err.what);
+        return;
+    }
+    if (segment.segment > run->n_segments)
+        bad_field(run, line, -1, "its number leaves others out");
+    else if (segment.segment == run->n_segments)
+        run->n_segments++;
+    if (segment.plan >= run->n_plans && segment.plan >= 0)
+        bad_field(run, line, -1, "its plan has no line before it");
+}
+
+static int take_line(void *ctx, const struct ttf_line *line, struct ttf_err *unused)
+{
+    struct ttf_verify_run *run = ctx;
+    struct ttf_err err = {0};
+    const char *id;
+
+    run->slot = -1;
+    run->report->lines++;
+    if (strcmp(line->type, "end") == 0) {
+        run->ended = ttf_end_get(line, &run->end, &err) == 0;
+        if (!run->ended)
+            bad_field(run, line, -1, err.what);
+        return run->failed;
+    }
+    if (strcmp(line->type, "slot") == 0) {
+        take_slot(run, line);
+    } else if (strcmp(line->type, "segment") == 0) {
+        take_segment(run, line);
+    } else if (strcmp(line->type, "plan") == 0 || strcmp(line->type, "calibration") == 0) {
+        id = json_string_value(json_object_get(line->json, "id"));
+        run->n_plans += line->type[0] == 'p';
+        if (id && ttf_paths_add(&run->calibrations, id) != 0)
+            run->failed = -ENOMEM;
+        if (ttf_line_files(line, take_file, run, &err) == -TTF_EDAMAGED)
+            bad_field(run, line, -1, err.what);
+    } else {
+        return run->failed; /* of a later version */
+    }
+    run->ended = false;
+    return run->failed;
+}
+
+/* What a crash leaves behind the last line; in a sealed dataset it has no business there. */
+static void check_tail(struct ttf_verify_run *run, const char *name,
+                       const struct ttf_lines_tail *tail)
+{
+    enum ttf_severity severity = run->report->sealed ? TTF_FINDING_DAMAGE : TTF_FINDING_LEFTOVER;
+
+    if (tail->fragment_bytes > 0)
+        ttf_verify_find(run, severity, -1, name, "ends in %lld bytes that are no whole line",
+                        (long long)tail->fragment_bytes);
+    else if (tail->no_newline && run->report->sealed)
+        ttf_verify_find(run, severity, -1, name, "its last line lacks its newline");
+}
+
+static void scan(struct ttf_verify_run *run, const char *name, ttf_line_fn *fn,
+                 enum ttf_severity if_missing)
+{
+    char *path = ttf_path_format("%s/%s", run->path, name);
+    struct ttf_lines_tail tail = {0};
+    struct ttf_err err = {0};
+    int r;
+
+    if (!path) {
+        run->failed = -ENOMEM;
+        return;
+    }
+    r = ttf_lines_scan(run->io, path, fn, bad_line, run, &tail, &err);
+    if (r == -ENOENT)
+        ttf_verify_find(run, if_missing, -1, name, "is missing");
+    else if (r && r != run->failed)
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, name, "%.200s", err.what);
+    if (r)
+        run->records_good = run->records_good && if_missing != TTF_FINDING_DAMAGE;
+    check_tail(run, name, &tail);
+    free(path);
+}
+
+void ttf_verify_records(struct ttf_verify_run *run)
+{
+    const int64_t *c = run->counts;
+    const struct ttf_end_record *e = &run->end;
+
+    scan(run, "records.jsonl", take_line, TTF_FINDING_DAMAGE);
+    run->slot = -1;
+    if (run->ended && run->records_good &&
+        (e->slots != run->report->slots || e->captured != c[TTF_RESULT_CAPTURED] ||
+         e->partial != c[TTF_RESULT_PARTIAL] || e->missed != c[TTF_RESULT_MISSED] ||
+         e->failed != c[TTF_RESULT_FAILED] || e->paused != c[TTF_RESULT_PAUSED] ||
+         e->power != c[TTF_RESULT_POWER]))
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, "records.jsonl",
+                        "the \"end\" line counts %lld slots, but there are %lld, or its other "
+                        "counts differ",
+                        (long long)e->slots, (long long)run->report->slots);
+    if (run->report->sealed && !run->ended)
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, "records.jsonl",
+                        "is sealed, but does not close with an \"end\" line");
+}
+
+static int take_event(void *ctx, const struct ttf_line *line, struct ttf_err *err)
+{
+    struct ttf_verify_run *run = ctx;
+
+    run->report->lines++;
+    return 0;
+}
+
+void ttf_verify_events(struct ttf_verify_run *run)
+{
+    bool good = run->records_good;
+
+    scan(run, "events.jsonl", take_event, TTF_FINDING_NOTE);
+    run->records_good = good;
+}

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* verify: SHA256SUMS and the seal, and what lies in the folder without belonging there. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io_path.h"
+#include "manifest_rules.h"
+#include "sums.h"
+#include "verify_private.h"
+
+/* ---- sealed: SHA256SUMS is the whole truth ---- */
+
+/* One line of a sealed list: against the record, or against the file. */
+static void check_listed(struct ttf_verify_run *run, const char *path, const char *sha256)
+{
+    const struct ttf_named *named = ttf_named_files_find(&run->named, path);
+
+    if (!named)
+        ttf_verify_queue(run, path, -1, sha256, -1);
+    else if (memcmp(named->sha256, sha256, 64) != 0)
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, ttf_path_index(path), path,
+                        "its record and " TTF_SUMS_NAME " give different sha256");
+}
+
+static void read_list(struct ttf_verify_run *run, int file, struct ttf_named_files *listed)
+{
+    struct ttf_lines lines;
+    const char *line, *path;
+    char name[200], where[40];
+    bool terminated;
+    int64_t offset;
+    size_t n;
+    int r;
+
+    ttf_lines_init(&lines, run->io, file);
+    while ((r = ttf_lines_next(&lines, &line, &n, &offset, &terminated)) > 0) {
+        snprintf(where, sizeof(where), TTF_SUMS_NAME ":%lld", (long long)lines.number);
+        name[0] = '\0';
+        if (terminated && ttf_sums_parse(line, n, &path) && n - TTF_SUMS_PREFIX < sizeof(name))
+            snprintf(name, sizeof(name), "%.*s", (int)(n - TTF_SUMS_PREFIX), path);
+        if (!ttf_path_ok(name)) {
+            ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, where, "is no line that sha256sum checks");
+            continue;
+        }
+        if (ttf_named_files_add(listed, name, line) != 0) {
+            run->failed = -ENOMEM;
+            break;
+        }
+        check_listed(run, name, line);
+    }
+    if (r < 0 && !run->failed)
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, TTF_SUMS_NAME, "cannot be read: %s",
+                        strerrordesc_np(-r));
+    ttf_lines_free(&lines);
+    ttf_named_files_sort(listed);
+}
+
+static bool starts(const char *path, const char *with)
+{
+    return strncmp(path, with, strlen(with)) == 0;
+}
+
+/* A file that the seal does not cover: harmless only where other programs may put theirs. */
+static void unlisted(struct ttf_verify_run *run, const char *path)
+{
+    bool ours = starts(path, "frames/") || starts(path, "raw/") || starts(path, "plans/") ||
+                starts(path, "calibration/") || strcmp(path, "dataset.json") == 0 ||
+                strcmp(path, "events.jsonl") == 0;
+
+    if (ttf_is_temporary(path))
+        ttf_verify_find(run, TTF_FINDING_LEFTOVER, -1, path, "is a leftover temporary file");
+    else if (ours && ttf_path_ok(path))
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, path, "is not covered by the seal");
+    else
+        ttf_verify_find(run, TTF_FINDING_NOTE, -1, path, "does not belong to the sealed dataset");
+}
+
+static bool outside_by_rule(const char *path)
+{
+    return strcmp(path, "notes.jsonl") == 0 || strcmp(path, "samples.json") == 0 ||
+           strcmp(path, "report.json") == 0 || strcmp(path, TTF_SUMS_NAME) == 0;
+}
+
+static void check_sealed(struct ttf_verify_run *run, const struct ttf_paths *files)
+{
+    struct ttf_named_files listed = {0};
+    char *path = ttf_path_format("%s/" TTF_SUMS_NAME, run->path);
+    size_t i;
+    int file = path ? run->io->ops->open(run->io, path, TTF_IO_READ) : -ENOMEM;
+
+    free(path);
+    if (file < 0) {
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, TTF_SUMS_NAME, "cannot be opened: %s",
+                        strerrordesc_np(-file));
+        return;
+    }
+    read_list(run, file, &listed);
+    run->io->ops->close(run->io, file);
+    for (i = 0; i < run->named.n; i++)
+        if (!ttf_named_files_find(&listed, run->named.items[i].path))
+            ttf_verify_find(run, TTF_FINDING_DAMAGE, ttf_path_index(run->named.items[i].path),
+                            run->named.items[i].path,
+                            "is named by a record, but not covered by the seal");
+    for (i = 0; i < files->n; i++)
+        if (!outside_by_rule(files->items[i]) && !ttf_named_files_find(&listed, files->items[i]) &&
+            !ttf_named_files_find(&run->named, files->items[i]))
+            unlisted(run, files->items[i]);
+    ttf_named_files_free(&listed);
+}
+
+/* ---- unsealed: what a crash leaves is no damage ---- */
+
+static void check_running(struct ttf_verify_run *run)
+{
+    enum ttf_sums_state state;
+    struct ttf_err err = {0};
+    char path[200];
+    int r;
+
+    if (!run->records_good)
+        return; /* what it should hold is not known */
+    r = ttf_sums_compare(run->io, run->path, &state, path, sizeof(path), &err);
+    if (r)
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, TTF_SUMS_NAME, "%.200s", err.what);
+    else if (state == TTF_SUMS_BEHIND)
+        ttf_verify_find(run, TTF_FINDING_LEFTOVER, -1, TTF_SUMS_NAME,
+                        "is behind the records; opening for writing brings it up to date");
+    else if (state == TTF_SUMS_AHEAD)
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, ttf_path_index(path), "records.jsonl",
+                        "has lost lines: " TTF_SUMS_NAME " lists %.150s, which no record names",
+                        path);
+}
+
+static void check_strays(struct ttf_verify_run *run, const struct ttf_paths *files)
+{
+    const char *path;
+    size_t i;
+
+    for (i = 0; i < files->n; i++) {
+        path = files->items[i];
+        if (ttf_is_temporary(path))
+            ttf_verify_find(run, TTF_FINDING_LEFTOVER, -1, path, "is a leftover temporary file");
+        else if ((starts(path, "frames/") || starts(path, "raw/") || starts(path, "calibration/") ||
+                  starts(path, "plans/")) &&
+                 run->records_good && !ttf_named_files_find(&run->named, path))
+            ttf_verify_find(run,
+                            ttf_path_index(path) >= run->next_index ? TTF_FINDING_LEFTOVER
+                                                                    : TTF_FINDING_NOTE,
+                            -1, path, "is named by no record");
+    }
+}
+
+void ttf_verify_sums(struct ttf_verify_run *run)
+{
+    struct ttf_paths files = {0};
+    struct ttf_err err = {0};
+    int r;
+
+    r = ttf_walk(run->io, run->path, &files, &err);
+    if (r) {
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, ".", "%.200s", err.what);
+        return;
+    }
+    if (run->report->sealed) {
+        check_sealed(run, &files);
+    } else {
+        check_running(run);
+        check_strays(run, &files);
+    }
+    ttf_paths_free(&files);
+}
