@@ -332,6 +332,8 @@ static int armed(struct ttf_session *s, struct ttf_session_result *ret, struct t
         r = ttf_pulse_beat_blocking(&s->pulse);
     if (r == 0)
         r = ttf_session_open_dataset(s, err);
+    if (r == 0 && s->grid.first_index >= s->plan.count)
+        return finish_dataset(s, 0, ret, err); /* nothing is left to do but to seal it */
     if (r == 0)
         r = set_up_darkrooms(s, err);
     if (r == 0)

@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sim_run.h"
+
+#include "cmocka_includes.h"
+
+#include <errno.h>
+#include <ftw.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ttf/dataset/verify.h"
+
+void sim_run_init(struct sim_run *run)
+{
+    struct ttf_plan_shot *shot = &run->plan.shots[0];
+
+    memset(run, 0, sizeof(*run));
+    ttf_sim_config_defaults(&run->config);
+    run->config.width = 48;
+    run->config.height = 32;
+    run->scene = "grass";
+    run->scene_span_ns = 7 * TTF_NS_PER_DAY;
+    ttf_plan_defaults(&run->plan);
+    strcpy(run->plan.title, "a capture");
+    run->plan.interval_ns = TTF_NS_PER_MIN;
+    run->plan.count = 6;
+    run->plan.lamps = TTF_LAMPS_CAPTURE_ONLY;
+    run->plan.settle_ns = 10 * TTF_NS_PER_S;
+    shot->n_levels = 1;
+    strcpy(shot->levels[0].lamp, "left");
+    shot->levels[0].permille = 1000;
+    run->plan.reserve_bytes = 0;
+    strcpy(run->folder, "/tmp/ttf-sim-XXXXXX");
+    assert_non_null(mkdtemp(run->folder));
+    snprintf(run->path, sizeof(run->path), "%s/dataset", run->folder);
+}
+
+/* What a file operation meets in this box, at this moment. */
+static int storage_fault(void *ctx, const char *op, const char *path)
+{
+    const struct sim_run *run = ctx;
+
+    (void)op;
+    (void)path;
+    if (!run->box)
+        return 0;
+    if (ttf_sim_storage_fault(run->box, TTF_FAULT_DISK_FULL))
+        return ENOSPC;
+    return ttf_sim_storage_fault(run->box, TTF_FAULT_IO_ERROR) ? EIO : 0;
+}
+
+static void told(void *ctx, const struct ttf_progress *progress)
+{
+    struct sim_run *run = ctx;
+
+    if (progress->kind == TTF_PROGRESS_SLOT)
+        run->slots_told++;
+    if (progress->kind == TTF_PROGRESS_EVENT)
+        run->events_told++;
+    if (run->on_progress)
+        run->on_progress(run, progress);
+}
+
+static int run_session(struct sim_run *run, struct ttf_io *io)
+{
+    struct ttf_session_config config = {
+        .box = run->box,
+        .io = io,
+        .path = run->path,
+        .plan = &run->plan,
+        .plan_yaml = "# as given\n",
+        .calibration_folder = run->calibration,
+        .threads = 1,
+        .progress = told,
+        .progress_ctx = run,
+        .stop = &run->stop,
+        .rehearse = run->rehearse,
+    };
+
+    return ttf_session_run(&config, &run->result, &run->err);
+}
+
+int sim_run_boot(struct sim_run *run)
+{
+    struct ttf_io *io = ttf_io_faulty_create(ttf_io_posix(), storage_fault, run);
+    struct ttf_scene scene;
+    struct ttf_box box;
+
+    assert_non_null(io);
+    memset(&run->err, 0, sizeof(run->err));
+    assert_int_equal(
+        ttf_scene_procedural(run->scene, run->config.seed, run->scene_span_ns, &scene, &run->err),
+        0);
+    run->code = ttf_sim_box_create(&run->config, &scene, &box, &run->err);
+    if (run->code < 0)
+        print_error("box: %s: %s\n", run->err.where, run->err.what);
+    assert_int_equal(run->code, 0);
+    run->box = &box;
+    run->code = run_session(run, io);
+    run->ended_ns = ttf_sim_elapsed_ns(&box, ttf_clock_now_ns(box.clock));
+    run->back_ns = ttf_sim_back_ns(&box);
+    run->bites = ttf_sim_watchdog_bites(&box);
+    run->box = NULL;
+    ttf_box_destroy(&box);
+    ttf_io_faulty_destroy(io);
+    return run->code;
+}
+
+int sim_run_through_cuts(struct sim_run *run)
+{
+    while (sim_run_boot(run) == -ESHUTDOWN)
+        run->config.power_on_ns = run->back_ns;
+    return run->code;
+}
+
+struct ttf_fault *sim_run_fault(struct sim_run *run, enum ttf_fault_kind kind, int64_t at_ns)
+{
+    struct ttf_fault *fault = &run->config.faults[run->config.n_faults++];
+
+    *fault = (struct ttf_fault){.kind = kind, .at_ns = at_ns};
+    return fault;
+}
+
+static int remove_entry(const char *path, const struct stat *st, int kind, struct FTW *at)
+{
+    (void)st;
+    (void)kind;
+    (void)at;
+    return remove(path);
+}
+
+void sim_run_finish(struct sim_run *run)
+{
+    if (getenv("TTF_KEEP"))
+        print_message("kept: %s\n", run->folder);
+    else
+        nftw(run->folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+}
+
+static struct ttf_reader *open_reader(const struct sim_run *run)
+{
+    struct ttf_reader *reader = NULL;
+    struct ttf_err err = {0};
+    int r = ttf_reader_open(ttf_io_posix(), run->path, &reader, &err);
+
+    if (r < 0)
+        print_error("reader: %s: %s\n", err.where, err.what);
+    assert_int_equal(r, 0);
+    return reader;
+}
+
+int64_t sim_run_due_ns(const struct sim_run *run, int64_t k)
+{
+    struct ttf_reader *reader = open_reader(run);
+    struct ttf_segment segment;
+
+    assert_int_equal(ttf_reader_segment(reader, 0, &segment), 0);
+    ttf_reader_close(reader);
+    /* The boot clock of a box stands at 1 s when it is powered on. */
+    return segment.origin_ns - TTF_NS_PER_S + k * segment.interval_ns;
+}
+
+void sim_run_record(const struct sim_run *run, int64_t index, struct ttf_slot_record *ret)
+{
+    struct ttf_reader *reader = open_reader(run);
+    int64_t i = ttf_reader_find(reader, index);
+
+    assert_true(i >= 0);
+    assert_int_equal(ttf_reader_slot(reader, i, ret, NULL), 0);
+    assert_int_equal(ret->index, index);
+    ttf_reader_close(reader);
+}
+
+void sim_run_results(const struct sim_run *run, char *ret, size_t size)
+{
+    static const char letters[] = "cpmfzw";
+    struct ttf_reader *reader = open_reader(run);
+    int64_t n = ttf_reader_summary(reader)->slots;
+
+    assert_true(n < (int64_t)size);
+    for (int64_t i = 0; i < n; i++) {
+        struct ttf_slot_record record;
+
+        assert_int_equal(ttf_reader_slot(reader, i, &record, NULL), 0);
+        assert_int_equal(record.index, i);
+        ret[i] = letters[record.result];
+        ttf_slot_record_free(&record);
+    }
+    ret[n] = '\0';
+    ttf_reader_close(reader);
+}
+
+void sim_run_expect(const struct sim_run *run, const char *letters)
+{
+    char results[4096];
+
+    sim_run_results(run, results, sizeof(results));
+    assert_string_equal(results, letters);
+}
+
+unsigned sim_run_events(const struct sim_run *run, const char *kind, const char *text)
+{
+    char path[128];
+    char want[64];
+    char *all = NULL;
+    char *rest = NULL;
+    size_t bytes;
+    unsigned n = 0;
+
+    snprintf(path, sizeof(path), "%s/events.jsonl", run->path);
+    snprintf(want, sizeof(want), "\"kind\":\"%s\"", kind);
+    if (ttf_io_slurp(ttf_io_posix(), path, 1 << 24, &all, &bytes, NULL) < 0)
+        return 0;
+    for (char *line = strtok_r(all, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+        if (strstr(line, want) && (!text || strstr(line, text)))
+            n++;
+    }
+    free(all);
+    return n;
+}
+
+void sim_run_expect_flag(const struct sim_run *run, int64_t index, const char *flag)
+{
+    struct ttf_slot_record record;
+
+    sim_run_record(run, index, &record);
+    assert_true(record.n_images > 0);
+    if (!strstr(record.images[0].flags, flag))
+        print_error("slot %d: flags '%s', not %s\n", (int)index, record.images[0].flags, flag);
+    assert_non_null(strstr(record.images[0].flags, flag));
+    ttf_slot_record_free(&record);
+}
+
+void sim_run_expect_reason(const struct sim_run *run, int64_t index, const char *reason)
+{
+    struct ttf_slot_record record;
+
+    sim_run_record(run, index, &record);
+    assert_string_equal(record.reason, reason);
+    ttf_slot_record_free(&record);
+}
+
+void sim_run_expect_whole(const struct sim_run *run, bool sealed)
+{
+    struct ttf_verify_options options = {.deep = true};
+    struct ttf_verify_report report;
+    struct ttf_err err = {0};
+
+    assert_int_equal(ttf_verify(ttf_io_posix(), run->path, &options, &report, &err), 0);
+    for (unsigned i = 0; i < report.n_findings; i++)
+        print_message("verify: %s: %s: %s\n", ttf_severity_name(report.findings[i].severity),
+                      report.findings[i].file, report.findings[i].text);
+    assert_false(report.damaged);
+    assert_int_equal(report.sealed, sealed);
+    if (sealed)
+        assert_int_equal(report.slots, run->plan.count);
+    ttf_verify_report_free(&report);
+}
