@@ -104,7 +104,7 @@ int ttf_camera_next(struct ttf_camera *camera, int64_t deadline_ns, struct ttf_f
     if (camera->outstanding == 0)
         return ttf_err_set(err, -ENODATA, camera->ops->name, "no set is under way");
     r = camera->ops->next(camera, deadline_ns, &frame, err);
-    if (r == -ENODATA)
+    if (r == -ENODATA || r == -ENODEV)
         camera->outstanding = 0;
     if (r < 0)
         return r;

@@ -264,6 +264,7 @@ struct ttf_camera *sim_camera_create(struct sim_box *box)
         .line_ns = c->readout_ns / c->height > 0 ? c->readout_ns / c->height : 1,
         .delay_frames = c->control_delay_frames,
         .steerable = c->steerable,
+        .grid_ns = box->elapsed_offset_ns,
     };
     if (allocate(camera) == 0)
         return &camera->base;

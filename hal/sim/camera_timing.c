@@ -39,7 +39,15 @@ static int64_t reachable(const struct camera_timing *t, int64_t frame, int64_t w
 
     if (wanted > longest)
         return wanted - longest < one_more - wanted ? longest : one_more;
-    return frame + (wanted - frame + t->line_ns / 2) / t->line_ns * t->line_ns;
+    return wanted;
+}
+
+/* To the nearest whole line, so that where a frame falls depends on nothing but where it was wanted. */
+static int64_t on_grid(const struct camera_timing *t, int64_t read)
+{
+    int64_t at = read + t->grid_ns + t->line_ns / 2;
+
+    return floor_div(at, t->line_ns) * t->line_ns - t->grid_ns;
 }
 
 int64_t camera_timing_first_ns(const struct camera_timing *t, int64_t phase_ns, int64_t now_ns,
@@ -53,7 +61,7 @@ int64_t camera_timing_first_ns(const struct camera_timing *t, int64_t phase_ns, 
     if (middle_ns == 0 || wanted <= begin + frame)
         return begin + frame;
     if (t->steerable)
-        return begin + reachable(t, frame, wanted - begin);
+        return on_grid(t, begin + reachable(t, frame, wanted - begin));
     return begin + frame +
            (wanted - begin - frame + t->period_ns / 2) / t->period_ns * t->period_ns;
 }

@@ -18,6 +18,7 @@ struct camera_timing {
     int64_t period_ns, period_max_ns, readout_ns, line_ns;
     unsigned delay_frames;
     bool steerable;
+    int64_t grid_ns; /* steered readouts B fall on whole lines of B + grid_ns */
 };
 
 /* Duration of a frame of this exposure. */

@@ -32,13 +32,19 @@ struct ttf_sim_config sim_small(void)
 
 struct ttf_box sim_box(const struct ttf_sim_config *config)
 {
-    const struct ttf_camera_mode mode = {0};
     struct ttf_scene scene;
+
+    assert_int_equal(ttf_scene_procedural("chart", 7, TTF_NS_PER_DAY, &scene, NULL), 0);
+    return sim_box_of(config, &scene);
+}
+
+struct ttf_box sim_box_of(const struct ttf_sim_config *config, const struct ttf_scene *scene)
+{
+    const struct ttf_camera_mode mode = {0};
     struct ttf_box box;
     struct ttf_err err = {0};
 
-    assert_int_equal(ttf_scene_procedural("chart", 7, TTF_NS_PER_DAY, &scene, NULL), 0);
-    if (ttf_sim_box_create(config, &scene, &box, &err) < 0)
+    if (ttf_sim_box_create(config, scene, &box, &err) < 0)
         fail_msg("%s: %s", err.where, err.what);
     assert_int_equal(ttf_camera_configure(box.cameras[0].camera, &mode, NULL, NULL), 0);
     assert_int_equal(ttf_camera_start(box.cameras[0].camera, NULL), 0);

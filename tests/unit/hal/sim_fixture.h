@@ -15,6 +15,9 @@ struct ttf_sim_config sim_small(void);
 /* Makes the box and starts its camera; fails the test if that fails. */
 struct ttf_box sim_box(const struct ttf_sim_config *config);
 
+/* The same with another scene. */
+struct ttf_box sim_box_of(const struct ttf_sim_config *config, const struct ttf_scene *scene);
+
 /* Adds a fault. */
 void sim_add_fault(struct ttf_sim_config *config, enum ttf_fault_kind kind, int64_t at_ns,
                    int64_t duration_ns, int64_t amount, const char *target);
