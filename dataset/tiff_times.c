@@ -119,6 +119,7 @@ int tiff_write_exif(struct tiff_client *client, const struct ttf_tiff_times *tim
         return tiff_client_fail(client, err, -EINVAL, "setting the ISO number");
     if (!TIFFWriteCustomDirectory(client->tiff, &offset))
         return tiff_client_fail(client, err, -EIO, "writing the EXIF folder");
+    TIFFFreeDirectory(client->tiff); /* libtiff 4.5's next call forgets what is in it */
     if (TIFFCreateDirectory(client->tiff) != 0)
         return tiff_client_fail(client, err, -ENOMEM, "beginning the image's folder");
     *ret_offset = offset;
