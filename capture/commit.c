@@ -91,71 +91,6 @@ static int reopen(struct ttf_committer *c)
     return 0;
 }
 
-/* ---- images ---- */
-
-/* Writes one file; an error that may pass is tried once more. */
-static int print_file(struct ttf_committer *c, struct ttf_darkroom *room, const char *role,
-                      const struct ttf_print *print)
-{
-    struct ttf_err err = {0};
-    int r;
-
-    if (!c->writer)
-        return -EIO;
-    r = ttf_darkroom_print(room, c->writer, role, print, &err);
-    if (r == 0 || r == -ENOSPC || r == -EROFS || power_lost(c))
-        return r;
-    ttf_events_emit(c->events, "retry", "%s file of slot %lld is written again: %s", role,
-                    (long long)print->index, err.what);
-    return ttf_darkroom_print(room, c->writer, role, print, &err);
-}
-
-static void print_image(struct ttf_committer *c, const struct ttf_job *job)
-{
-    struct ttf_image *image = &job->slot->record.images[job->image];
-    struct ttf_darkroom *room = c->rooms[job->shot];
-    struct ttf_print print = {.raw = job->raw,
-                              .index = job->slot->record.index,
-                              .start_utc_ns = job->start_utc_ns,
-                              .image = image};
-    int raw = 0;
-    int developed = 0;
-
-    snprintf(image->calibration, sizeof(image->calibration), "%s", room->calibration);
-    ttf_darkroom_reference(room, &print);
-    if (room->keep != TTF_KEEP_DEVELOPED)
-        raw = print_file(c, room, "raw", &print);
-    if (room->keep != TTF_KEEP_RAW && !power_lost(c))
-        developed = print_file(c, room, "developed", &print);
-    if (power_lost(c))
-        return;
-    /* What one file holds is not lost with the other: from the raw the developed one can be made again. */
-    if (image->n_files == 0)
-        snprintf(image->lacking, sizeof(image->lacking), "%s",
-                 storage_reason(raw < 0 ? raw : developed));
-    else if (raw < 0)
-        ttf_image_flag(image, "raw-lost");
-    else if (developed < 0)
-        ttf_image_flag(image, "developed-lost");
-    if (raw < 0 || developed < 0)
-        ttf_events_emit(c->events, "disk", "slot %lld, %s: %s", (long long)print.index,
-                        image->stream, storage_reason(raw < 0 ? raw : developed));
-}
-
-static void do_image(struct ttf_committer *c, struct ttf_job *job)
-{
-    if (c->busy_since_ns == TTF_NS_UNKNOWN)
-        c->busy_since_ns = ttf_clock_now_ns(c->box->clock);
-    ttf_clock_charge(c->box->clock, TTF_WORK_DEVELOP, 1);
-    if (!power_lost(c)) {
-        print_image(c, job);
-        if (c->rehearsal)
-            ttf_rehearsal_image(c->rehearsal, job->shot, job->raw,
-                                &job->slot->record.images[job->image]);
-    }
-    ttf_queue_give_raw(c->queue, job->raw);
-}
-
 /* ---- records ---- */
 
 static void acknowledge(struct ttf_committer *c, const struct ttf_slot_work *work)
@@ -219,6 +154,104 @@ static int flush(struct ttf_committer *c, struct ttf_err *err)
     return 0;
 }
 
+static int write_event(struct ttf_committer *c, const struct ttf_job *event)
+{
+    if (!c->writer)
+        return -EIO;
+    return ttf_writer_event(c->writer, event->event, event->at_ns, event->at_utc_ns, event->text,
+                            NULL, NULL);
+}
+
+static void write_late_events(struct ttf_committer *c)
+{
+    while (c->n_late > 0 && write_event(c, c->late[0]) == 0) {
+        ttf_job_free(c->late[0]);
+        c->n_late--;
+        memmove(&c->late[0], &c->late[1], c->n_late * sizeof(c->late[0]));
+    }
+}
+
+/* What waits for a storage that was away. 0 once all records are written. */
+static int catch_up(struct ttf_committer *c, struct ttf_err *err)
+{
+    int r = c->writer ? 0 : reopen(c);
+
+    if (r == 0)
+        r = flush(c, err);
+    if (r == 0)
+        write_late_events(c);
+    return r;
+}
+
+/* ---- images ---- */
+
+/* Writes one file; an error that may pass is tried once more. */
+static int print_file(struct ttf_committer *c, struct ttf_darkroom *room, const char *role,
+                      const struct ttf_print *print)
+{
+    struct ttf_err err = {0};
+    int r;
+
+    if (!c->writer)
+        return -EIO;
+    r = ttf_darkroom_print(room, c->writer, role, print, &err);
+    if (r == 0 || r == -ENOSPC || r == -EROFS || power_lost(c))
+        return r;
+    ttf_events_emit(c->events, "retry", "%s file of slot %lld is written again: %s", role,
+                    (long long)print->index, err.what);
+    return ttf_darkroom_print(room, c->writer, role, print, &err);
+}
+
+static void print_image(struct ttf_committer *c, const struct ttf_job *job)
+{
+    struct ttf_image *image = &job->slot->record.images[job->image];
+    struct ttf_darkroom *room = c->rooms[job->shot];
+    struct ttf_print print = {.raw = job->raw,
+                              .index = job->slot->record.index,
+                              .start_utc_ns = job->start_utc_ns,
+                              .image = image};
+    int raw = 0;
+    int developed = 0;
+
+    snprintf(image->calibration, sizeof(image->calibration), "%s", room->calibration);
+    ttf_darkroom_reference(room, &print);
+    if (room->keep != TTF_KEEP_DEVELOPED)
+        raw = print_file(c, room, "raw", &print);
+    if (room->keep != TTF_KEEP_RAW && !power_lost(c))
+        developed = print_file(c, room, "developed", &print);
+    if (power_lost(c))
+        return;
+    /* What one file holds is not lost with the other: from the raw the developed one can be made again. */
+    if (image->n_files == 0)
+        snprintf(image->lacking, sizeof(image->lacking), "%s",
+                 storage_reason(raw < 0 ? raw : developed));
+    else if (raw < 0)
+        ttf_image_flag(image, "raw-lost");
+    else if (developed < 0)
+        ttf_image_flag(image, "developed-lost");
+    if (raw < 0 || developed < 0)
+        ttf_events_emit(c->events, "disk", "slot %lld, %s: %s", (long long)print.index,
+                        image->stream, storage_reason(raw < 0 ? raw : developed));
+}
+
+static void do_image(struct ttf_committer *c, struct ttf_job *job)
+{
+    if (c->busy_since_ns == TTF_NS_UNKNOWN)
+        c->busy_since_ns = ttf_clock_now_ns(c->box->clock);
+    ttf_clock_charge(c->box->clock, TTF_WORK_DEVELOP, 1);
+    if (!power_lost(c)) {
+        if (!c->writer)
+            (void)catch_up(c, NULL); /* the image itself will tell whether it helped */
+        print_image(c, job);
+        if (c->rehearsal)
+            ttf_rehearsal_image(c->rehearsal, job->shot, job->raw,
+                                &job->slot->record.images[job->image]);
+    }
+    ttf_queue_give_raw(c->queue, job->raw);
+}
+
+/* ---- slots ---- */
+
 static void give_up(struct ttf_committer *c, int code, const struct ttf_err *err)
 {
     int told = code == -ENOSPC || code == -EROFS || code == -TTF_EDAMAGED ? code : -EIO;
@@ -243,6 +276,7 @@ static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
     c->busy_since_ns = TTF_NS_UNKNOWN;
     if (r == 0) {
         c->strikes = 0;
+        write_late_events(c);
         look_at_space(c);
         return;
     }
@@ -265,10 +299,15 @@ static void do_event(struct ttf_committer *c, const struct ttf_job *job)
                              .error_ns = TTF_NS_UNKNOWN,
                              .wakeup_ns = TTF_NS_UNKNOWN};
 
-    /* An event that cannot be written is told all the same; it is not worth the run. */
-    if (c->writer && ttf_writer_event(c->writer, job->event, job->at_ns, job->at_utc_ns, job->text,
-                                      NULL, NULL) < 0)
-        p.result = -EIO;
+    /* In order: one that cannot be written now waits, and those after it. */
+    if ((c->n_late > 0 || write_event(c, job) < 0) && c->n_late < TTF_COMMIT_LATE_EVENTS) {
+        struct ttf_job *copy = ttf_job_new(TTF_JOB_EVENT);
+
+        if (copy) {
+            *copy = *job;
+            c->late[c->n_late++] = copy;
+        }
+    }
     ttf_committer_tell(c, &p);
 }
 
@@ -319,11 +358,13 @@ static void *run(void *arg)
         ttf_job_free(job);
     }
     /* The last chance of records that wait for their storage. */
-    if (!power_lost(c))
-        (void)flush(c, NULL);
+    if (!power_lost(c) && (c->n_pending > 0 || c->n_late > 0))
+        (void)catch_up(c, NULL);
     for (unsigned i = 0; i < c->n_pending; i++)
         ttf_slot_work_free(c->pending[i]);
-    c->n_pending = 0;
+    for (unsigned i = 0; i < c->n_late; i++)
+        ttf_job_free(c->late[i]);
+    c->n_pending = c->n_late = 0;
     ttf_gate_open(c->queue->done);
     ttf_clock_leave(clock);
     return NULL;

@@ -16,6 +16,9 @@
 /* Slots on end whose record cannot be written before the run stops. */
 #define TTF_COMMIT_STRIKES 3
 
+/* Events that wait for it. */
+#define TTF_COMMIT_LATE_EVENTS 64
+
 /* Records that wait for a storage that is away; one more than strikes can bring. */
 #define TTF_COMMIT_PENDING 64
 
@@ -36,6 +39,8 @@ struct ttf_committer {
     struct ttf_ledger ledger;
     struct ttf_slot_work *pending[TTF_COMMIT_PENDING];
     unsigned n_pending;
+    struct ttf_job *late[TTF_COMMIT_LATE_EVENTS]; /* events that could not be written yet */
+    unsigned n_late;
     unsigned strikes;
     bool disk_full;
     bool power_lost;
