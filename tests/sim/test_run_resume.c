@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Power cuts: resumed on the same grid with a clock to be trusted, at once without. */
+#include "cmocka_includes.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim_run.h"
+
+static void segment_of(const struct sim_run *run, int i, struct ttf_segment *ret)
+{
+    struct ttf_reader *reader;
+
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), run->path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_segment(reader, i, ret), 0);
+    ttf_reader_close(reader);
+}
+
+/* UTC of a slot's due time by the dataset alone. */
+static int64_t due_utc(const struct sim_run *run, int64_t index)
+{
+    struct ttf_slot_record record;
+    struct ttf_reader *reader;
+    int64_t utc;
+
+    sim_run_record(run, index, &record);
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), run->path, &reader, NULL), 0);
+    utc = ttf_reader_due_utc_ns(reader, &record);
+    ttf_reader_close(reader);
+    ttf_slot_record_free(&record);
+    return utc;
+}
+
+static void with_a_trusted_clock_the_grid_is_kept(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.count = 12;
+    /* The box goes dark between slots 3 and 4, for two minutes and a bit. */
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 3 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S)->amount = 130;
+    assert_int_equal(sim_run_through_cuts(&run), 0);
+    assert_true(run.result.resumed);
+    sim_run_expect(&run, "ccccwwcccccc");
+    sim_run_expect_reason(&run, 4, "the box was without power");
+    assert_int_equal(due_utc(&run, 11) - due_utc(&run, 0), 11 * TTF_NS_PER_MIN);
+    assert_int_equal(sim_run_events(&run, "resume", "same grid"), 1);
+    assert_true(run.result.error_max_ns < TTF_NS_PER_MS);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+static void without_one_it_goes_on_at_once_and_nothing_is_renumbered(void **state)
+{
+    struct sim_run run;
+    struct ttf_segment segment;
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.count = 8;
+    run.config.rtc = false;
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 3 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S)->amount = 150;
+    assert_int_equal(sim_run_through_cuts(&run), 0);
+    sim_run_expect(&run, "cccccccc");
+    segment_of(&run, 1, &segment);
+    assert_int_equal(segment.first_index, 4);
+    assert_int_equal(segment.gap_ns, TTF_NS_UNKNOWN);
+    assert_int_equal(segment.origin_utc_ns, TTF_NS_UNKNOWN);
+    assert_string_equal(segment.trust, "none");
+    assert_int_equal(due_utc(&run, 5), TTF_NS_UNKNOWN);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+static void a_gap_is_measured_once_the_clock_is_trusted_again(void **state)
+{
+    struct sim_run run;
+    struct ttf_segment segment;
+    int64_t cut = 3 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S;
+    int64_t began;
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.count = 8;
+    run.config.rtc = false;
+    run.config.utc_back_ns = 2 * TTF_NS_PER_MIN;
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, cut)->amount = 150;
+    assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
+    began = sim_run_due_ns(&run, 4); /* slot 4, had there been no cut */
+    run.config.power_on_ns = run.back_ns;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "cccccccc");
+    segment_of(&run, 1, &segment);
+    assert_string_equal(segment.trust, "ntp");
+    assert_true(segment.corrects);
+    /* It began again at cut + 150 s + a few seconds; slot 4 had been due at `began`. */
+    assert_in_range(segment.gap_ns, cut + 150 * TTF_NS_PER_S - began,
+                    cut + 170 * TTF_NS_PER_S - began);
+    assert_int_equal(due_utc(&run, 4) - due_utc(&run, 3), TTF_NS_PER_MIN + segment.gap_ns);
+    assert_int_equal(sim_run_events(&run, "clock", "ntp"), 1);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+static void an_outage_past_the_end_names_every_slot(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 2 * TTF_NS_PER_MIN)->amount = 86400;
+    assert_int_equal(sim_run_through_cuts(&run), 0);
+    sim_run_expect(&run, "ccwwww");
+    assert_true(run.result.sealed);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+/* Cuts at many instants of a slot's life: settling, exposing, developing, committing. */
+static void a_cut_at_any_moment_of_a_slot_loses_no_committed_frame(void **state)
+{
+    (void)state;
+    for (int64_t at = 0; at < 24; at++) {
+        /* Slot 2 is due about 133 s after power-on; its lamp goes on 10 s before. */
+        int64_t cut = 132 * TTF_NS_PER_S + at * 100 * TTF_NS_PER_MS;
+        char results[16];
+        struct sim_run run;
+
+        sim_run_init(&run);
+        sim_run_fault(&run, TTF_FAULT_POWER_CUT, cut)->amount = 70;
+        assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
+        assert_in_range(run.slots_told, 2, 3);
+        run.config.power_on_ns = run.back_ns;
+        assert_int_equal(sim_run_boot(&run), 0);
+        sim_run_results(&run, results, sizeof(results));
+        assert_int_equal(strlen(results), 6);
+        assert_memory_equal(results, "cc", 2);
+        assert_true(results[4] == 'c' && results[5] == 'c');
+        sim_run_expect_whole(&run, true);
+        sim_run_finish(&run);
+    }
+}
+
+static void cuts_in_a_row_are_survived(void **state)
+{
+    struct sim_run run;
+    char results[256];
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.count = 120;
+    run.config.outage_ns = 100 * TTF_NS_PER_S;
+    for (int64_t i = 0; i < 12; i++)
+        sim_run_fault(&run, TTF_FAULT_POWER_CUT,
+                      i * 9 * TTF_NS_PER_MIN + i * i * 7 * TTF_NS_PER_S + 30 * TTF_NS_PER_S);
+    assert_int_equal(sim_run_through_cuts(&run), 0);
+    sim_run_results(&run, results, sizeof(results));
+    assert_int_equal(strlen(results), 120);
+    assert_null(strpbrk(results, "mfpz"));
+    assert_int_equal(due_utc(&run, 119) - due_utc(&run, 0), 119 * TTF_NS_PER_MIN);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(with_a_trusted_clock_the_grid_is_kept),
+        cmocka_unit_test(without_one_it_goes_on_at_once_and_nothing_is_renumbered),
+        cmocka_unit_test(a_gap_is_measured_once_the_clock_is_trusted_again),
+        cmocka_unit_test(an_outage_past_the_end_names_every_slot),
+        cmocka_unit_test(a_cut_at_any_moment_of_a_slot_loses_no_committed_frame),
+        cmocka_unit_test(cuts_in_a_row_are_survived),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
