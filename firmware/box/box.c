@@ -21,9 +21,22 @@ static int make_scene(const struct ttf_board *board, struct ttf_io *io, struct t
     return ttf_scene_procedural(scene->name, board->sim.seed, scene->span_ns, ret, err);
 }
 
+/* An even target fills the frame: around the sample it goes on as it is. */
+static int widen_target(const struct ttf_scene *scene, struct ttf_sim_config *config,
+                        struct ttf_err *err)
+{
+    float rgb[3];
+    int r = scene->ops->render(scene->priv, 0, 1, 1, rgb, err);
+
+    if (r == 0)
+        config->margin_reflectance = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
+    return r;
+}
+
 static int make_sim(const struct ttf_board *board, struct ttf_io *io, struct ttf_box *ret,
                     struct ttf_err *err)
 {
+    struct ttf_sim_config config = board->sim;
     struct ttf_scene scene = {0};
     int r;
 
@@ -35,7 +48,13 @@ static int make_sim(const struct ttf_board *board, struct ttf_io *io, struct ttf
     r = make_scene(board, io, &scene, err);
     if (r < 0)
         return r;
-    return ttf_sim_box_create(&board->sim, &scene, ret, err);
+    if (strcmp(board->scene.name, "white") == 0)
+        r = widen_target(&scene, &config, err);
+    if (r < 0) {
+        scene.ops->destroy(scene.priv);
+        return r;
+    }
+    return ttf_sim_box_create(&config, &scene, ret, err);
 }
 
 /* One line per back-end of config's registry that can make a whole box. */
