@@ -1,0 +1,302 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Boards from YAML: every key of the simulated box, back-ends by name, overrides. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/time.h"
+#include "ttf/config/board_file.h"
+
+#define HEAD                            \
+    "board: t\n"                        \
+    "cameras: {main: {backend: sim}}\n" \
+    "clock: {backend: sim}\n"
+#define LAMPS "lamps: {left: {backend: sim}, right: {backend: sim}}\n"
+
+static int parse(const char *text, const struct ttf_board_set *sets, unsigned n,
+                 struct ttf_board *ret, struct ttf_err *err)
+{
+    memset(err, 0, sizeof *err);
+    return ttf_board_parse("dir/b.yaml", text, strlen(text), sets, n, ret, err);
+}
+
+static void parse_ok(const char *text, struct ttf_board *ret)
+{
+    struct ttf_err err;
+
+    if (parse(text, NULL, 0, ret, &err) != 0)
+        fail_msg("%s: %s; %s", err.where, err.what, err.hint);
+}
+
+static const char WHOLE[] =
+    "board: t\n"
+    "title: T\n"
+    "serial: S-1\n"
+    "cameras: {main: {backend: sim, width: 64px, height: 48px}}\n"
+    "clock: {backend: sim}\n"
+    "lamps:\n"
+    "  a: {backend: sim, kind: steps, steps: 4, max_on: 12h, max_duty: 60%, duty_window: 24h,\n"
+    "      max_temp: 60degC, hysteresis: 5degC, interlock: door, warm_up: 3min}\n"
+    "sensors: {t: {backend: sim, kind: temperature}, l: {backend: sim, kind: light}}\n"
+    "panel: {backend: sim, door_switch: true}\n"
+    "watchdog: {backend: sim}\n"
+    "sim:\n"
+    "  seed: 9223372036854775807\n"
+    "  clock: real\n"
+    "  start: 2026-03-01T08:00:00Z\n"
+    "  power_on: 3h\n"
+    "  outage: 7min\n"
+    "  rtc: false\n"
+    "  utc_back: 2h\n"
+    "  cost: {develop: 120ms, commit: 30ms}\n"
+    "  scene: {images: pics, span: 3d}\n"
+    "  mains: 60Hz\n"
+    "  ambient: 0.01\n"
+    "  daylight: 2\n"
+    "  room: {temperature: 18.5degC, day_swing: 4degC, heat_tau: 30min}\n"
+    "  lamps: {a: {x: 0.2, y: -0.5, height: 1.5, strength: 2, cold: 60%, warm_tau: 90s,\n"
+    "              ageing: 0.02, ripple: 10%, colour: [1, 0.9, 0.7], heat: 6degC}}\n"
+    "  optics: {vignetting: 30%, perspective: 0, blur: 0.7px, margin: 4%,\n"
+    "           margin_reflectance: 0.25}\n"
+    "  sensor: {width: 64px, height: 48, bits: 14, black_level: 512, full_well: 20000,\n"
+    "           read_noise: 3.5, prnu: 1%, dark_current: 0.3, dark_doubling: 6degC,\n"
+    "           hot_fraction: 100ppm, hot_current: 500, sensitivity: 200000,\n"
+    "           channel_gain: [0.5, 1, 0.6], noise: false}\n"
+    "  timing: {exposure_min: 30us, exposure_max: 5s, exposure_step: 15us, gain_min: 1,\n"
+    "           gain_max: 8, gain_step: 0.125, frame_period: 40ms, frame_period_max: 6s,\n"
+    "           readout: 20ms, control_delay: 3, steerable: false, jitter: 50us, buffers: 3}\n"
+    "  faults:\n"
+    "    - {kind: lamp-dead, at: 3h, for: 10min, target: a}\n"
+    "    - {kind: frame-missing, rate: 100ppm}\n"
+    "    - {kind: clock-step, at: 1d, amount: -3600}\n";
+
+static void every_key_reaches_its_field(void **state)
+{
+    struct ttf_board b;
+    const struct ttf_sim_config *s = &b.sim;
+    const struct ttf_lamp_info *lamp;
+
+    (void)state;
+    parse_ok(WHOLE, &b);
+    assert_string_equal(b.name, "t");
+    assert_string_equal(b.serial, "S-1");
+    assert_int_equal(b.n_cameras, 1);
+    assert_int_equal(b.cameras[0].mode.width, 64);
+    assert_true(b.simulated && b.device[TTF_DEVICE_WATCHDOG]);
+    lamp = &s->lamps[0].info;
+    assert_int_equal(s->n_lamps, 1);
+    assert_string_equal(lamp->name, "a");
+    assert_true(lamp->kind == TTF_LAMP_STEPS && lamp->steps == 4);
+    assert_true(lamp->max_on_ns == 12 * TTF_NS_PER_H && lamp->max_duty_permille == 600);
+    assert_true(lamp->duty_window_ns == TTF_NS_PER_DAY && lamp->max_temp_mdegc == 60000);
+    assert_true(lamp->hysteresis_mdegc == 5000 && lamp->interlock_door);
+    assert_true(lamp->warm_up_ns == 3 * TTF_NS_PER_MIN);
+    assert_int_equal(s->n_sensors, 2);
+    assert_true(s->sensors[1].kind == TTF_SENSOR_LIGHT_PERMILLE && s->door_switch);
+    assert_true(s->seed == INT64_MAX && s->real_time && !s->rtc);
+    assert_true(s->start_utc_ns == INT64_C(1772352000) * TTF_NS_PER_S);
+    assert_true(s->power_on_ns == 3 * TTF_NS_PER_H && s->outage_ns == 7 * TTF_NS_PER_MIN);
+    assert_true(s->utc_back_ns == 2 * TTF_NS_PER_H);
+    assert_true(s->cost_develop_ns == 120 * TTF_NS_PER_MS && s->cost_commit_ns == 30000000);
+    assert_string_equal(b.scene.images, "dir/pics");
+    assert_true(b.scene.span_ns == 3 * TTF_NS_PER_DAY && !*b.scene.name);
+    assert_true(s->mains_hz == 60 && s->ambient == 0.01 && s->daylight == 2);
+    assert_true(s->ambient_degc == 18.5 && s->day_swing_degc == 4);
+    assert_true(s->heat_tau_ns == 30 * TTF_NS_PER_MIN);
+    assert_true(s->lamps[0].x == 0.2 && s->lamps[0].y == -0.5 && s->lamps[0].height == 1.5);
+    assert_true(s->lamps[0].strength == 2 && s->lamps[0].cold_fraction == 0.6);
+    assert_true(s->lamps[0].warm_tau_ns == 90 * TTF_NS_PER_S && s->lamps[0].ripple == 0.1);
+    assert_true(s->lamps[0].colour[2] == 0.7 && s->lamps[0].heat_degc == 6);
+    assert_true(s->vignetting == 0.3 && s->perspective == 0 && s->blur_px == 0.7);
+    assert_true(s->margin == 0.04 && s->margin_reflectance == 0.25);
+    assert_true(s->width == 64 && s->height == 48 && s->bits == 14 && s->black_level == 512);
+    assert_true(s->full_well_e == 20000 && s->read_noise_e == 3.5 && s->prnu == 0.01);
+    assert_true(s->dark_e_per_s == 0.3 && s->dark_doubling_degc == 6 && s->hot_fraction == 1e-4);
+    assert_true(s->hot_e_per_s == 500 && s->sensitivity_e == 200000 && !s->noise);
+    assert_true(s->channel_gain[0] == 0.5);
+    assert_true(s->exposure_min_ns == 30000 && s->exposure_step_ns == 15000);
+    assert_true(s->exposure_max_ns == 5 * TTF_NS_PER_S && s->gain_max_milli == 8000);
+    assert_true(s->gain_step_milli == 125 && s->frame_period_ns == 40000000);
+    assert_true(s->frame_period_max_ns == 6 * TTF_NS_PER_S && s->readout_ns == 20000000);
+    assert_true(s->control_delay_frames == 3 && !s->steerable && s->jitter_ns == 50000);
+    assert_int_equal(s->buffers, 3);
+    assert_int_equal(s->n_faults, 3);
+    assert_int_equal(s->faults[0].kind, TTF_FAULT_LAMP_DEAD);
+    assert_true(s->faults[0].at_ns == 3 * TTF_NS_PER_H &&
+                s->faults[0].duration_ns == 10 * TTF_NS_PER_MIN);
+    assert_string_equal(s->faults[0].target, "a");
+    assert_int_equal(s->faults[1].rate_per_million, 100);
+    assert_int_equal(s->faults[2].amount, -3600);
+}
+
+static void an_empty_section_gives_the_documented_defaults(void **state)
+{
+    struct ttf_sim_config defaults;
+    struct ttf_board b;
+
+    (void)state;
+    ttf_sim_config_defaults(&defaults);
+    parse_ok(HEAD LAMPS "sim:\n", &b);
+    assert_int_equal(b.sim.width, defaults.width);
+    assert_true(b.sim.sensitivity_e == defaults.sensitivity_e);
+    assert_int_equal(b.sim.n_lamps, 2);
+    assert_true(b.sim.lamps[1].x == defaults.lamps[1].x);
+    assert_string_equal(b.scene.name, "grass");
+}
+
+static void a_board_without_lamps_has_none(void **state)
+{
+    struct ttf_board b;
+
+    (void)state;
+    parse_ok(HEAD, &b);
+    assert_int_equal(b.sim.n_lamps, 0);
+    assert_int_equal(b.sim.n_sensors, 0);
+    assert_null(b.device[TTF_DEVICE_PANEL]);
+}
+
+static const struct {
+    const char *text, *where, *what, *hint;
+} WRONG[] = {
+    {"", "dir/b.yaml:1:1", "empty", "cameras"},
+    {"board: t\nclock: {backend: sim}\n", "dir/b.yaml:1:1", "'cameras' is missing", "main"},
+    {"board: t\ncameras: {main: {backend: simm}}\nclock: {backend: sim}\n", "dir/b.yaml:2:27",
+     "no back-end 'simm'", "sim"},
+    {"board: t\ncameras: {main: {}}\nclock: {backend: sim}\n", "dir/b.yaml:2:17",
+     "'backend' is missing", "sim"},
+    {HEAD "sim: {sed: 5}\n", "dir/b.yaml:4:7", "sim.sed: unknown key", "'seed'"},
+    {HEAD "sim: {seed: -1}\n", "dir/b.yaml:4:13", "negative", ""},
+    {HEAD "sim: {outage: 5}\n", "dir/b.yaml:4:15", "has no unit", "5s"},
+    {HEAD "sim: {optics: {blur: nan}}\n", "dir/b.yaml:4:22", "sim.optics.blur: 'nan'", ""},
+    {HEAD "sim: {sensor: {width: 4px}}\n", "dir/b.yaml:4:23", "out of its range", "from 16"},
+    {HEAD "sim: {scene: gras}\n", "dir/b.yaml:4:14", "no scene 'gras'", "'grass'"},
+    {HEAD "sim: {scene: {name: grass, images: x}}\n", "dir/b.yaml:4:14", "more than one", ""},
+    {HEAD "sim: {faults: [{kind: lamp-ded, at: 1h}]}\n", "dir/b.yaml:4:23", "no fault 'lamp-ded'",
+     "'lamp-dead'"},
+    {HEAD "sim: {faults: [{kind: lamp-dead}]}\n", "dir/b.yaml:4:16", "says not when", ""},
+    {HEAD "sim: {faults: [{kind: lamp-dead, at: 1h, rate: 5ppm}]}\n", "dir/b.yaml:4:16", "exclude",
+     ""},
+    {HEAD LAMPS "sim: {lamps: {lft: {x: 1}}}\n", "dir/b.yaml:5:15", "no such lamp", "'left'"},
+    {HEAD "lamps: {a: {backend: sim, kind: steps}}\n", "dir/b.yaml:4:12", "'steps'", ""},
+    {HEAD "lamps: {a: {backend: sim, max_duty: 50}}\n", "dir/b.yaml:4:37", "has no unit", "%"},
+    {HEAD "sensors: {t: {backend: sim}}\n", "dir/b.yaml:4:14", "'kind' is missing", ""},
+    /* fields that only make sense together: ttf_sim_config_check's, placed all the same */
+    {HEAD "sim: {timing: {exposure_min: 5s, exposure_max: 1s}}\n", "dir/b.yaml:4", "exposure", ""},
+};
+
+static void what_is_wrong_is_named_with_line_column_and_what_was_meant(void **state)
+{
+    (void)state;
+    for (unsigned i = 0; i < TTF_COUNT_OF(WRONG); i++) {
+        struct ttf_board b;
+        struct ttf_err err;
+        int r = parse(WRONG[i].text, NULL, 0, &b, &err);
+
+        if (r != -EINVAL)
+            fail_msg("accepted or other error (%d):\n%s", r, WRONG[i].text);
+        if (strncmp(err.where, WRONG[i].where, strlen(WRONG[i].where)) != 0 ||
+            !strstr(err.what, WRONG[i].what) || !strstr(err.hint, WRONG[i].hint))
+            fail_msg("%s\n-> %s: %s; %s", WRONG[i].text, err.where, err.what, err.hint);
+    }
+}
+
+static void overrides_change_any_key_and_name_themselves_when_wrong(void **state)
+{
+    const struct ttf_board_set good[] = {{"sim.optics.blur", "2px"},
+                                         {"sim.faults", "[{kind: power-cut, at: 3h}]"},
+                                         {"sim.scene.name", "copper"},
+                                         {"lamps.left.max_on", "1h"}};
+    const struct ttf_board_set unknown = {"sim.optics.blurr", "2px"};
+    const struct ttf_board_set no_place = {"board.x", "1"};
+    const struct ttf_board_set bad_value = {"sim.outage", "5"};
+    const struct ttf_board_set malformed = {"sim.faults", "[{"};
+    struct ttf_board b;
+    struct ttf_err err;
+
+    (void)state;
+    if (parse(HEAD LAMPS "sim: {optics: {blur: 1px, vignetting: 0}}\n", good, 4, &b, &err) != 0)
+        fail_msg("%s: %s", err.where, err.what);
+    assert_true(b.sim.blur_px == 2 && b.sim.vignetting == 0);
+    assert_int_equal(b.sim.faults[0].kind, TTF_FAULT_POWER_CUT);
+    assert_string_equal(b.scene.name, "copper");
+    assert_true(b.sim.lamps[0].info.max_on_ns == TTF_NS_PER_H);
+    assert_int_equal(parse(HEAD, &unknown, 1, &b, &err), -EINVAL);
+    assert_non_null(strstr(err.where, "--set sim.optics.blurr"));
+    assert_non_null(strstr(err.hint, "'blur'"));
+    assert_int_equal(parse(HEAD, &no_place, 1, &b, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "no such place"));
+    assert_int_equal(parse(HEAD, &bad_value, 1, &b, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "has no unit"));
+    assert_int_equal(parse(HEAD, &malformed, 1, &b, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "not YAML"));
+}
+
+static void any_cut_of_a_board_is_read_or_refused_with_its_place(void **state)
+{
+    (void)state;
+    for (size_t n = 0; n < sizeof WHOLE; n++) {
+        struct ttf_board b;
+        struct ttf_err err = {0};
+
+        if (ttf_board_parse("cut", WHOLE, n, NULL, 0, &b, &err) != 0 &&
+            strncmp(err.where, "cut:", 4) != 0)
+            fail_msg("cut at %zu: '%s' %s", n, err.where, err.what);
+    }
+}
+
+static void boards_are_found_by_name_in_the_first_folder_that_has_them(void **state)
+{
+    char base[] = "/tmp/boards-XXXXXX", one[64], two[64], path[128], found[256];
+    const char *folders[] = {one, two, NULL};
+    struct ttf_err err = {0};
+    FILE *f;
+
+    (void)state;
+    assert_non_null(mkdtemp(base));
+    snprintf(one, sizeof one, "%s/one", base);
+    snprintf(two, sizeof two, "%s/two", base);
+    assert_int_equal(mkdir(one, 0700) | mkdir(two, 0700), 0);
+    snprintf(path, sizeof path, "%s/my", two);
+    assert_int_equal(mkdir(path, 0700), 0);
+    snprintf(path, sizeof path, "%s/my/board.yaml", two);
+    f = fopen(path, "w");
+    assert_non_null(f);
+    fclose(f);
+    assert_int_equal(ttf_board_locate("my", folders, found, sizeof found, &err), 0);
+    assert_string_equal(found, path);
+    assert_int_equal(ttf_board_locate(path, folders, found, sizeof found, &err), 0);
+    assert_string_equal(found, path);
+    assert_int_equal(ttf_board_locate("yours", folders, found, sizeof found, &err), -ENOENT);
+    assert_non_null(strstr(err.hint, "two"));
+    unlink(path);
+    snprintf(path, sizeof path, "%s/my", two);
+    rmdir(path);
+    rmdir(one);
+    rmdir(two);
+    rmdir(base);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_key_reaches_its_field),
+        cmocka_unit_test(an_empty_section_gives_the_documented_defaults),
+        cmocka_unit_test(a_board_without_lamps_has_none),
+        cmocka_unit_test(what_is_wrong_is_named_with_line_column_and_what_was_meant),
+        cmocka_unit_test(overrides_change_any_key_and_name_themselves_when_wrong),
+        cmocka_unit_test(any_cut_of_a_board_is_read_or_refused_with_its_place),
+        cmocka_unit_test(boards_are_found_by_name_in_the_first_folder_that_has_them),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
