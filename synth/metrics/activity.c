@@ -161,7 +161,7 @@ void ttf_activity_add(struct ttf_activity *activity, struct ttf_pool *pool, cons
 void ttf_activity_figures(const struct ttf_activity *activity, struct ttf_activity_figures *ret)
 {
     double samples = 3.0 * activity->width * activity->height;
-    double cells = 3.0 * activity->cells_x * (activity->height / CELL);
+    double cells = 3.0 * ((uint64_t)activity->cells_x * (uint64_t)(activity->height / CELL));
     struct strip all = {0};
 
     *ret = (struct ttf_activity_figures){.frames = activity->frames};

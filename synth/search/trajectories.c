@@ -89,8 +89,8 @@ static int load_all(struct load *load, struct ttf_pool *pool, struct ttf_err *er
     size_t row_bytes = (size_t)load->out->width * 3 * sizeof(uint16_t);
     int r = -ENOMEM;
 
-    load->piece_rows = PIECE_BYTES / row_bytes > 0 ? (uint32_t)(PIECE_BYTES / row_bytes) : 1;
-    if (load->piece_rows > load->out->height)
+    load->piece_rows = row_bytes < PIECE_BYTES ? (uint32_t)(PIECE_BYTES / row_bytes) : 1;
+    if (load->piece_rows == 0 || load->piece_rows > load->out->height)
         load->piece_rows = load->out->height;
     load->results = calloc(tiles, sizeof(*load->results));
     load->scratch = calloc(threads, sizeof(*load->scratch));
@@ -125,10 +125,13 @@ int ttf_trajectories_load(struct ttf_sequence *input, uint32_t first, uint32_t f
                                    .frames = frames,
                                    .dims = (size_t)3 * frames};
     struct load load = {.input = input, .out = &out, .first = first, .cancel = cancel};
-    uint8_t *table = malloc(65536);
+    uint8_t *table;
     size_t bytes;
     int r = -ENOMEM;
 
+    if (out.width == 0 || out.height == 0 || frames == 0)
+        return ttf_err_set(err, -EINVAL, NULL, "an input without pixels");
+    table = malloc(65536);
     if (!ttf_mul_size((size_t)out.width * out.height, out.dims, &bytes))
         goto out_of_memory;
     out.codes = malloc(bytes);

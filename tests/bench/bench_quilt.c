@@ -132,6 +132,15 @@ static int take_frame(void *ctx, uint32_t t, const uint16_t *codes, struct ttf_e
     return 0;
 }
 
+/* WxH; what is no number is 0, which the synthesis refuses. */
+static void parse_size(const char *text, uint32_t *ret_width, uint32_t *ret_height)
+{
+    char *end;
+
+    *ret_width = (uint32_t)strtoul(text, &end, 10);
+    *ret_height = *end == 'x' ? (uint32_t)strtoul(end + 1, NULL, 10) : 0;
+}
+
 static int parse(struct bench *bench, int argc, char **argv)
 {
     struct ttf_quilt_config *config = &bench->config;
@@ -149,9 +158,9 @@ static int parse(struct bench *bench, int argc, char **argv)
         }
         i++;
         if (strcmp(word, "--size") == 0)
-            sscanf(value, "%ux%u", &config->width, &config->height);
+            parse_size(value, &config->width, &config->height);
         else if (strcmp(word, "--block") == 0)
-            sscanf(value, "%ux%u", &config->block_width, &config->block_height);
+            parse_size(value, &config->block_width, &config->block_height);
         else if (strcmp(word, "--seed") == 0)
             config->seed = strtoull(value, NULL, 10);
         else if (strcmp(word, "--threads") == 0)
