@@ -11,6 +11,8 @@
 
 #define PALETTE_FRAMES 32 /* frames that a gif's colours are chosen from */
 #define ARGUMENTS_MAX  48
+#define TO_YUV420P \
+    "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_inp,format=yuv420p"
 
 struct video_sink {
     struct export_sink base; /* first: downcast by address */
@@ -79,30 +81,28 @@ static void put_output(struct arguments *arguments, const struct export_job *job
                        const char *palette, const char *output)
 {
     if (job->config->kind == TTF_EXPORT_MP4)
-        put_all(arguments,
-                (const char *const[]){"-vf",
-                                      "scale=out_color_matrix=bt709:out_range=tv:"
-                                      "flags=accurate_rnd+full_chroma_inp,format=yuv420p",
-                                      "-c:v",
-                                      "libx264",
-                                      "-preset",
-                                      "medium",
-                                      "-crf",
-                                      "18",
-                                      "-colorspace",
-                                      "bt709",
-                                      "-color_primaries",
-                                      "bt709",
-                                      "-color_trc",
-                                      "bt709",
-                                      "-color_range",
-                                      "tv",
-                                      "-movflags",
-                                      "+faststart",
-                                      "-f",
-                                      "mp4",
-                                      output,
-                                      NULL});
+        put_all(arguments, (const char *const[]){"-vf",
+                                                 TO_YUV420P,
+                                                 "-c:v",
+                                                 "libx264",
+                                                 "-preset",
+                                                 "medium",
+                                                 "-crf",
+                                                 "18",
+                                                 "-colorspace",
+                                                 "bt709",
+                                                 "-color_primaries",
+                                                 "bt709",
+                                                 "-color_trc",
+                                                 "bt709",
+                                                 "-color_range",
+                                                 "tv",
+                                                 "-movflags",
+                                                 "+faststart",
+                                                 "-f",
+                                                 "mp4",
+                                                 output,
+                                                 NULL});
     else if (pass == 0)
         put_all(arguments,
                 (const char *const[]){"-vf", "palettegen", "-frames:v", "1", "-f", "image2", "-c:v",

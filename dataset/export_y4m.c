@@ -122,21 +122,20 @@ int export_y4m_open(struct export_job *job, unsigned pass, struct export_sink **
     struct y4m_sink *sink = calloc(1, sizeof(*sink));
     int code = 0;
 
-    if (sink) {
-        sink->base = (struct export_sink){.ops = &y4m_ops, .job = job};
-        sink->file.handle = -1;
-        sink->rgb = malloc((size_t)job->width * 3);
-        sink->planes = malloc((size_t)job->width * job->height * 3);
-    }
-    if (!sink || !sink->rgb || !sink->planes)
+    if (!sink)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory to write a video");
+    sink->base = (struct export_sink){.ops = &y4m_ops, .job = job};
+    sink->file.handle = -1;
+    sink->rgb = malloc((size_t)job->width * 3);
+    sink->planes = malloc((size_t)job->width * job->height * 3);
+    if (!sink->rgb || !sink->planes)
         code = ttf_err_set(err, -ENOMEM, NULL, "no memory to write a video");
     if (!code)
         code = export_file_open(&sink->file, job, err);
     if (!code)
         code = put_header(sink, err);
     if (code) {
-        if (sink)
-            y4m_destroy(&sink->base);
+        y4m_destroy(&sink->base);
         return code;
     }
     *ret = &sink->base;

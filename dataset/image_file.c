@@ -137,8 +137,8 @@ static int read_any(struct ttf_io *io, const char *path, unsigned page, struct t
 int ttf_image_read(struct ttf_io *io, const char *path, unsigned page, struct ttf_pixbuf *ret,
                    struct ttf_image_info *ret_info, struct ttf_err *err)
 {
-    struct ttf_image_info info;
-    struct ttf_pixbuf pixels;
+    struct ttf_image_info info = {0};
+    struct ttf_pixbuf pixels = {0};
     int code = read_any(io, path, page, &pixels, &info, err);
 
     if (code)
@@ -159,7 +159,7 @@ int ttf_image_read(struct ttf_io *io, const char *path, unsigned page, struct tt
 int ttf_image_probe(struct ttf_io *io, const char *path, struct ttf_image_info *ret,
                     struct ttf_err *err)
 {
-    struct ttf_image_info info;
+    struct ttf_image_info info = {0};
     int code = read_any(io, path, 0, NULL, &info, err);
 
     if (code)
@@ -177,8 +177,8 @@ int ttf_image_probe(struct ttf_io *io, const char *path, struct ttf_image_info *
 int ttf_image_read_linear(struct ttf_io *io, const char *path, struct ttf_pixbuf *ret,
                           struct ttf_image_info *ret_info, struct ttf_err *err)
 {
-    struct ttf_image_info info;
-    struct ttf_pixbuf pixels;
+    struct ttf_image_info info = {0};
+    struct ttf_pixbuf pixels = {0};
     int code = ttf_image_read(io, path, 0, &pixels, &info, err);
 
     if (code)

@@ -17,11 +17,12 @@ struct npy_sink {
 static int put_header(struct npy_sink *sink, struct ttf_err *err)
 {
     const struct export_job *job = sink->base.job;
+    static const char magic[8] = {'\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0};
     char header[192];
     int n;
 
     memset(header, ' ', sizeof(header));
-    memcpy(header, "\x93NUMPY\x01\x00", 8);
+    memcpy(header, magic, sizeof(magic));
     n = snprintf(header + 10, sizeof(header) - 10,
                  "{'descr': '<u2', 'fortran_order': False, 'shape': (%u, %u, %u, 3), }", job->n,
                  job->height, job->width);

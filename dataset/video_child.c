@@ -12,8 +12,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-extern char **environ;
-
 static void close_end(int *fd)
 {
     if (*fd >= 0)
@@ -69,11 +67,10 @@ int video_child_start(struct video_child *child, const char *const argv[],
 
     *child = (struct video_child){.pid = -1, .in = -1, .out = -1, .messages = -1};
     snprintf(child->program, sizeof(child->program), "%s", argv[0]);
-    if (pipe2(messages, O_CLOEXEC) < 0)
-        error = errno;
     /* Towards it a socket and no pipe: only a socket can be written to without SIGPIPE. */
-    else if (direction == VIDEO_WRITE ? socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, data) < 0
-                                      : pipe2(data, O_CLOEXEC) < 0)
+    if (pipe2(messages, O_CLOEXEC) < 0 ||
+        (direction == VIDEO_WRITE ? socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, data)
+                                  : pipe2(data, O_CLOEXEC)) < 0)
         error = errno;
     if (!error) {
         int fds[3] = {-1, -1, messages[1]};

@@ -68,7 +68,7 @@ static struct ttf_pixbuf read_back(const char *path)
 static struct ttf_export_result export_ok(struct ttf_sequence *s,
                                           const struct ttf_export_config *config)
 {
-    struct ttf_export_result result;
+    struct ttf_export_result result = {0};
     struct ttf_err err = {0};
 
     if (ttf_export(s, ttf_io_posix(), config, &result, &err))
@@ -345,9 +345,8 @@ static void gif_holds_all_frames_and_leaves_no_palette_behind(void **state)
     assert_int_equal(
         run_program((const char *const[]){"ffprobe", "-v", "error", "-count_frames",
                                           "-show_entries",
-                                          "stream=codec_name,width,height,"
-                                          "nb_read_frames",
-                                          "-of", "csv=p=0", in_folder(state, "a.gif"), NULL},
+                                          "stream=codec_name,width,height,nb_read_frames", "-of",
+                                          "csv=p=0", in_folder(state, "a.gif"), NULL},
                     text, sizeof(text)),
         0);
     assert_non_null(strstr(text, "gif,31,18,5"));

@@ -202,13 +202,15 @@ static void a_forged_size_is_refused_before_memory_is_asked_for(void **state)
     const char *path = in_folder(state, "a.png");
     struct ttf_pixbuf pixels;
     struct ttf_err err = {0};
+    static const uint8_t huge[8] = {0, 0x0f, 0xff, 0xff,
+                                    0, 0x0f, 0xff, 0xff}; /* 1048575 x 1048575 */
     uint8_t *data;
     uint32_t crc;
     size_t n;
 
     picture_file(path, 4, 4, 1);
     data = slurp(path, &n);
-    memcpy(data + 16, "\x00\x0f\xff\xff\x00\x0f\xff\xff", 8); /* 1048575 x 1048575 */
+    memcpy(data + 16, huge, sizeof(huge));
     crc = ttf_crc32(0, data + 12, 17);
     for (unsigned i = 0; i < 4; i++)
         data[29 + i] = (uint8_t)(crc >> (24 - 8 * i));

@@ -19,7 +19,7 @@
 
 static struct ttf_import_result import_ok(const struct ttf_import_config *config)
 {
-    struct ttf_import_result result;
+    struct ttf_import_result result = {0};
     struct ttf_err err = {0};
 
     if (ttf_import(ttf_io_posix(), config, &result, &err))
@@ -35,7 +35,7 @@ struct opened {
 
 static struct opened open_dataset(const char *path)
 {
-    struct opened opened;
+    struct opened opened = {0};
     struct ttf_err err = {0};
 
     if (ttf_reader_open(ttf_io_posix(), path, &opened.reader, &err) ||

@@ -2,7 +2,6 @@
 /* Real sequences that nobody here made: imported, exported, compared with their sources. */
 #include "trade_test.h"
 
-#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,25 +19,35 @@ struct inputs {
     size_t n;
 };
 
+struct listing {
+    struct inputs *inputs;
+    const char *folder, *ending;
+};
+
+static int take_input(void *ctx, const char *name, bool is_dir)
+{
+    const struct listing *listing = ctx;
+    size_t n = strlen(name), m = strlen(listing->ending), room = strlen(listing->folder) + n + 2;
+    char *path;
+
+    if (n < m || strcmp(name + n - m, listing->ending) != 0 || listing->inputs->n == INPUTS_MAX)
+        return 0;
+    path = malloc(room);
+    assert_non_null(path);
+    snprintf(path, room, "%s/%s", listing->folder, name);
+    listing->inputs->path[listing->inputs->n++] = path;
+    return 0;
+}
+
 /* In the disk's order, which is none. */
 static struct inputs list_inputs(const char *folder, const char *ending)
 {
     struct inputs inputs = {.n = 0};
-    DIR *dir = opendir(folder);
-    struct dirent *entry;
+    struct listing listing = {&inputs, folder, ending};
+    struct ttf_io *io = ttf_io_posix();
 
-    assert_non_null(dir);
-    while ((entry = readdir(dir)) && inputs.n < INPUTS_MAX) {
-        size_t n = strlen(entry->d_name), m = strlen(ending);
-        char *path;
-
-        if (n < m || strcmp(entry->d_name + n - m, ending) != 0)
-            continue;
-        path = malloc(strlen(folder) + n + 2);
-        sprintf(path, "%s/%s", folder, entry->d_name);
-        inputs.path[inputs.n++] = path;
-    }
-    closedir(dir);
+    assert_true(io->ops->list(io, folder, take_input, &listing) >= 0);
+    assert_true(inputs.n > 0);
     return inputs;
 }
 
@@ -50,7 +59,7 @@ static void free_inputs(struct inputs *inputs)
 
 static struct ttf_import_result import_ok(const struct ttf_import_config *config)
 {
-    struct ttf_import_result result;
+    struct ttf_import_result result = {0};
     struct ttf_err err = {0};
 
     if (ttf_import(ttf_io_posix(), config, &result, &err))
@@ -60,7 +69,7 @@ static struct ttf_import_result import_ok(const struct ttf_import_config *config
 
 static struct ttf_sequence *open_sequence(const char *path, struct ttf_reader **ret_reader)
 {
-    struct ttf_sequence *sequence;
+    struct ttf_sequence *sequence = NULL;
     struct ttf_err err = {0};
 
     if (ttf_reader_open(ttf_io_posix(), path, ret_reader, &err) ||
