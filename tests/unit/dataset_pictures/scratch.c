@@ -105,15 +105,17 @@ uint32_t scratch_random(uint32_t *seed)
 
 const char *scratch_real_data(void)
 {
-    static const char *const near[] = {"../shared/data", "../../shared/data",
-                                       "../../../shared/data", "../../../../shared/data"};
+    /* From the tree, a build folder in it, or a test's own folder in that. */
+    static const char up[] = "../../../../../../shared/data";
     const char *named = getenv("TTFBOX_TEST_DATA");
 
     if (named)
         return access(named, R_OK) == 0 ? named : NULL;
-    for (unsigned i = 0; i < sizeof(near) / sizeof(near[0]); i++) {
-        if (access(near[i], R_OK) == 0)
-            return near[i];
+    for (unsigned levels = 6; levels > 0; levels--) {
+        const char *path = up + (levels - 1) * 3;
+
+        if (access(path, R_OK) == 0)
+            return path;
     }
     return NULL;
 }
