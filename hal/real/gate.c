@@ -45,55 +45,54 @@ err_gate:
     return NULL;
 }
 
-void real_gate_destroy(struct ttf_gate *base)
+void real_gate_destroy(struct ttf_gate *gate)
 {
-    struct real_gate *gate = (struct real_gate *)base;
+    struct real_gate *g = (struct real_gate *)gate;
 
-    close(gate->timer);
-    close(gate->event);
-    free(gate);
+    close(g->timer);
+    close(g->event);
+    free(g);
 }
 
-void real_gate_open(struct ttf_gate *base)
+void real_gate_open(struct ttf_gate *gate)
 {
-    struct real_gate *gate = (struct real_gate *)base;
+    struct real_gate *g = (struct real_gate *)gate;
     uint64_t one = 1;
 
     /* Cannot fail short of 2^64 - 2 openings; EINTR does not occur on a non-blocking eventfd. */
-    while (write(gate->event, &one, sizeof(one)) < 0 && errno == EINTR)
+    while (write(g->event, &one, sizeof(one)) < 0 && errno == EINTR)
         ;
 }
 
 /* Any number of openings count as one. */
-static bool pass(struct real_gate *gate)
+static bool pass(struct real_gate *g)
 {
     uint64_t openings;
 
-    return read(gate->event, &openings, sizeof(openings)) == (ssize_t)sizeof(openings);
+    return read(g->event, &openings, sizeof(openings)) == (ssize_t)sizeof(openings);
 }
 
-int real_gate_wait(struct ttf_gate *base, int64_t deadline_ns)
+int real_gate_wait(struct ttf_gate *gate, int64_t deadline_ns)
 {
-    struct real_gate *gate = (struct real_gate *)base;
-    struct pollfd fds[2] = {{.fd = gate->event, .events = POLLIN},
-                            {.fd = gate->timer, .events = POLLIN}};
+    struct real_gate *g = (struct real_gate *)gate;
+    struct pollfd fds[2] = {{.fd = g->event, .events = POLLIN}, {.fd = g->timer, .events = POLLIN}};
     struct itimerspec at = {0};
     nfds_t n = deadline_ns == TTF_NS_NEVER ? 1 : 2;
 
-    if (pass(gate))
+    if (pass(g))
         return 0;
     if (n == 2) {
         if (real_boot_ns() >= deadline_ns)
             return -ETIMEDOUT;
         at.it_value.tv_sec = (time_t)(deadline_ns / TTF_NS_PER_S);
         at.it_value.tv_nsec = (long)(deadline_ns % TTF_NS_PER_S);
-        if (timerfd_settime(gate->timer, TFD_TIMER_ABSTIME, &at, NULL) < 0)
+        if (timerfd_settime(g->timer, TFD_TIMER_ABSTIME, &at, NULL) < 0)
             return -errno;
     }
     for (;;) {
         if (poll(fds, n, -1) < 0 && errno != EINTR)
             return -errno;
-        if (pass(gate))
+        if (pass(g))
             return 0;
         if (n == 2 && real_boot_ns() >= deadline_ns)
             return -ETIMEDOUT;

@@ -131,7 +131,7 @@ int ttf_sim_box_create(const struct ttf_sim_config *config, const struct ttf_sce
 
     if (r == 0)
         r = make_world(config, scene, &box, err);
-    if (r < 0) {
+    if (r < 0 || !box) {
         if (scene->ops && scene->ops->destroy)
             scene->ops->destroy(scene->priv);
         return r;

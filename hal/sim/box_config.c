@@ -79,30 +79,30 @@ static void default_timing(struct ttf_sim_config *c)
     c->buffers = 4;
 }
 
-void ttf_sim_config_defaults(struct ttf_sim_config *c)
+void ttf_sim_config_defaults(struct ttf_sim_config *ret)
 {
-    memset(c, 0, sizeof(*c));
-    c->seed = 1;
-    c->start_utc_ns = INT64_C(1767225600) * TTF_NS_PER_S; /* 2026-01-01 */
-    c->outage_ns = TTF_NS_PER_MIN;
-    c->rtc = true;
-    c->cost_develop_ns = 100 * TTF_NS_PER_MS;
-    c->cost_commit_ns = 50 * TTF_NS_PER_MS;
-    c->n_lamps = 2;
-    c->lamps[0] = default_lamp("left", 0.0);
-    c->lamps[1] = default_lamp("right", 1.0);
-    c->mains_hz = 50;
-    c->ambient = 0.0;
-    c->ambient_degc = 22;
-    c->day_swing_degc = 1.5;
-    c->heat_tau_ns = 20 * TTF_NS_PER_MIN;
-    default_optics_and_sensor(c);
-    default_timing(c);
-    c->n_sensors = 2;
-    c->sensors[0] = (struct ttf_sim_sensor){.name = "box-temp", .kind = TTF_SENSOR_TEMP_MDEGC};
-    c->sensors[1] =
+    memset(ret, 0, sizeof(*ret));
+    ret->seed = 1;
+    ret->start_utc_ns = INT64_C(1767225600) * TTF_NS_PER_S; /* 2026-01-01 */
+    ret->outage_ns = TTF_NS_PER_MIN;
+    ret->rtc = true;
+    ret->cost_develop_ns = 100 * TTF_NS_PER_MS;
+    ret->cost_commit_ns = 50 * TTF_NS_PER_MS;
+    ret->n_lamps = 2;
+    ret->lamps[0] = default_lamp("left", 0.0);
+    ret->lamps[1] = default_lamp("right", 1.0);
+    ret->mains_hz = 50;
+    ret->ambient = 0.0;
+    ret->ambient_degc = 22;
+    ret->day_swing_degc = 1.5;
+    ret->heat_tau_ns = 20 * TTF_NS_PER_MIN;
+    default_optics_and_sensor(ret);
+    default_timing(ret);
+    ret->n_sensors = 2;
+    ret->sensors[0] = (struct ttf_sim_sensor){.name = "box-temp", .kind = TTF_SENSOR_TEMP_MDEGC};
+    ret->sensors[1] =
         (struct ttf_sim_sensor){.name = "box-humidity", .kind = TTF_SENSOR_HUMIDITY_MPCT};
-    c->door_switch = true;
+    ret->door_switch = true;
 }
 
 /* One field and where it must lie. */
@@ -303,35 +303,35 @@ static int check_fault(const struct ttf_sim_config *c, unsigned i, struct ttf_er
     return r;
 }
 
-int ttf_sim_config_check(const struct ttf_sim_config *c, struct ttf_err *err)
+int ttf_sim_config_check(const struct ttf_sim_config *config, struct ttf_err *err)
 {
     const struct range counts[] = {
-        {"n_lamps", c->n_lamps, 0, TTF_LAMPS_MAX},
-        {"n_sensors", c->n_sensors, 0, TTF_SENSORS_MAX},
-        {"n_faults", c->n_faults, 0, TTF_SIM_FAULTS_MAX},
+        {"n_lamps", config->n_lamps, 0, TTF_LAMPS_MAX},
+        {"n_sensors", config->n_sensors, 0, TTF_SENSORS_MAX},
+        {"n_faults", config->n_faults, 0, TTF_SIM_FAULTS_MAX},
     };
     int r = check_ranges("", counts, TTF_COUNT_OF(counts), err);
 
     if (r == 0)
-        r = check_world(c, err);
+        r = check_world(config, err);
     if (r == 0)
-        r = check_sensor(c, err);
+        r = check_sensor(config, err);
     if (r == 0)
-        r = check_timing(c, err);
-    for (unsigned i = 0; r == 0 && i < c->n_lamps; i++) {
-        r = check_lamp(c, i, err);
+        r = check_timing(config, err);
+    for (unsigned i = 0; r == 0 && i < config->n_lamps; i++) {
+        r = check_lamp(config, i, err);
         if (r == 0)
-            r = check_watched(c, i, err);
+            r = check_watched(config, i, err);
     }
-    for (unsigned i = 0; r == 0 && i < c->n_sensors; i++) {
+    for (unsigned i = 0; r == 0 && i < config->n_sensors; i++) {
         char where[64];
 
         snprintf(where, sizeof(where), "sensors[%u].name", i);
-        r = check_name(c->sensors[i].name, where, err);
-        if (r == 0 && (unsigned)c->sensors[i].kind >= TTF_SENSOR_KIND_COUNT)
+        r = check_name(config->sensors[i].name, where, err);
+        if (r == 0 && (unsigned)config->sensors[i].kind >= TTF_SENSOR_KIND_COUNT)
             r = ttf_err_set(err, -EINVAL, where, "no such kind of sensor");
     }
-    for (unsigned i = 0; r == 0 && i < c->n_faults; i++)
-        r = check_fault(c, i, err);
+    for (unsigned i = 0; r == 0 && i < config->n_faults; i++)
+        r = check_fault(config, i, err);
     return r;
 }

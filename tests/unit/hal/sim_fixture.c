@@ -100,7 +100,7 @@ double sim_brightness(struct ttf_box *box, int64_t middle_ns)
     struct ttf_frame *frame = NULL;
 
     assert_int_equal(sim_shoot(box, 20 * MS, middle_ns, &frame), 0);
-    return sim_mean(box, frame);
+    return frame ? sim_mean(box, frame) : 0;
 }
 
 struct ttf_lamp_state sim_lamp(struct ttf_box *box, unsigned i)

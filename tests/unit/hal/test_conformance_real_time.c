@@ -28,6 +28,8 @@ static int make_sim(struct ttf_box *ret)
     config.width = 64;
     config.height = 48;
     config.real_time = true;
+    config.frame_period_ns = 5 * TTF_NS_PER_MS; /* a quick sensor, for a quick test */
+    config.readout_ns = 2 * TTF_NS_PER_MS;
     return ttf_sim_box_create(&config, &scene, ret, NULL);
 }
 

@@ -212,7 +212,7 @@ static void as_many_frames_can_be_held_as_stated_and_no_more(void **state)
 {
     struct ttf_camera *camera = streaming(state);
     unsigned buffers = ttf_camera_caps(camera)->buffers;
-    struct ttf_frame *held[TTF_CAMERA_SET_MAX], *frame;
+    struct ttf_frame *held[TTF_CAMERA_SET_MAX] = {NULL}, *frame;
 
     assert_true(buffers < TTF_CAMERA_SET_MAX);
     assert_int_equal(submit(camera, 5, buffers + 1, 0), 0);
