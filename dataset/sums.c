@@ -8,16 +8,17 @@
 
 #include "io_path.h"
 #include "lines.h"
+#include "named_files.h"
 #include "record_line.h"
 
 bool ttf_sums_parse(const char *line, size_t n, const char **ret_path)
 {
     size_t i;
 
-    if (n <= TTF_SUMS_PREFIX || line[64] != ' ' || line[65] != ' ')
+    if (n <= TTF_SUMS_PREFIX || line[64] != ' ' || line[65] != ' ' || memchr(line, '\0', n))
         return false;
     for (i = 0; i < 64; i++)
-        if (line[i] == '\0' || !strchr("0123456789abcdef", line[i]))
+        if (!strchr("0123456789abcdef", line[i]))
             return false;
     *ret_path = line + TTF_SUMS_PREFIX;
     return true;
@@ -116,28 +117,43 @@ static int compare_line(void *ctx, const struct ttf_line *line, struct ttf_err *
     return ttf_line_files(line, compare_file, ctx, err);
 }
 
-/* Is there a whole line in what follows the files that the records name? Then the records lost some. */
-static int look_ahead(struct compare *c, enum ttf_sums_state *ret, char *ret_path, size_t path_size,
-                      struct ttf_err *err)
+/*
+ * Where the lists differ: a whole line with a file that no record names is no
+ * work of a crash. It is written behind the record, so the record was lost; or it
+ * is the list of a seal that was changed.
+ */
+static int find_unnamed(struct ttf_io *io, const char *dataset, const char *records,
+                        enum ttf_sums_state *ret, char *ret_path, size_t path_size,
+                        struct ttf_err *err)
 {
+    struct ttf_named_files named = {0};
+    struct ttf_lines lines;
     const char *line, *path;
     bool terminated;
     int64_t offset;
     size_t n;
-    int r;
+    int file = -1, r;
 
-    r = ttf_lines_next(&c->lines, &line, &n, &offset, &terminated);
-    if (r < 0)
-        return ttf_err_set(err, r, TTF_SUMS_NAME, "cannot be read: %s", strerrordesc_np(-r));
-    if (r == 0)
-        return 0;
-    if (terminated && ttf_sums_parse(line, n, &path)) {
-        *ret = TTF_SUMS_AHEAD;
+    *ret = TTF_SUMS_BEHIND;
+    r = ttf_named_files_load(io, records, &named, err);
+    if (r)
+        return r;
+    r = open_sums(io, dataset, &lines, &file, err);
+    lines.at_end = file < 0;
+    while (r == 0 && *ret == TTF_SUMS_BEHIND &&
+           (r = ttf_lines_next(&lines, &line, &n, &offset, &terminated)) > 0) {
+        r = 0;
+        if (!terminated || !ttf_sums_parse(line, n, &path))
+            continue;
         snprintf(ret_path, path_size, "%.*s", (int)(n - TTF_SUMS_PREFIX), path);
-    } else {
-        *ret = TTF_SUMS_BEHIND; /* rubbish at its end: it is not synced as it grows */
+        if (!ttf_named_files_find(&named, ret_path))
+            *ret = TTF_SUMS_AHEAD;
     }
-    return 0;
+    if (r < 0)
+        ttf_err_set(err, r, TTF_SUMS_NAME, "cannot be read: %s", strerrordesc_np(-r));
+    close_sums(io, &lines, file);
+    ttf_named_files_free(&named);
+    return r;
 }
 
 int ttf_sums_compare(struct ttf_io *io, const char *dataset, enum ttf_sums_state *ret,
@@ -145,6 +161,10 @@ int ttf_sums_compare(struct ttf_io *io, const char *dataset, enum ttf_sums_state
 {
     struct compare c = {.file = -1};
     char *records = ttf_path_format("%s/records.jsonl", dataset);
+    const char *line;
+    bool terminated;
+    int64_t offset;
+    size_t n;
     int r;
 
     if (!records)
@@ -155,10 +175,13 @@ int ttf_sums_compare(struct ttf_io *io, const char *dataset, enum ttf_sums_state
     *ret = TTF_SUMS_SAME;
     c.lines.at_end = c.file < 0; /* none: behind if any image is named */
     r = ttf_lines_scan(io, records, compare_line, NULL, &c, NULL, err);
+    if (r == 0 && !c.differs) { /* is there more behind? */
+        r = ttf_lines_next(&c.lines, &line, &n, &offset, &terminated);
+        c.differs = r > 0;
+        r = r > 0 ? 0 : r;
+    }
     if (r == 0 && c.differs)
-        *ret = TTF_SUMS_BEHIND;
-    else if (r == 0)
-        r = look_ahead(&c, ret, ret_path, path_size, err);
+        r = find_unnamed(io, dataset, records, ret, ret_path, path_size, err);
 out:
     close_sums(io, &c.lines, c.file);
     free(records);

@@ -80,7 +80,8 @@ static void check_images(struct ttf_verify_run *run, const struct ttf_line *line
                             "names calibration %s, which is not there", image->calibration);
         if (run->has_manifest && !ttf_manifest_stream(&run->manifest, image->stream))
             ttf_verify_find(run, TTF_FINDING_NOTE, record->index, short_name(run, line->where),
-                            "has an image of stream %s, which dataset.json does not list",
+                            "has an image of stream %s, which dataset.json does not list, or not "
+                            "in a way that this version knows",
                             image->stream);
     }
 }

@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "store_test.h"
+#include "ttf/dataset/verify.h"
+
+static struct ttf_verify_report verified(const char *path)
+{
+    struct ttf_verify_options options = {.deep = true};
+    struct ttf_verify_report report;
+    struct ttf_err err = {0};
+
+    if (ttf_verify(ttf_io_posix(), path, &options, &report, &err) != 0)
+        fail_msg("%s: %s", err.where, err.what);
+    return report;
+}
+
+/* Is there such a finding? */
+static bool found(const struct ttf_verify_report *report, enum ttf_severity severity,
+                  const char *file, int64_t slot, const char *text)
+{
+    unsigned i;
+
+    for (i = 0; i < report->n_findings; i++)
+        if (report->findings[i].severity == severity &&
+            strcmp(report->findings[i].file, file) == 0 && report->findings[i].slot == slot &&
+            strstr(report->findings[i].text, text))
+            return true;
+    return false;
+}
+
+static const char *sealed_dataset(void **state)
+{
+    const char *path = in(*state, "d");
+    struct ttf_writer *writer = small_create(ttf_io_posix(), path);
+    int64_t i;
+
+    for (i = 0; i < 3; i++)
+        assert_int_equal(small_slot(writer, i), 0);
+    assert_int_equal(ttf_writer_event(writer, "door", 1, 2, "opened", NULL, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+    ttf_writer_close(writer);
+    return path;
+}
+
+static const char *running_dataset(void **state)
+{
+    const char *path = in(*state, "d");
+    struct ttf_writer *writer = small_create(ttf_io_posix(), path);
+    int64_t i;
+
+    for (i = 0; i < 3; i++)
+        assert_int_equal(small_slot(writer, i), 0);
+    ttf_writer_close(writer);
+    return path;
+}
+
+static void a_whole_dataset_has_no_findings(void **state)
+{
+    struct ttf_verify_report report = verified(sealed_dataset(state));
+
+    assert_false(report.damaged);
+    assert_int_equal(report.n_findings, 0);
+    assert_true(report.sealed && strlen(report.digest) == 64);
+    assert_int_equal(report.slots, 3);
+    assert_int_equal(report.lines, 7);
+    ttf_verify_report_free(&report);
+}
+
+static void the_changed_file_and_its_slot_are_named(void **state)
+{
+    const char *path = sealed_dataset(state);
+    struct ttf_verify_report report;
+
+    write_text(in(path, "frames/main/000001.tif"), "changed", 7);
+    assert_int_equal(unlink(in(path, "frames/main/000002.tif")), 0);
+    write_text(in(path, "frames/main/000009.tif"), "added", 5);
+    write_text(in(path, "README.txt"), "mine", 4);
+    report = verified(path);
+    assert_true(report.damaged);
+    assert_true(found(&report, TTF_FINDING_DAMAGE, "frames/main/000001.tif", 1, "7 bytes long"));
+    assert_true(found(&report, TTF_FINDING_DAMAGE, "frames/main/000002.tif", 2, "missing"));
+    assert_true(found(&report, TTF_FINDING_DAMAGE, "frames/main/000009.tif", -1, "not covered"));
+    assert_true(found(&report, TTF_FINDING_NOTE, "README.txt", -1, "does not belong"));
+    assert_int_equal(report.n_of[TTF_FINDING_DAMAGE], 3);
+    ttf_verify_report_free(&report);
+}
+
+/* In place: faster than writing the file anew. */
+static void flip(const char *path, size_t at)
+{
+    int file = open(path, O_RDWR | O_CLOEXEC);
+    char c;
+
+    assert_true(file >= 0);
+    assert_int_equal(pread(file, &c, 1, (off_t)at), 1);
+    c = (char)(c ^ (1 << (at % 8)));
+    assert_int_equal(pwrite(file, &c, 1, (off_t)at), 1);
+    close(file);
+}
+
+static void every_flipped_bit_of_a_sealed_dataset_is_found(void **state)
+{
+    static const char *const files[] = {"dataset.json", "records.jsonl", "events.jsonl",
+                                        "plans/0.yaml", "plans/0.json",  "frames/main/000001.tif",
+                                        "SHA256SUMS"};
+    struct ttf_verify_options options = {.deep = true};
+    struct ttf_verify_report report;
+    const char *path = sealed_dataset(state);
+    char full[512];
+    size_t i, k, n;
+    char *text;
+    int r;
+
+    for (i = 0; i < TTF_COUNT_OF(files); i++) {
+        snprintf(full, sizeof(full), "%s/%s", path, files[i]);
+        text = file_text(full, &n);
+        for (k = 0; k < n; k++) {
+            flip(full, k);
+            r = ttf_verify(ttf_io_posix(), path, &options, &report, NULL);
+            flip(full, k);
+            if (r == -ENOTSUP)
+                continue; /* another version: refused */
+            assert_int_equal(r, 0);
+            if (!report.damaged)
+                fail_msg("%s: bit %zu of byte %zu went unseen", files[i], k % 8, k);
+            ttf_verify_report_free(&report);
+        }
+        free(text);
+    }
+}
+
+static void a_wrong_line_is_named_and_the_rest_still_checked(void **state)
+{
+    const char *path = running_dataset(state);
+    struct ttf_verify_report report;
+    char *text, *slot;
+    struct ttf_writer *writer;
+    struct ttf_err err = {0};
+    size_t n;
+
+    text = file_text(in(path, "records.jsonl"), &n);
+    slot = strstr(text, "\"index\":1");
+    assert_non_null(slot);
+    slot[8] = '7';
+    write_text(in(path, "records.jsonl"), text, n);
+    free(text);
+    write_text(in(path, "frames/main/000002.tif"), "changed", 7);
+    report = verified(path);
+    assert_true(found(&report, TTF_FINDING_DAMAGE, "records.jsonl:4", -1, "crc"));
+    assert_true(found(&report, TTF_FINDING_DAMAGE, "frames/main/000002.tif", 2, "7 bytes"));
+    assert_int_equal(report.n_of[TTF_FINDING_DAMAGE], 2);
+    ttf_verify_report_free(&report);
+    assert_int_equal(ttf_writer_open(ttf_io_posix(), path, &writer, &err), -TTF_EDAMAGED);
+    assert_non_null(strstr(err.where, "records.jsonl:4"));
+}
+
+static void a_lost_line_is_damage(void **state)
+{
+    const char *path = running_dataset(state);
+    struct ttf_verify_report report;
+
+    assert_int_equal(run("sed -i 4d '%s/records.jsonl'", path), 0);
+    report = verified(path);
+    assert_true(found(&report, TTF_FINDING_DAMAGE, "records.jsonl:4", -1, "lost"));
+    ttf_verify_report_free(&report);
+}
+
+static void lost_last_lines_are_damage_because_sha256sums_remembers(void **state)
+{
+    const char *path = running_dataset(state);
+    struct ttf_verify_report report;
+    struct ttf_writer *writer;
+    struct ttf_err err = {0};
+
+    assert_int_equal(run("sed -i 5d '%s/records.jsonl'", path), 0);
+    report = verified(path);
+    assert_true(found(&report, TTF_FINDING_DAMAGE, "records.jsonl", 2, "000002.tif"));
+    ttf_verify_report_free(&report);
+    assert_int_equal(ttf_writer_open(ttf_io_posix(), path, &writer, &err), -TTF_EDAMAGED);
+    assert_true(exists(in(path, "frames/main/000002.tif")));
+}
+
+static void what_a_crash_leaves_is_no_damage(void **state)
+{
+    const char *path = running_dataset(state);
+    struct ttf_verify_report report;
+
+    write_text(in(path, "frames/main/000003.tif.tmp"), "x", 1);
+    write_text(in(path, "frames/main/000003.tif"), "x", 1);
+    write_text(in(path, "SHA256SUMS"), "", 0);
+    assert_int_equal(run("printf '{\"type\":\"sl' >> '%s/records.jsonl'", path), 0);
+    report = verified(path);
+    assert_false(report.damaged);
+    assert_true(
+        found(&report, TTF_FINDING_LEFTOVER, "frames/main/000003.tif.tmp", -1, "temporary"));
+    assert_true(found(&report, TTF_FINDING_LEFTOVER, "frames/main/000003.tif", -1, "no record"));
+    assert_true(found(&report, TTF_FINDING_LEFTOVER, "SHA256SUMS", -1, "behind"));
+    assert_true(found(&report, TTF_FINDING_LEFTOVER, "records.jsonl", -1, "11 bytes"));
+    assert_int_equal(report.n_findings, 4);
+    ttf_verify_report_free(&report);
+}
+
+static void what_is_no_dataset_is_said_so(void **state)
+{
+    struct ttf_verify_options options = {.deep = true};
+    struct ttf_verify_report report;
+
+    assert_int_equal(ttf_verify(ttf_io_posix(), *state, &options, &report, NULL), -ENOENT);
+}
+
+static void threads_find_the_same(void **state)
+{
+    struct ttf_verify_options options = {.deep = true};
+    struct ttf_verify_report one, many;
+    char path[512];
+    struct ttf_writer *writer;
+    int64_t i;
+
+    snprintf(path, sizeof(path), "%s/d", (char *)*state);
+    writer = small_create(ttf_io_posix(), path);
+    for (i = 0; i < 150; i++)
+        assert_int_equal(small_slot(writer, i), 0);
+    ttf_writer_close(writer);
+    for (i = 0; i < 150; i += 7)
+        assert_int_equal(unlink(in(path, "frames/main/%06d.tif", (int)i)), 0);
+    assert_int_equal(ttf_verify(ttf_io_posix(), path, &options, &one, NULL), 0);
+    options.pool = ttf_pool_create(3);
+    assert_int_equal(ttf_verify(ttf_io_posix(), path, &options, &many, NULL), 0);
+    ttf_pool_destroy(options.pool);
+    assert_int_equal(one.n_findings, 22);
+    assert_int_equal(many.n_findings, 22);
+    assert_memory_equal(one.findings, many.findings, 22 * sizeof(*one.findings));
+    assert_int_equal(many.hashed_bytes, one.hashed_bytes);
+    ttf_verify_report_free(&one);
+    ttf_verify_report_free(&many);
+}
+
+int main(void)
+{
+#define T(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
+    const struct CMUnitTest tests[] = {
+        T(a_whole_dataset_has_no_findings),
+        T(the_changed_file_and_its_slot_are_named),
+        T(every_flipped_bit_of_a_sealed_dataset_is_found),
+        T(a_wrong_line_is_named_and_the_rest_still_checked),
+        T(a_lost_line_is_damage),
+        T(lost_last_lines_are_damage_because_sha256sums_remembers),
+        T(what_a_crash_leaves_is_no_damage),
+        T(what_is_no_dataset_is_said_so),
+        T(threads_find_the_same),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
