@@ -14,7 +14,7 @@ mkdir -p "$out"
 touch "$out/.ttfbox-demo"
 begun=$SECONDS
 plan=boards/sim/plans/demo.yaml
-board=boards/sim/small.yaml
+board=sim-small
 
 say() { printf '\n== %s\n' "$*"; }
 run() {
@@ -28,7 +28,7 @@ say "Calibration: lamps off for the dark, an even white target for the flat"
 run calibrate dark --board "$board" --plan "$plan" -o "$out/calibration"
 run calibrate flat --board "$board" --plan "$plan" --scene white -o "$out/calibration"
 say "A week of growing grass, in virtual time"
-run capture "$plan" --board "$board" --calibration "$out/calibration" -o "$out/grass"
+run capture "$plan" --board "$board" -c "$out/calibration" -o "$out/grass"
 say "Verified by us, and by a tool that knows nothing of us"
 run verify "$out/grass"
 (cd "$out/grass" && sha256sum --strict --quiet -c SHA256SUMS && echo "sha256sum --strict -c: all files are as recorded")
@@ -38,7 +38,7 @@ say "To look at"
 run export "$out/grass" --to sheet -o "$out/grass-sheet.png"
 run export "$out/grass" --to mp4 -o "$out/grass.mp4"
 say "A larger lawn, grown from the week"
-run synth quilt "$out/grass" --size 512x512 --block 48x96 --seed 7 -o "$out/lawn"
+run synth quilt "$out/grass" --size 768x576 --block 48x96 --seed 7 --check -o "$out/lawn"
 run export "$out/lawn" --to mp4 -o "$out/lawn.mp4"
 run export "$out/lawn" --to sheet -o "$out/lawn-sheet.png"
 
