@@ -158,6 +158,8 @@ static int all_frames(struct run *run, struct ttf_quilt_map *ret_first, struct t
             r = map_of_frame(run, t, err);
         if (r == 0)
             r = one_frame(run, t, err);
+        if (r == 0 && config->per_frame && measures_seams(run, t))
+            ttf_seams_figures(run->seams, &run->report.seams);
         show_progress(run, from + (1.0 - from) * (t + 1.0) / run->input->n);
         if (r == 0 && config->per_frame && t == 0 && ret_first) {
             ttf_seams_destroy(run->seams);
@@ -217,7 +219,7 @@ static int sum_up(struct run *run, const struct ttf_quilt_map *map, struct ttf_e
     report->flicker = ratio(report->output.second_difference, report->input.second_difference);
     if (!run->config->per_frame)
         report->coherence_copied = ratio(report->output.mean_difference, copied_difference(run));
-    if (run->seams)
+    if (!run->config->per_frame)
         ttf_seams_figures(run->seams, &report->seams);
     sum_up_blocks(map, run->config->per_frame ? 1 : run->input->n, report);
     if (ttf_repetition_of_map(map, &report->repetition) < 0)

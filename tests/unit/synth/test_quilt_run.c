@@ -134,6 +134,7 @@ static void frames_quilted_alone_flicker_and_fail_the_check(void **state)
     output = output_of(&taker, &config);
     assert_true(report.coherence > 3.0);
     assert_true(report.flicker > 3.0);
+    assert_true(report.seams.frames == 1 && report.seams.pairs > 0);
     assert_int_equal(ttf_quilt_verify(input.sequence, output, NULL, &check, NULL), 0);
     assert_true(check.unmatched > check.pixels / 2);
     assert_int_equal(ttf_quilt_verify(input.sequence, output, &first, &check, NULL), 0);

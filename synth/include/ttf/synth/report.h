@@ -28,7 +28,7 @@ struct ttf_quilt_report {
         coherence_copied; /* the same, to the source pixels that were copied, each as often; 0 if per frame */
     double flicker; /* ratio of low-passed second differences, to the whole input */
 
-    struct ttf_seams_figures seams; /* per frame: of its last frame looked at */
+    struct ttf_seams_figures seams; /* per frame: of the last frame looked at */
     struct ttf_repetition_figures repetition;
 
     /* The blocks' table in short. Errors as RMS in codes, per overlap sample. */
