@@ -233,6 +233,29 @@ static void captured_codes_lose_their_pedestal_and_headroom(void **state)
     ttf_sequence_destroy(s);
 }
 
+static void a_measurement_is_shown_from_its_least_to_its_greatest(void **state)
+{
+    /* values 100 to 5000: no reflectance */
+    static const struct ttf_encoding wide = {.pedestal = -100.0 * 65535.0 / 4900.0,
+                                             .scale = 65535.0 / 4900.0};
+    uint16_t frames[W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 1, NULL, &wide);
+    struct ttf_export_config config = {.kind = TTF_EXPORT_NPY, .output = in_folder(state, "a.npy")};
+    const uint8_t *body;
+    uint8_t *data;
+    size_t n;
+
+    fill(frames, 1);
+    export_ok(s, &config);
+    data = slurp(in_folder(state, "a.npy"), &n);
+    body = check_npy(data, n, "(1, 18, 31, 3)");
+    for (size_t i = 0; i < sizeof(frames) / 2; i++)
+        assert_int_equal(body[2 * i] | body[2 * i + 1] << 8, frames[i]);
+    free(data);
+    ttf_sequence_destroy(s);
+}
+
 static bool have(const char *program)
 {
     char text[64];
@@ -535,6 +558,7 @@ int main(void)
         IN_FOLDER(every_kth_slot_and_a_size_limit_are_kept),
         IN_FOLDER(npy_holds_light_as_uint16),
         IN_FOLDER(captured_codes_lose_their_pedestal_and_headroom),
+        IN_FOLDER(a_measurement_is_shown_from_its_least_to_its_greatest),
         IN_FOLDER(y4m_is_what_ffmpeg_reads_in_right_colours),
         IN_FOLDER(mp4_plays_everywhere_and_shows_the_right_colours),
         IN_FOLDER(gif_holds_all_frames_and_leaves_no_palette_behind),

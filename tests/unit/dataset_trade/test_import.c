@@ -82,6 +82,7 @@ static void names_sort_as_people_count(void **state)
     assert_true(ttf_natural_compare("a", "b") < 0);
     assert_true(ttf_natural_compare("frame2", "frame2") == 0);
     assert_true(ttf_natural_compare("frame02", "frame2") != 0);
+    assert_true(ttf_natural_compare("day3_1", "day2_10") > 0);
     assert_true(ttf_natural_compare("a9/x1", "a10/x0") < 0);
     assert_true(ttf_natural_compare("1"
                                     "00000000000000000000000000",
