@@ -147,10 +147,12 @@ static int begin_run(struct develop_run *run, const struct ttf_develop *develop,
     if (raw->n == 0 || raw->samples != develop->samples || raw->format.width != format->width ||
         raw->format.height != format->height || raw->format.cfa != format->cfa ||
         raw->format.packing != format->packing || raw->format.black_level != format->black_level ||
-        raw->format.white_level != format->white_level)
-        return ttf_err_set(err, -EINVAL, NULL,
-                           raw->n == 0 ? "there is no frame to develop"
-                                       : "the frame is not of the format that was configured");
+        raw->format.white_level != format->white_level) {
+        ttf_err_set(err, -EINVAL, NULL,
+                    raw->n == 0 ? "there is no frame to develop"
+                                : "the frame is not of the format that was configured");
+        return -EINVAL;
+    }
     if (calibration && (calibration->has_dark || calibration->has_flat))
         shift = levels_shift(calibration, develop->black, develop->white);
     run->develop = develop;
@@ -259,7 +261,8 @@ static int workspace_alloc(struct workspace *space, const struct ttf_develop *de
     if (space->scratch && space->saturated && space->sums)
         return 0;
     workspace_free(space);
-    return ttf_err_set(err, -ENOMEM, NULL, "no memory for development");
+    ttf_err_set(err, -ENOMEM, NULL, "no memory for development");
+    return -ENOMEM;
 }
 
 static unsigned strips_of(const struct ttf_develop *develop)

@@ -107,15 +107,21 @@ static int prepare(struct chunks *chunks, struct ttf_err *err)
     if (!ttf_mul_size(image->chunk_width, image->chunk_height, &chunks->n_codes) ||
         chunks->n_codes > TIFF_ALLOC_MAX / 2 || size > TIFF_ALLOC_MAX || size == 0 ||
         row < ((uint64_t)image->chunk_width * image->bits + 7) / 8 ||
-        size < row * image->chunk_height)
-        return tiff_client_fail(chunks->client, err, -TTF_EDAMAGED, "reading a mosaic's sizes");
+        size < row * image->chunk_height) {
+        (void)tiff_client_fail(chunks->client, err, -TTF_EDAMAGED, "reading a mosaic's sizes");
+        return -TTF_EDAMAGED;
+    }
     chunks->row_bytes = (size_t)row;
     chunks->packed_room = image->compression == COMPRESSION_JPEG ? 4096 : (size_t)size;
     chunks->packed = calloc(1, chunks->packed_room);
     chunks->codes = calloc(chunks->n_codes, sizeof(*chunks->codes));
     if (!chunks->packed || !chunks->codes)
-        return ttf_err_set(err, -ENOMEM, chunks->client->where, "no memory for a strip");
+        goto err_memory;
     return 0;
+
+err_memory:
+    ttf_err_set(err, -ENOMEM, chunks->client->where, "no memory for a strip");
+    return -ENOMEM;
 }
 
 int dng_read_codes(struct tiff_client *client, const struct dng_image *image, uint32_t *ret,

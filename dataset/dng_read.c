@@ -269,14 +269,15 @@ static int make_sum(const struct dng_image *image, struct ttf_raw_sum *ret, cons
     format.stride = (size_t)format.width * 2;
     while (format.bits > 1 && image->white < 1u << (format.bits - 1))
         format.bits--;
-    if (format.white_level <= format.black_level)
-        return ttf_err_set(err, -TTF_EDAMAGED, path, "white level %u is not above black level %u",
-                           format.white_level, format.black_level);
+    if (format.white_level <= format.black_level) {
+        ttf_err_set(err, -TTF_EDAMAGED, path, "white level %u is not above black level %u",
+                    format.white_level, format.black_level);
+        return -TTF_EDAMAGED;
+    }
     r = ttf_raw_sum_init(ret, &format);
     if (r < 0)
-        return ttf_err_set(err, r, path, "no memory for a mosaic of %u x %u", format.width,
-                           format.height);
-    return 0;
+        ttf_err_set(err, r, path, "no memory for a mosaic of %u x %u", format.width, format.height);
+    return r;
 }
 
 int ttf_dng_read(struct ttf_io *io, const char *path, struct ttf_raw_sum *ret,

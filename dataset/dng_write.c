@@ -32,13 +32,16 @@ bool dng_parse_description(const char *text, struct ttf_exposure *ret)
 {
     const char *at = strstr(text, "ttfbox frame: ");
     struct ttf_exposure s = {0};
+    int n = 0;
 
-    /* NOLINTNEXTLINE(cert-err34-c): a number that is out of range is checked below, or harmless */
-    if (!at ||
-        sscanf(at,
-               "ttfbox frame: exposure %18" SCNd64 " ns, gain %9" SCNu32
-               "/1000, white balance %9" SCNu32 "/1000 %9" SCNu32 "/1000, lens %9" SCNu32,
-               &s.exposure_ns, &s.gain_milli, &s.wb_r_milli, &s.wb_b_milli, &s.lens_mdpt) != 5)
+    /* NOLINTBEGIN(cert-err34-c): each number is bounded by its width */
+    if (at)
+        n = sscanf(at,
+                   "ttfbox frame: exposure %18" SCNd64 " ns, gain %9" SCNu32
+                   "/1000, white balance %9" SCNu32 "/1000 %9" SCNu32 "/1000, lens %9" SCNu32,
+                   &s.exposure_ns, &s.gain_milli, &s.wb_r_milli, &s.wb_b_milli, &s.lens_mdpt);
+    /* NOLINTEND(cert-err34-c) */
+    if (n != 5)
         return false;
     if (s.exposure_ns < 0)
         return false;

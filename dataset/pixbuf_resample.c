@@ -175,7 +175,7 @@ int ttf_pixbuf_resample(const struct ttf_pixbuf *src, struct ttf_pixbuf *dst)
     if (r == 0)
         r = axis_init(&y_axis, src->height, dst->height);
     rows = calloc(3 * n, sizeof(*rows));
-    if (r < 0 || !rows) {
+    if (r < 0 || !rows || !y_axis.spans) {
         r = -ENOMEM;
         goto out;
     }

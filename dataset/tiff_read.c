@@ -248,8 +248,10 @@ int ttf_tiff_reader_open(struct ttf_io *io, const char *path, struct ttf_tiff_re
     struct ttf_tiff_reader *reader = calloc(1, sizeof(*reader));
     int r;
 
-    if (!reader)
-        return ttf_err_set(err, -ENOMEM, path, "no memory for a TIFF reader");
+    if (!reader) {
+        ttf_err_set(err, -ENOMEM, path, "no memory for a TIFF reader");
+        return -ENOMEM;
+    }
     r = tiff_client_open(&reader->client, io, path, err);
     if (r < 0) {
         free(reader);

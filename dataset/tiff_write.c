@@ -108,12 +108,16 @@ int ttf_tiff_writer_open(struct ttf_io *io, int file, const struct ttf_tiff_spec
     size_t row_bytes, bytes;
     int r;
 
-    if (!sizes_of(spec, &row_bytes, &bytes))
-        return ttf_err_set(err, -EINVAL, NULL, "no TIFF image can be %u x %u x %u %s", spec->width,
-                           spec->height, spec->samples, ttf_sample_name(spec->format));
+    if (!sizes_of(spec, &row_bytes, &bytes)) {
+        ttf_err_set(err, -EINVAL, NULL, "no TIFF image can be %u x %u x %u %s", spec->width,
+                    spec->height, spec->samples, ttf_sample_name(spec->format));
+        return -EINVAL;
+    }
     writer = calloc(1, sizeof(*writer));
-    if (!writer)
-        return ttf_err_set(err, -ENOMEM, NULL, "no memory for a TIFF writer");
+    if (!writer) {
+        ttf_err_set(err, -ENOMEM, NULL, "no memory for a TIFF writer");
+        return -ENOMEM;
+    }
     writer->height = spec->height;
     writer->row_bytes = row_bytes;
     writer->strip_rows = row_bytes < STRIP_BYTES ? (uint32_t)(STRIP_BYTES / row_bytes) : 1;
@@ -121,8 +125,9 @@ int ttf_tiff_writer_open(struct ttf_io *io, int file, const struct ttf_tiff_spec
         writer->strip_rows = spec->height;
     writer->bytes = malloc(writer->strip_rows * row_bytes);
     if (!writer->bytes) {
-        r = ttf_err_set(err, -ENOMEM, NULL, "no memory for a strip of %zu bytes",
-                        writer->strip_rows * row_bytes);
+        r = -ENOMEM;
+        ttf_err_set(err, r, NULL, "no memory for a strip of %zu bytes",
+                    writer->strip_rows * row_bytes);
         goto err_free;
     }
     /* Beyond 4 GB only BigTIFF has offsets enough. */

@@ -32,7 +32,7 @@ static void remove_tree(const char *path)
     DIR *dir = opendir(path);
     const struct dirent *entry;
 
-    while (dir && (entry = readdir(dir))) {
+    while (dir && (entry = readdir(dir))) { /* NOLINT(concurrency-mt-unsafe): one thread */
         char child[512];
         struct stat st;
 
@@ -107,7 +107,8 @@ const char *scratch_real_data(void)
 {
     /* From the tree, a build folder in it, or a test's own folder in that. */
     static const char up[] = "../../../../../../shared/data";
-    const char *named = getenv("TTFBOX_TEST_DATA");
+    const char *named =
+        getenv("TTFBOX_TEST_DATA"); /* NOLINT(concurrency-mt-unsafe): nobody sets it */
 
     if (named)
         return access(named, R_OK) == 0 ? named : NULL;

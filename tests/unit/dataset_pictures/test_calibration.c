@@ -100,9 +100,9 @@ static void dark_frames_give_offsets_and_hot_pixels(void **state)
         assert_int_equal(calibration.hot[i].y * W + calibration.hot[i].x, hot_at[i]);
     for (unsigned i = W; i < 2 * W; i++) {
         if (i % W < W / 2)
-            left += calibration.dark_offset_16[i] / 16.0 / (W / 2);
+            left += calibration.dark_offset_16[i] / 16.0 / (W / 2.0);
         else
-            right += calibration.dark_offset_16[i] / 16.0 / (W / 2);
+            right += calibration.dark_offset_16[i] / 16.0 / (W / 2.0);
     }
     assert_float_equal(left, 0.0, 0.2);
     assert_float_equal(right, 2.5, 0.2);

@@ -142,6 +142,7 @@ static void the_same_picture_gives_the_same_bytes(void **state)
 
 static int complaints;
 
+static void on_complaint(const char *module, const char *fmt, va_list args) TTF_PRINTF(2, 0);
 static void on_complaint(const char *module, const char *fmt, va_list args)
 {
     complaints++;

@@ -193,7 +193,7 @@ static double expected(const struct foreign *f, unsigned x, unsigned y, unsigned
     if (f->photometric == PHOTOMETRIC_MINISWHITE)
         return 255 - code;
     if (f->bits < 8)
-        return code * 255 / ((1u << f->bits) - 1);
+        return (double)(unsigned)(code * 255 / ((1u << f->bits) - 1));
     return f->bits == 32 ? code >> 16 : code;
 }
 
