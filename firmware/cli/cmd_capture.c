@@ -108,8 +108,9 @@ static int look_at_output(struct capture *c)
     int r;
 
     (void)snprintf(path, sizeof path, "%s/dataset.json", cli->opt.output);
+    /* New, or cut off before it was born: the writer knows which, and refuses anything else. */
     if (cli->io->ops->stat(cli->io, path, &st) < 0)
-        return cli_refuse_existing(cli, cli->opt.output);
+        return 0;
     r = ttf_reader_open(cli->io, cli->opt.output, &reader, &cli->err);
     if (r < 0)
         return r;

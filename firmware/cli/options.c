@@ -40,7 +40,7 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
                      "computing threads (default: one per processor); never changes a result"},
     [OPT_SEED] = {"seed", 0, "N", CLI_SEED, O(seed), 0, 9.2e18,
                   "the seed of all chance; the same seed gives the same bits"},
-    [OPT_INTERVAL] = {"interval", 'i', "TIME", CLI_TIME, O(interval_ns), 1e6, 366e5 * 86400,
+    [OPT_INTERVAL] = {"interval", 'i', "TIME", CLI_TIME, O(interval_ns), 1e6, 366e9 * 86400,
                       "the time from frame to frame, as 10min"},
     [OPT_ORDER] = {"order", 0, "HOW", CLI_TEXT, O(order), 0, 0,
                    "natural (by name, default), given, exif-time or name-time"},

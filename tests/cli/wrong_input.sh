@@ -1,0 +1,131 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# What is wrong is refused with exit code 2, the place and what was meant; damaged
+# data with 3; nothing is overwritten.
+. "$(dirname "$0")/cli.bash"
+
+# ---- eight kinds of wrong plan: file:line, what was meant, exit 2 ----
+wrong_plan() { # WHERE WORDS LINES...
+    local where=$1 words=$2
+    shift 2
+    plan wrong.yaml "$@"
+    for command in "plan check" "capture -o never"; do
+        # shellcheck disable=SC2086
+        expect 2 "$TTFBOX" $command wrong.yaml
+        said err "wrong.yaml:$where"
+        said err "$words"
+    done
+    expect 2 "$TTFBOX" plan check wrong.yaml --json
+    is exit 2
+    json where | grep -q "wrong.yaml:$where" || fail "where in JSON"
+    [ -e never ] && fail "a wrong plan made a dataset"
+}
+wrong_plan 1:11 "write 10s" "interval: 10" "count: 5"
+wrong_plan 3:1 "did you mean 'interval'" "interval: 10min" "count: 5" "intervall: 3min"
+wrong_plan 1:11 "out of its range" "interval: -10min" "count: 5"
+wrong_plan 1:11 "'nan' is not a time" "interval: nan" "count: 5"
+wrong_plan 2:8 "far too large" "interval: 10min" "count: 123456789012345678901234567890"
+wrong_plan 1:1 "the file is empty" ""
+wrong_plan 2: "this is not YAML" "interval: 10min" " count: [5"
+plan wrong.yaml "interval: 10min" "count: 1008" "lamps: {mode: continuous}" \
+    "shots: [{exposure: 20ms, lamps: {left: 100%}}]"
+expect 2 "$TTFBOX" plan check wrong.yaml --set lamps.left.max_duty=10% --set lamps.left.duty_window=24h
+said err "wrong.yaml:"
+said err "'left'"
+said err "10.0 %"
+expect 2 "$TTFBOX" capture wrong.yaml -o never --set lamps.left.max_duty=10% --set lamps.left.duty_window=24h
+said err "wrong.yaml:"
+[ -e never ] && fail "a plan beyond a lamp's duty made a dataset"
+
+# ---- plans that no box or disk can hold, with the best there is ----
+plan fast.yaml "interval: 100ms" "count: 10" "shot: {exposure: 90ms, average: 4}"
+expect 2 "$TTFBOX" plan check fast.yaml
+said err "fast.yaml:1:11: interval"
+plan huge.yaml "interval: 10min" "count: 1000000" "keep: both" "reserve: 900TB"
+expect 2 "$TTFBOX" plan check huge.yaml -o here/later
+said err "huge.yaml:"
+
+# ---- options ----
+plan ok.yaml "interval: 10min" "count: 3"
+expect 2 "$TTFBOX" plan check
+expect 2 "$TTFBOX" plan check ok.yaml extra
+expect 2 "$TTFBOX" plan check nowhere.yaml
+said err "nowhere.yaml"
+expect 2 "$TTFBOX" plan check .
+expect 2 "$TTFBOX" plan check ok.yaml --board nonsense
+said err "nonsense: there is no such board"
+expect 2 "$TTFBOX" plan check ok.yaml --set sim.sed=5
+said err "did you mean 'seed'?"
+expect 2 "$TTFBOX" plan check ok.yaml --set sim.seed
+expect 2 "$TTFBOX" plan check ok.yaml --scene gras
+expect 2 "$TTFBOX" plan check ok.yaml --scene ./nowhere
+expect 2 "$TTFBOX" capture ok.yaml
+said err "-o: is missing"
+expect 2 "$TTFBOX" capture ok.yaml -o d --threads many
+said err "--threads"
+expect 2 "$TTFBOX" capture ok.yaml -o d --rehearse 0
+expect 2 "$TTFBOX" capture ok.yaml -o "bad name"
+expect 2 "$TTFBOX" calibrate dark
+expect 2 "$TTFBOX" calibrate flat "${TINY[@]}" -o cal
+said err "--scene white"
+expect 2 "$TTFBOX" calibrate report nowhere
+expect 2 "$TTFBOX" import -o d
+expect 2 "$TTFBOX" import nothing.png -o d --interval 1min
+expect 2 "$TTFBOX" import ok.yaml -o d --interval 1min
+expect 2 "$TTFBOX" info nowhere
+expect 2 "$TTFBOX" info .
+expect 2 "$TTFBOX" verify nowhere
+expect 2 "$TTFBOX" export nowhere -o x.mp4
+expect 2 "$TTFBOX" synth quilt nowhere -o q
+expect 2 "$TTFBOX" develop nowhere -o q
+
+# ---- with a dataset at hand ----
+expect 0 "$TTFBOX" capture ok.yaml "${TINY[@]}" -o d
+expect 2 "$TTFBOX" export d -o x.xyz
+said err "--to"
+expect 2 "$TTFBOX" export d -o x --to mpeg
+expect 2 "$TTFBOX" export d -o x.mp4 --gaps fill
+expect 2 "$TTFBOX" export d -o x.png --stream other
+expect 2 "$TTFBOX" synth quilt d -o q --block 640x480
+expect 2 "$TTFBOX" synth quilt d -o q --size 0x5
+expect 2 "$TTFBOX" synth quilt d -o q --metric odd
+expect 2 "$TTFBOX" synth quilt d -o q --sink tape
+expect 2 "$TTFBOX" synth quilt d -o q --compress lzma
+expect 2 "$TTFBOX" synth quilt d -o q --sink raw --check
+[ -e q ] && fail "a refused synthesis left something"
+
+# ---- nothing is overwritten ----
+mkdir full && echo mine >full/file && echo mine >file
+for there in full file; do
+    expect 2 "$TTFBOX" capture ok.yaml "${TINY[@]}" -o $there
+    said err "is there already"
+    expect 2 "$TTFBOX" synth quilt d --block 16x16 -o $there
+    said err "exists already"
+    expect 2 "$TTFBOX" develop d -o $there
+    expect 2 "$TTFBOX" calibrate dark "${TINY[@]}" -o $there
+    expect 2 "$TTFBOX" export d --to png -o $there
+done
+[ "$(cat full/file file)" = "$(printf 'mine\nmine')" ] || fail "something was overwritten"
+expect 0 "$TTFBOX" synth quilt d --block 16x16 --size 64x64 -o q
+expect 2 "$TTFBOX" capture ok.yaml "${TINY[@]}" -o q
+said err "no capture"
+
+# ---- damage is named by file and slot, exit 3 ----
+cp -r d hurt
+frame=$(cd hurt && ls frames/main/000001*.tif)
+printf 'X' | dd of="hurt/$frame" bs=1 seek=2000 conv=notrunc 2>/dev/null
+expect 3 "$TTFBOX" verify hurt
+said out "DAMAGED"
+said out "$frame, slot 1"
+expect 3 "$TTFBOX" verify hurt --json
+is damaged true
+is findings.0.slot 1
+rm "hurt/$frame"
+expect 3 "$TTFBOX" verify hurt
+said out "$frame"
+cp -r d torn
+sed -i '0,/"captured"/s//"captureD"/' torn/records.jsonl
+expect 3 "$TTFBOX" verify torn
+expect 3 "$TTFBOX" info torn
+expect 3 "$TTFBOX" capture ok.yaml "${TINY[@]}" -o torn
+echo "wrong input: all refused, nothing overwritten"
