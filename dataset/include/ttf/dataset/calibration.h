@@ -5,7 +5,7 @@
  *
  * A calibration folder (calibration/ID/ in a dataset, or by itself):
  * calibration.json, and dark.tif, flat.tif where they exist. The format is in
- * FORMAT.md.
+ * CALIBRATION.md.
  */
 #ifndef TTF_DATASET_CALIBRATION_H
 #define TTF_DATASET_CALIBRATION_H

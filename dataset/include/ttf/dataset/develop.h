@@ -2,10 +2,11 @@
 /*
  * develop.h: from raw frames to calibrated linear light.
  *
- * raw mean -> black and dark -> hot pixels -> flat field -> demosaic -> colour
- * matrix -> exposure normalisation -> crop -> codes (pedestal, headroom).
- * By strips, no libm, no contraction: the same bits on every machine and for any
- * number of threads. RAW16 Bayer or grey frames; RGB8/YUYV8/GREY8 are taken as sRGB-encoded.
+ * raw mean -> black and dark -> flat field, exposure normalisation -> hot pixels ->
+ * demosaic -> colour matrix -> crop -> codes (pedestal, headroom). PICTURES.md has
+ * the equations. By strips, no libm, no contraction: the same bits on every machine
+ * and for any number of threads. RAW16 Bayer or grey frames; RGB8/YUYV8/GREY8 are
+ * taken as sRGB-encoded.
  */
 #ifndef TTF_DATASET_DEVELOP_H
 #define TTF_DATASET_DEVELOP_H
@@ -40,7 +41,7 @@ struct ttf_develop_config {
 struct ttf_image_figures {
     double mean_level; /* of value, mean over R, G, B */
     double sharpness;  /* mean squared gradient of green over its squared mean */
-    double saturated;  /* share of raw samples at or above white_level */
+    double saturated;  /* share of raw samples whose mean is at or above white_level */
 };
 
 /* -EINVAL (region outside, calibration of another camera or size), -ENOMEM. */
@@ -54,7 +55,9 @@ uint32_t ttf_develop_height(const struct ttf_develop *develop);
 /*
  * Develops into *dst (u16, 3 samples, of the developer's size). Exposure is
  * normalised by raw->settings against the calibration's flat, so that value 1 is
- * a perfect diffuser whatever the exposure. pool may be NULL. ret_figures may be NULL.
+ * a perfect diffuser whatever the exposure. Without a flat, value 1 is full scale
+ * (white_level) and exposures are not normalised. A frame whose levels are the
+ * calibration's times a power of two (a DNG of an average) fits it as well. pool may be NULL. ret_figures may be NULL.
  */
 TTF_MUST_USE int ttf_develop_run(struct ttf_develop *develop, const struct ttf_raw_sum *raw,
                                  struct ttf_pool *pool, struct ttf_pixbuf *dst,

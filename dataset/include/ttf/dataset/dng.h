@@ -30,7 +30,9 @@ TTF_MUST_USE int ttf_dng_write(const struct ttf_raw_sum *raw, const struct ttf_d
                                struct ttf_io *io, int file, struct ttf_err *err);
 
 /*
- * Reads a CFA DNG (ours, or another's: 8..16 bits, uncompressed or lossless JPEG) as a sum of one frame.
+ * Reads a CFA DNG (ours, or another's: 8..16 bits, uncompressed or lossless JPEG) as a sum of one frame:
+ * its active area, linearized, of one black level. settings are exact from our files, else what EXIF tells.
+ * A sensor without a mosaic (LinearRaw of one sample) is read as well. ret_info may be NULL.
  * *ret is initialised by this and to be freed. -ENOTSUP for what is no CFA
  * image, -TTF_EDAMAGED for a broken file.
  */

@@ -32,7 +32,7 @@ struct ttf_pixbuf {
     bool owned;
 };
 
-/* Zeroed pixels. -EINVAL for a zero or absurd size, -ENOMEM. */
+/* Zeroed pixels, rows tightly packed. -EINVAL for a zero or absurd size (a side beyond 2^20) or F16, -ENOMEM. */
 TTF_MUST_USE int ttf_pixbuf_alloc(struct ttf_pixbuf *ret, uint32_t width, uint32_t height,
                                   uint32_t samples, enum ttf_sample format);
 
