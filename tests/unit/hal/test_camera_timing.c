@@ -66,12 +66,13 @@ static void a_steered_middle_is_met_within_half_a_line_whenever_it_is_asked_for(
 
 static void where_a_steered_frame_falls_depends_only_on_where_it_was_wanted(void **state)
 {
-    int64_t first = camera_timing_first_ns(&steerable, 0, 0, 10 * MS, 60 * S);
+    int64_t first = camera_timing_first_ns(&steerable, 0, 0, 10 * MS, 60 * S + 12345);
 
     (void)state;
+    assert_true(first % steerable.line_ns == 0);
     for (int64_t k = 1; k < 1000; k++)
-        assert_true(camera_timing_first_ns(&steerable, k * 31337, k * 50 * MS, 10 * MS, 60 * S) ==
-                    first);
+        assert_true(camera_timing_first_ns(&steerable, k * 31337, k * 50 * MS, 10 * MS,
+                                           60 * S + 12345) == first);
 }
 
 static void without_steering_the_nearest_frame_is_taken(void **state)

@@ -21,7 +21,7 @@
 #define S         TTF_NS_PER_S
 #define MS        TTF_NS_PER_MS
 #define STRETCHES 4096
-#define EVENTS    700
+#define EVENTS    900
 #define SCHEDULES 150
 #define LAMPS     2
 
@@ -34,6 +34,7 @@ struct judge {
     uint64_t random;
     int64_t now;
     int64_t renewed, temp_at, open_since; /* what the judge itself did; TTF_NS_NEVER: not */
+    bool busy;                            /* a client that does nothing but switch */
     bool leased, hot, open;
     int32_t temp;
     unsigned n[LAMPS];
@@ -133,7 +134,7 @@ static void event(struct judge *j)
 {
     unsigned i = (unsigned)rnd(j, j->g.n);
 
-    switch (rnd(j, 12)) {
+    switch (j->busy ? rnd(j, 30) * 6 : rnd(j, 12)) {
     case 0:
         if (ttf_guardian_acquire(&j->g, j->now) == 0) {
             j->leased = true;
@@ -161,7 +162,7 @@ static void event(struct judge *j)
         (void)ttf_guardian_clear(&j->g, j->now, i);
         break;
     default:
-        (void)ttf_guardian_set(&j->g, j->now, i, (unsigned)(rnd(j, 3) * 500));
+        (void)ttf_guardian_set(&j->g, j->now, i, (unsigned)(rnd(j, j->busy ? 2 : 3) * 500));
         break;
     }
     if (ttf_guardian_renew(&j->g, j->now) == 0)
@@ -173,7 +174,7 @@ static void event(struct judge *j)
 static void no_schedule_of_events_leaves_a_lamp_on_beyond_any_limit(void **state)
 {
     struct judge *j = malloc(sizeof(*j));
-    unsigned lit = 0, trips[TTF_TRIP_COUNT] = {0};
+    unsigned lit = 0, full = 0, trips[TTF_TRIP_COUNT] = {0};
 
     (void)state;
     assert_non_null(j);
@@ -181,11 +182,16 @@ static void no_schedule_of_events_leaves_a_lamp_on_beyond_any_limit(void **state
         struct ttf_lamp_info info[2] = {{.kind = TTF_LAMP_PWM}, {.kind = TTF_LAMP_PWM}};
 
         memset(j, 0, sizeof(*j));
+        j->busy = seed % 2;
         j->random = seed * UINT64_C(0x9e3779b97f4a7c15);
         for (int i = 0; i < 2; i++) {
+            /* Every other schedule knows only duty: busy lamps, more stretches than are kept. */
+            info[i].max_duty_permille = 300 + (unsigned)rnd(j, 600);
+            info[i].duty_window_ns = (int64_t)(rnd(j, 300) + 1) * S;
+            if (j->busy)
+                continue;
             info[i].max_on_ns = rnd(j, 3) ? (int64_t)(rnd(j, 20) + 1) * S : 0;
             info[i].max_duty_permille = rnd(j, 4) ? (unsigned)rnd(j, 900) + 1 : TTF_LAMP_FULL;
-            info[i].duty_window_ns = (int64_t)(rnd(j, 120) + 1) * S;
             info[i].max_temp_mdegc = rnd(j, 2) ? 50000 : 0;
             info[i].hysteresis_mdegc = 2000;
             info[i].interlock_door = rnd(j, 2);
@@ -195,10 +201,12 @@ static void no_schedule_of_events_leaves_a_lamp_on_beyond_any_limit(void **state
         ttf_guardian_init(&j->g, info, 2, j->now);
         for (int e = 0; e < EVENTS; e++) {
             /* Mostly quick, so that the lease holds; now and then a hang. */
-            pass(j, j->now + (int64_t)rnd(j, rnd(j, 40) ? 390 : 30000) * MS + (int64_t)rnd(j, MS));
+            pass(j, j->now + (int64_t)rnd(j, j->busy || rnd(j, 40) ? 390 : 30000) * MS +
+                        (int64_t)rnd(j, MS));
             event(j);
             for (unsigned i = 0; i < 2; i++)
                 trips[j->g.lamp[i].trip]++;
+            full += j->g.lamp[0].n_spans == TTF_GUARDIAN_SPANS;
         }
         for (unsigned i = 0; i < 2; i++) {
             check_log(j, i);
@@ -206,8 +214,9 @@ static void no_schedule_of_events_leaves_a_lamp_on_beyond_any_limit(void **state
         }
     }
     free(j);
-    /* The schedules were not idle: lamps burned, and every limit struck. */
+    /* The schedules were not idle: lamps burned, every limit struck, the account was full. */
     assert_true(lit > 1000);
+    assert_true(full > 100);
     for (int trip = 1; trip < TTF_TRIP_COUNT; trip++)
         assert_true(trips[trip] > 0);
 }

@@ -92,7 +92,7 @@ static void *work(void *arg)
     return NULL;
 }
 
-static void run_workers(char *log, size_t size)
+static void run_workers(char *log, size_t size, const int64_t step_ns[3], int rounds)
 {
     struct ttf_clock *clock = make();
     pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
@@ -107,28 +107,39 @@ static void run_workers(char *log, size_t size)
                                .log = log,
                                .n = &n,
                                .name = (char)('a' + i),
-                               .step_ns = (2 + i) * MS,
-                               .rounds = 60};
+                               .step_ns = step_ns[i],
+                               .rounds = rounds};
         ttf_clock_join_for(clock);
     }
     for (int i = 0; i < 3; i++)
         assert_int_equal(pthread_create(&threads[i], NULL, work, &w[i]), 0);
     for (int i = 0; i < 3; i++)
         pthread_join(threads[i], NULL);
-    assert_int_equal(n, 180);
+    assert_int_equal(n, 3 * rounds);
     ttf_clock_destroy(clock);
 }
 
 static void threads_take_their_turns_in_the_same_order_every_time(void **state)
 {
+    const int64_t steps[3] = {2 * MS, 3 * MS, 4 * MS};
     char first[256], again[256];
 
     (void)state;
-    run_workers(first, sizeof(first));
+    run_workers(first, sizeof(first), steps, 60);
     for (int i = 0; i < 20; i++) {
-        run_workers(again, sizeof(again));
+        run_workers(again, sizeof(again), steps, 60);
         assert_string_equal(first, again);
     }
+}
+
+static void among_equal_deadlines_whoever_asked_first_comes_first(void **state)
+{
+    const int64_t steps[3] = {MS, MS, MS};
+    char log[256];
+
+    (void)state;
+    run_workers(log, sizeof(log), steps, 3);
+    assert_string_equal(log, "abcabcabc");
 }
 
 static void *wait_at_gate(void *arg)
@@ -228,6 +239,7 @@ int main(void)
         cmocka_unit_test(a_week_passes_at_once_and_to_the_nanosecond),
         cmocka_unit_test(work_costs_what_the_board_says),
         cmocka_unit_test(threads_take_their_turns_in_the_same_order_every_time),
+        cmocka_unit_test(among_equal_deadlines_whoever_asked_first_comes_first),
         cmocka_unit_test(a_thread_let_through_a_gate_runs_before_time_goes_on),
         cmocka_unit_test(time_stands_still_while_a_joined_thread_works),
         cmocka_unit_test(an_opening_at_the_deadline_itself_is_not_lost),

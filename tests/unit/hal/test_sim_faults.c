@@ -95,6 +95,7 @@ static void a_missing_frame_is_skipped_and_the_next_says_that_there_was_a_gap(vo
     assert_int_equal(frame->set_index, 2);
     assert_false(frame->flags & TTF_FRAME_SEQUENCE_GAP);
     ttf_camera_release(camera, frame);
+    assert_int_equal(ttf_camera_submit(camera, &set, NULL), 0); /* the set is over */
     ttf_box_destroy(&box);
 }
 
