@@ -59,6 +59,7 @@ void ttf_verify_find(struct ttf_verify_run *run, enum ttf_severity severity, int
     finding = place(run, severity);
     if (!finding)
         return;
+    memset(finding, 0, sizeof(*finding)); /* equal findings are equal bytes */
     finding->severity = severity;
     finding->slot = slot;
     ttf_text_cut(finding->file, sizeof(finding->file), file);
