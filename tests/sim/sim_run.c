@@ -12,7 +12,7 @@
 
 #include "ttf/dataset/verify.h"
 
-void sim_run_init(struct sim_run *run)
+void sim_run_plain(struct sim_run *run)
 {
     struct ttf_plan_shot *shot = &run->plan.shots[0];
 
@@ -32,6 +32,11 @@ void sim_run_init(struct sim_run *run)
     strcpy(shot->levels[0].lamp, "left");
     shot->levels[0].permille = 1000;
     run->plan.reserve_bytes = 0;
+}
+
+void sim_run_init(struct sim_run *run)
+{
+    sim_run_plain(run);
     strcpy(run->folder, "/tmp/ttf-sim-XXXXXX");
     assert_non_null(mkdtemp(run->folder));
     snprintf(run->path, sizeof(run->path), "%s/dataset", run->folder);
@@ -102,6 +107,8 @@ int sim_run_boot(struct sim_run *run)
     run->ended_ns = ttf_sim_elapsed_ns(&box, ttf_clock_now_ns(box.clock));
     run->back_ns = ttf_sim_back_ns(&box);
     run->bites = ttf_sim_watchdog_bites(&box);
+    if (run->at_end)
+        run->at_end(run);
     run->box = NULL;
     ttf_box_destroy(&box);
     ttf_io_faulty_destroy(io);
@@ -249,7 +256,7 @@ void sim_run_expect_whole(const struct sim_run *run, bool sealed)
     struct ttf_err err = {0};
 
     assert_int_equal(ttf_verify(ttf_io_posix(), run->path, &options, &report, &err), 0);
-    for (unsigned i = 0; i < report.n_findings; i++)
+    for (unsigned i = 0; report.damaged && i < report.n_findings; i++)
         print_message("verify: %s: %s: %s\n", ttf_severity_name(report.findings[i].severity),
                       report.findings[i].file, report.findings[i].text);
     assert_false(report.damaged);

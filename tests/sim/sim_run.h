@@ -21,6 +21,7 @@ struct sim_run {
     const char *calibration; /* folder; NULL: none */
     int64_t rehearse;
     void (*on_progress)(struct sim_run *run, const struct ttf_progress *progress);
+    void (*at_end)(struct sim_run *run); /* after the session, before its box is gone */
     /* of all boots */
     char folder[64]; /* temporary; the dataset is in it */
     char path[96];
@@ -41,6 +42,9 @@ struct sim_run {
  * every minute, six slots. Makes the folder.
  */
 void sim_run_init(struct sim_run *run);
+
+/* The same without a folder: set run->path. */
+void sim_run_plain(struct sim_run *run);
 
 /* One boot of the box: makes it, runs the session, destroys it. run->code is the session's. */
 int sim_run_boot(struct sim_run *run);
