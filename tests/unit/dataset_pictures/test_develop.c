@@ -15,6 +15,7 @@
 #include "scratch.h"
 #include "ttf/dataset/develop.h"
 #include "ttf/dataset/dng.h"
+#include "ttf/dataset/hash.h"
 
 #define W     97
 #define H     71
@@ -498,6 +499,57 @@ static void wrong_configurations_are_refused(void **state)
     ttf_calibration_free(&calibration);
 }
 
+/* A frame that needs every step, and the checksum that every compiler and machine must come to. */
+static void the_bits_are_those_of_every_machine(void **state)
+{
+    static const struct ttf_hot_pixel hot[] = {{3, 3}, {5, 3}, {40, 20}};
+    struct ttf_calibration calibration;
+    struct ttf_develop_config config = {
+        .format = bayer(W, H, TTF_CFA_GRBG), .calibration = &calibration, .encoding = encoding};
+    struct ttf_pixbuf out;
+    struct ttf_raw_sum raw;
+    uint32_t seed = 2024;
+
+    ttf_calibration_init(&calibration);
+    calibration.width = W;
+    calibration.height = H;
+    calibration.cfa = TTF_CFA_GRBG;
+    calibration.black_level = BLACK;
+    calibration.white_level = WHITE;
+    calibration.has_dark = calibration.has_flat = true;
+    calibration.dark_offset_16 = calloc(W * H, sizeof(int32_t));
+    calibration.flat_gain = calloc(W * H, sizeof(uint16_t));
+    calibration.hot = calloc(3, sizeof(hot[0]));
+    assert_true(calibration.dark_offset_16 && calibration.flat_gain && calibration.hot);
+    memcpy(calibration.hot, hot, sizeof(hot));
+    calibration.n_hot = 3;
+    calibration.flat_settings = settings;
+    calibration.flat_level = 2345.678;
+    for (int i = 0; i < 9; i++)
+        calibration.colour_matrix[i] = (i % 4 == 0 ? 1.3 : -0.15) + i * 0.01;
+    assert_int_equal(ttf_raw_sum_init(&raw, &config.format), 0);
+    raw.n = 3;
+    raw.settings = settings;
+    raw.settings.exposure_ns = 7654321;
+    for (unsigned i = 0; i < W * H; i++) {
+        raw.sum[i] = scratch_random(&seed) % (3 * 4096);
+        calibration.dark_offset_16[i] = (int32_t)(scratch_random(&seed) % 100) - 50;
+        calibration.flat_gain[i] = (uint16_t)(8192 + scratch_random(&seed) % 40000);
+    }
+    develop_all(&config, &raw, 2, &out, NULL);
+    for (unsigned i = 0; i < W * H * 3; i++) { /* little-endian, as in a file */
+        uint16_t code = ((uint16_t *)out.data)[i];
+        uint8_t *bytes = (uint8_t *)out.data + 2 * (size_t)i;
+
+        bytes[0] = (uint8_t)code;
+        bytes[1] = (uint8_t)(code >> 8);
+    }
+    assert_int_equal(ttf_crc32(0, out.data, (size_t)W * H * 6), 0x90f13623);
+    ttf_calibration_free(&calibration);
+    ttf_pixbuf_free(&out);
+    ttf_raw_sum_free(&raw);
+}
+
 /* A raw file that is developed later gives what was developed at once; of an average to half a 16-bit code. */
 static void a_dng_develops_to_the_same_picture(void **state)
 {
@@ -542,6 +594,7 @@ int main(void)
         cmocka_unit_test(finished_pictures_are_taken_as_srgb),
         cmocka_unit_test(a_sharper_picture_has_more_sharpness),
         cmocka_unit_test(wrong_configurations_are_refused),
+        cmocka_unit_test(the_bits_are_those_of_every_machine),
         cmocka_unit_test_setup_teardown(a_dng_develops_to_the_same_picture, scratch_make,
                                         scratch_remove),
     };
