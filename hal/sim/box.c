@@ -194,7 +194,7 @@ bool ttf_sim_storage_fault(const struct ttf_box *box, enum ttf_fault_kind kind)
     if (!sim || (kind != TTF_FAULT_DISK_FULL && kind != TTF_FAULT_IO_ERROR))
         return false;
     if (sim_world_enter(sim) < 0)
-        return true; /* no power, no disk */
+        return kind == TTF_FAULT_IO_ERROR; /* no power, no disk */
     fails = sim_fault_on_storage(&sim->faults, kind, sim_box_elapsed(sim, sim->world_ns));
     sim_world_leave(sim);
     return fails;

@@ -268,6 +268,22 @@ static int check_watched(const struct ttf_sim_config *c, unsigned i, struct ttf_
     return -EINVAL;
 }
 
+/* Whether it is in force is found by looking back over the minutes that it lasts: a day at most. */
+static bool lasting_at_random(const struct ttf_fault *fault)
+{
+    switch (fault->kind) {
+    case TTF_FAULT_CAMERA_HANG:
+    case TTF_FAULT_LAMP_DEAD:
+    case TTF_FAULT_LAMP_FADING:
+    case TTF_FAULT_LAMP_STUCK:
+    case TTF_FAULT_SENSOR_GONE:
+    case TTF_FAULT_DOOR_OPEN:
+        return fault->rate_per_million > 0;
+    default:
+        return false;
+    }
+}
+
 static int check_fault(const struct ttf_sim_config *c, unsigned i, struct ttf_err *err)
 {
     const struct ttf_fault *fault = &c->faults[i];
@@ -281,7 +297,8 @@ static int check_fault(const struct ttf_sim_config *c, unsigned i, struct ttf_er
     const struct range ranges[] = {
         {"kind", (double)fault->kind, 0, TTF_FAULT_KIND_COUNT - 1},
         {"at_ns", (double)fault->at_ns, cut ? 1 : 0, DAYS(36500)},
-        {"duration_ns", (double)fault->duration_ns, 0, DAYS(366)},
+        {"duration_ns", (double)fault->duration_ns, 0,
+         lasting_at_random(fault) ? DAYS(1) : DAYS(366)},
         {"rate_per_million", fault->rate_per_million, 0, 1e6},
         {"amount", (double)fault->amount,
          step                                      ? -4e9

@@ -214,10 +214,13 @@ bool sim_fault_on_frame(struct sim_faults *f, enum ttf_fault_kind kind, int64_t 
 
 bool sim_fault_on_sensor(struct sim_faults *f, unsigned sensor, int64_t t)
 {
-    for (unsigned i = 0; i < f->n; i++)
-        if (f->fault[i].kind == TTF_FAULT_SENSOR_GONE && f->target[i] == sensor &&
-            strikes(f, i, t, (uint64_t)t))
+    for (unsigned i = 0; i < f->n; i++) {
+        if (f->fault[i].kind != TTF_FAULT_SENSOR_GONE || f->target[i] != sensor)
+            continue;
+        /* At random it is gone for whole minutes: for this reader as for the guardian. */
+        if (f->fault[i].rate_per_million > 0 ? sim_fault_active(f, i, t) : strikes(f, i, t, 0))
             return true;
+    }
     return false;
 }
 

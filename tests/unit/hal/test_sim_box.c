@@ -73,7 +73,7 @@ static void two_boxes_of_one_seed_give_the_same_bits_whatever_was_asked_between(
 static void a_resumed_box_gives_the_bits_that_it_would_have_given(void **state)
 {
     struct ttf_sim_config c = lively();
-    const int64_t resumed_ns = 5000 * S + 12345, at = 20000 * S;
+    const int64_t resumed_ns = 5000 * S + 12345, at = 40000 * S;
     struct ttf_box whole = sim_box(&c), later;
     uint16_t x[CODES], y[CODES];
 

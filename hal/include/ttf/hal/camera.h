@@ -41,10 +41,12 @@ struct ttf_camera_caps {
      */
     int64_t timing_bound_ns;
     int64_t frame_period_ns; /* of the free-running sensor at the shortest exposures */
-    unsigned
-        lead_frames; /* frames of control delay: a set must be submitted this many periods ahead */
-    int64_t
-        lead_ns; /* the same as a duration: submit at least this long before the middle wanted */
+    unsigned lead_frames;    /* control delay, in frames: settings take effect so many later */
+    /*
+     * Submit at least this long before the middle wanted; for exposures longer
+     * than a frame period, half the exposure more.
+     */
+    int64_t lead_ns;
     unsigned buffers; /* frames that may be held at once, >= 2 */
     bool simulated;
 };

@@ -80,8 +80,11 @@ int ttf_fault_find(const char *name);
 
 /*
  * When a fault strikes. Either at given times (rate_per_million == 0): from at_ns
- * for duration_ns (0: one frame, one operation, one instant); or at random with
- * rate_per_million of opportunities (frames, operations), drawn from the seed.
+ * for duration_ns (0: one frame, one operation, one instant, or as long as
+ * hal/sim/README.md says of the kind); or at random with rate_per_million of
+ * opportunities, drawn from the seed: of frames and operations (from at_ns on, for
+ * duration_ns, 0: to the end), or, for states that last (lamps, sensors, door, hang), of
+ * whole minutes, each time for duration_ns (at most a day; 0: a minute).
  */
 struct ttf_fault {
     enum ttf_fault_kind kind;
@@ -122,9 +125,10 @@ struct ttf_sim_config {
     int64_t start_utc_ns; /* UTC of the first power-on */
     int64_t
         power_on_ns; /* since the first power-on, when this boot began (resume after a cut); 0 = first boot */
-    int64_t outage_ns;                       /* sim.outage: how long a cut or a kill lasts */
-    bool rtc;                                /* UTC is kept over a cut */
-    int64_t utc_back_ns; /* without rtc: so long after a later power-on UTC is given again (NTP); 0 = never */
+    int64_t outage_ns; /* sim.outage: how long a cut or a kill lasts */
+    bool rtc;          /* UTC is kept over a cut */
+    int64_t
+        utc_back_ns; /* without rtc: so long after a later power-on UTC is given again (NTP); 0 = never */
     int64_t cost_develop_ns, cost_commit_ns; /* sim.cost: virtual time that work takes */
     /* light */
     unsigned n_lamps;
@@ -201,7 +205,10 @@ TTF_MUST_USE int ttf_sim_truth(const struct ttf_box *box, int64_t middle_ns, uin
 /* The four corners (x, y in frame pixels: top left, top right, bottom right, bottom left) the sample has in the frame. */
 TTF_MUST_USE int ttf_sim_corners(const struct ttf_box *box, double ret_xy[4][2]);
 
-/* True if a storage fault of this kind (disk-full, io-error) is in force now. Any thread. */
+/*
+ * True if a storage operation now fails in this way (disk-full, io-error); without
+ * power, io-error always. Each question counts as one operation. Any thread.
+ */
 bool ttf_sim_storage_fault(const struct ttf_box *box, enum ttf_fault_kind kind);
 
 /* Since the first power-on: the time of this instant of the boot clock; and, after a cut, when the box is back. */
