@@ -124,7 +124,7 @@ struct ttf_io *box_disk_create(struct ttf_io *machine, const struct ttf_box *box
 {
     if (!box->simulated)
         return machine;
-    return ttf_io_faulty_create(machine, disk_fault, (void *)(uintptr_t)box);
+    return ttf_io_faulty_create(machine, disk_fault, (void *)box);
 }
 
 void box_disk_destroy(struct ttf_io *disk, struct ttf_io *machine)

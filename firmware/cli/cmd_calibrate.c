@@ -110,7 +110,7 @@ static int simulated_reflectance(struct cli *cli, const struct guided *g, double
         ttf_err_hint(&cli->err, "say --scene white");
         return -EINVAL;
     }
-    *ret = sum / TTF_COUNT_OF(rgb);
+    *ret = sum / (3.0 * TRUTH_SIDE * TRUTH_SIDE);
     return 0;
 }
 

@@ -34,12 +34,14 @@ static error_t take(int key, char *value, struct argp_state *state)
     }
     if (key == ARGP_KEY_END) {
         if (parse->n_args < command->min_args)
-            argp_error(state, "%s is missing", command->args);
+            argp_error(state, "%s is missing", command->args); /* NOLINT(concurrency-mt-unsafe) */
         if (parse->n_args > command->max_args)
+            /* NOLINTNEXTLINE(concurrency-mt-unsafe): one thread runs yet */
             argp_error(state, "'%s' is one too many", parse->args[command->max_args]);
         return 0;
     }
     if (key == 'h') {
+        /* NOLINTNEXTLINE(concurrency-mt-unsafe): one thread runs yet */
         argp_state_help(state, stdout, ARGP_HELP_STD_HELP);
         return 0;
     }
@@ -97,6 +99,7 @@ static int parse_options(struct cli *cli, int argc, char **argv)
     argp.args_doc = c->args;
     argp.doc = parse->doc;
     cli_options_defaults(&cli->opt);
+    /* NOLINTNEXTLINE(concurrency-mt-unsafe): one thread runs yet */
     r = argp_parse(&argp, argc, argv, 0, NULL, parse);
     cli->opt.args = parse->args;
     cli->opt.n_args = parse->n_args;

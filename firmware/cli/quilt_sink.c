@@ -170,7 +170,7 @@ static int produce(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
                                       .samples = 3,
                                       .format = TTF_SAMPLE_U16,
                                       .stride = (size_t)p->sink->config->width * 6,
-                                      .data = (void *)(uintptr_t)p->codes};
+                                      .data = (void *)p->codes};
     const struct ttf_tiff_spec spec = {.compression = p->sink->compression,
                                        .icc = TTF_ICC_LINEAR,
                                        .times = {.start_utc_ns = TTF_NS_UNKNOWN},

@@ -17,6 +17,7 @@ void cli_say(const struct cli *cli, const char *fmt, ...)
     if (cli->opt.json)
         return;
     va_start(args, fmt);
+    /* NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): it is begun above */
     (void)vprintf(fmt, args);
     va_end(args);
     (void)putchar('\n');
@@ -27,6 +28,7 @@ void cli_warn(const char *fmt, ...)
     va_list args;
 
     va_start(args, fmt);
+    /* NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): it is begun above */
     (void)vfprintf(stderr, fmt, args);
     va_end(args);
     (void)fputc('\n', stderr);

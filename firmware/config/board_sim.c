@@ -119,7 +119,7 @@ static int read_lamps(const struct cfg_field *field, struct yaml_node *node, voi
 
         c->used = true;
         for (n = 0; n < sim->n_lamps; n++)
-            if (strcmp(names[n], c->key) == 0)
+            if (c->key && strcmp(sim->lamps[n].info.name, c->key) == 0)
                 break;
         if (n == sim->n_lamps) {
             const char *near = cfg_nearest(c->key, names);

@@ -16,6 +16,7 @@ static int set_error(const struct yaml_node *node, bool at_key, struct ttf_err *
 
     snprintf(where, sizeof where, "%.200s:%u:%u", node->file, at_key ? node->key_line : node->line,
              at_key ? node->key_col : node->col);
+    /* NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): its callers began it */
     vsnprintf(text, sizeof text, fmt, args);
     yaml_path(node, path, sizeof path);
     ttf_err_set(err, -EINVAL, where, "%s%s%s", path, *path ? ": " : "", text);

@@ -277,7 +277,7 @@ static int read_text(const struct cfg_field *field, struct yaml_node *node, char
         if ((unsigned char)*p < 0x20)
             return cfg_error(node, err, field->meant, "holds a control character");
     memset(at, 0, size);
-    memcpy(at, text, strlen(text));
+    (void)snprintf(at, size, "%s", text);
     return 0;
 }
 

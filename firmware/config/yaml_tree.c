@@ -88,6 +88,8 @@ static int add_node(struct builder *b, enum yaml_kind kind, const yaml_event_t *
     if (++b->nodes > YAML_NODES_MAX)
         return fail(b, line, col, "more values than any plan or board has", "",
                     "20,000 at most are read");
+    if (!b->open && b->root)
+        return fail(b, line, col, "a second value", "", "one file holds one");
     struct yaml_node *node = calloc(1, sizeof *node);
 
     if (!node)
@@ -140,7 +142,7 @@ static int take_event(struct builder *b, const yaml_event_t *event)
     case YAML_MAPPING_END_EVENT:
     case YAML_SEQUENCE_END_EVENT:
         b->depth--;
-        b->open = b->open->parent;
+        b->open = b->open ? b->open->parent : NULL;
         return 0;
     default:
         return 0;
@@ -165,6 +167,12 @@ static int malformed(const struct builder *b, const yaml_parser_t *parser)
     }
     return fail(b, line, col, "this is not YAML: ", what,
                 "write 'key: value' lines, indented by spaces, lists as '- value'");
+}
+
+/* Nothing, or nothing but a null. */
+static bool is_empty(const struct yaml_node *root)
+{
+    return !root || (root->kind == YAML_SCALAR && !root->quoted && (!root->text || !*root->text));
 }
 
 int yaml_tree_parse(const char *name, const char *meant, const char *text, size_t bytes,
@@ -195,7 +203,7 @@ int yaml_tree_parse(const char *name, const char *meant, const char *text, size_
     }
     yaml_parser_delete(&parser);
     free(b.key);
-    if (r == 0 && (!b.root || (b.root->kind == YAML_SCALAR && !b.root->quoted && !*b.root->text)))
+    if (r == 0 && is_empty(b.root))
         r = fail(&b, 1, 1, "the file is empty", "", meant);
     tree.root = b.root;
     if (r < 0) {
@@ -373,7 +381,7 @@ static void move_value(struct yaml_node *at, struct yaml_node *from)
 
 int yaml_tree_set(struct yaml_tree *tree, const char *path, const char *text, struct ttf_err *err)
 {
-    struct yaml_tree value;
+    struct yaml_tree value = {0};
     struct yaml_node *at = tree->root;
     char name[96], where[200];
     int r;
@@ -401,7 +409,8 @@ int yaml_tree_set(struct yaml_tree *tree, const char *path, const char *text, st
         }
         p += n + (p[n] == '.');
     }
-    move_value(at, value.root);
+    if (value.root)
+        move_value(at, value.root);
     tree->set_names[tree->n_sets++] = value.name; /* the moved nodes' file */
     value.name = NULL;
 out:

@@ -23,14 +23,14 @@ commands=$("$TTFBOX" --help | sed -n 's/^  \([a-z]\+\( [a-z]\+\)\?\)  .*/\1/p' |
 [ "$(wc -l <<<"$commands")" -ge 13 ] || fail "not all commands are listed: $commands"
 
 while read -r command; do
-    # shellcheck disable=SC2086 # a command is one or two words
-    expect 0 "$TTFBOX" $command --help
+    read -ra words <<<"$command"
+    expect 0 "$TTFBOX" "${words[@]}" --help
     said out "Usage: ttfbox $command"
     said out "Examples:"
     [ -s "$WORK/err" ] && fail "$command --help says something on standard error"
     cp out help
-    expect 2 "$TTFBOX" $command --no-such-option
-    expect 0 "$TTFBOX" help --man $command
+    expect 2 "$TTFBOX" "${words[@]}" --no-such-option
+    expect 0 "$TTFBOX" help --man "${words[@]}"
     cp out page
     # The page names every option that --help names: they are of one source.
     grep -o -- '--[a-z-]\+' help | sort -u | while read -r option; do

@@ -224,9 +224,8 @@ static void deep_and_long_texts_are_bounded(void **state)
     memset(text, '[', n);
     assert_int_equal(ttf_plan_file_parse("deep", text, n, &file, &err), -EINVAL);
     assert_non_null(strstr(err.what, "too deeply"));
-    memcpy(text, "title: [", 8);
-    for (size_t i = 8; i < n; i++)
-        text[i] = i % 2 ? ',' : '1';
+    for (size_t i = 0; i < n; i++)
+        text[i] = i < 8 ? "title: ["[i] : i % 2 ? ',' : '1';
     assert_int_equal(ttf_plan_file_parse("long", text, n, &file, &err), -EINVAL);
     assert_non_null(strstr(err.what, "more values"));
     free(text);
@@ -258,7 +257,7 @@ static void a_byte_changed_anywhere_never_harms(void **state)
             struct ttf_plan_file *file = NULL;
             struct ttf_err err = {0};
 
-            memcpy(text, WHOLE, sizeof WHOLE);
+            memmove(text, WHOLE, sizeof WHOLE);
             text[i] = BYTES[k];
             if (ttf_plan_file_parse("m", text, sizeof WHOLE - 1, &file, &err) == 0)
                 ttf_plan_file_free(file);
