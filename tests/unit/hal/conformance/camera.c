@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <pthread.h>
 #include <stdlib.h>
 
 #include "conformance.h"
@@ -228,6 +229,49 @@ static void as_many_frames_can_be_held_as_stated_and_no_more(void **state)
         ttf_camera_release(camera, held[i]);
 }
 
+struct releaser {
+    struct ttf_clock *clock;
+    struct ttf_camera *camera;
+    struct ttf_frame *frame;
+    int64_t at_ns;
+};
+
+static void *release_later(void *arg)
+{
+    struct releaser *r = arg;
+
+    ttf_clock_wait_until(r->clock, r->at_ns);
+    ttf_camera_release(r->camera, r->frame);
+    ttf_clock_leave(r->clock);
+    return NULL;
+}
+
+static void a_release_from_another_thread_lets_the_next_frame_come(void **state)
+{
+    struct ttf_camera *camera = streaming(state);
+    struct ttf_clock *clock = clock_of(state);
+    unsigned buffers = ttf_camera_caps(camera)->buffers;
+    struct ttf_frame *held[TTF_CAMERA_SET_MAX] = {NULL}, *frame;
+    struct releaser r = {.clock = clock, .camera = camera};
+    pthread_t thread;
+
+    ttf_clock_join(clock);
+    assert_int_equal(submit(camera, 5, buffers + 1, 0), 0);
+    for (unsigned i = 0; i < buffers; i++)
+        assert_int_equal(ttf_camera_next(camera, soon(state), &held[i], NULL), 0);
+    r.frame = held[0];
+    r.at_ns = ttf_clock_now_ns(clock) + 200 * MS;
+    ttf_clock_join_for(clock);
+    assert_int_equal(pthread_create(&thread, NULL, release_later, &r), 0);
+    assert_int_equal(ttf_camera_next(camera, soon(state), &frame, NULL), 0);
+    assert_true(ttf_clock_now_ns(clock) >= r.at_ns);
+    ttf_clock_leave(clock);
+    pthread_join(thread, NULL);
+    ttf_camera_release(camera, frame);
+    for (unsigned i = 1; i < buffers; i++)
+        ttf_camera_release(camera, held[i]);
+}
+
 static void each_step_of_recovery_gives_a_camera_that_delivers(void **state)
 {
     struct ttf_camera *camera = streaming(state);
@@ -263,6 +307,7 @@ int conformance_camera(const struct conformance_factory *factory)
         CONFORMANCE_TEST(one_set_at_a_time, factory),
         CONFORMANCE_TEST(a_deadline_that_comes_first_times_out_and_the_frame_still_comes, factory),
         CONFORMANCE_TEST(as_many_frames_can_be_held_as_stated_and_no_more, factory),
+        CONFORMANCE_TEST(a_release_from_another_thread_lets_the_next_frame_come, factory),
         CONFORMANCE_TEST(each_step_of_recovery_gives_a_camera_that_delivers, factory),
     };
 

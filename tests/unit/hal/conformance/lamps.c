@@ -107,9 +107,9 @@ static void a_declared_long_exposure_is_no_hang(void **state)
     struct ttf_lamps *lamps = lamps_of(state);
 
     ttf_clock_join(clock_of(state));
-    assert_int_equal(ttf_lamps_acquire(lamps, in(state, 2 * TTF_NS_PER_S), NULL), 0);
+    assert_int_equal(ttf_lamps_acquire(lamps, in(state, TTF_NS_PER_S), NULL), 0);
     assert_int_equal(ttf_lamps_set(lamps, 0, 1000, NULL), 0);
-    ttf_clock_wait_until(clock_of(state), in(state, 1500 * MS));
+    ttf_clock_wait_until(clock_of(state), in(state, 700 * MS));
     assert_int_equal(look(lamps, 0).actual_permille, 1000);
     assert_int_equal(ttf_lamps_alive(lamps, in(state, TTF_NS_PER_S), NULL), 0);
     ttf_clock_leave(clock_of(state));
