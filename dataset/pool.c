@@ -3,6 +3,7 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -86,6 +87,27 @@ static unsigned processors(void)
     return n > 0 ? (unsigned)n : 1;
 }
 
+/* Signals are left to the program's own threads: a worker inherits a mask that blocks them all. */
+static int start_workers(struct ttf_pool *pool, unsigned threads)
+{
+    sigset_t all, before;
+    int r = 0;
+
+    sigfillset(&all);
+    if (pthread_sigmask(SIG_SETMASK, &all, &before) != 0)
+        return -1;
+    /* pool->threads counts those that run, so that destroy joins no others. */
+    for (unsigned i = 1; r == 0 && i < threads; i++) {
+        pool->workers[i].pool = pool;
+        pool->workers[i].index = i;
+        r = pthread_create(&pool->workers[i].thread, NULL, worker_main, &pool->workers[i]);
+        if (r == 0)
+            pool->threads = i + 1;
+    }
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return r == 0 ? 0 : -1;
+}
+
 struct ttf_pool *ttf_pool_create(unsigned threads)
 {
     struct ttf_pool *pool;
@@ -104,15 +126,9 @@ struct ttf_pool *ttf_pool_create(unsigned threads)
         goto err_mutex;
     if (pthread_cond_init(&pool->idle, NULL) != 0)
         goto err_work;
-    /* threads counts those that run, so that destroy joins no others */
-    for (unsigned i = 1; i < threads; i++) {
-        pool->workers[i].pool = pool;
-        pool->workers[i].index = i;
-        if (pthread_create(&pool->workers[i].thread, NULL, worker_main, &pool->workers[i]) != 0) {
-            ttf_pool_destroy(pool);
-            return NULL;
-        }
-        pool->threads = i + 1;
+    if (start_workers(pool, threads) < 0) {
+        ttf_pool_destroy(pool);
+        return NULL;
     }
     return pool;
 

@@ -353,6 +353,41 @@ static void wrong_json_is_refused_by_field(void **state)
     }
 }
 
+/* Nothing in a folder is trusted: cut and altered ones give an error, or a calibration that can be freed. */
+static void broken_folders_do_not_crash(void **state)
+{
+    static const char *const names[] = {"cal/calibration.json", "cal/dark.tif", "cal/flat.tif"};
+    struct ttf_calibration calibration;
+    uint32_t seed = 11;
+
+    fit_both(&calibration);
+    snprintf(calibration.id, sizeof(calibration.id), "mine"); /* no checksum in the way */
+    save(state, &calibration);
+    ttf_calibration_free(&calibration);
+    for (unsigned f = 0; f < 3; f++) {
+        size_t n;
+        uint8_t *bytes = scratch_read(state, names[f], &n), *copy = malloc(n);
+
+        assert_non_null(copy);
+        for (unsigned i = 0; i < 150; i++) {
+            struct ttf_calibration back;
+            struct ttf_err err = {0};
+
+            memcpy(copy, bytes, n);
+            for (unsigned k = 0; k < 3; k++)
+                copy[scratch_random(&seed) % (n < 900 ? n : 900)] = (uint8_t)scratch_random(&seed);
+            scratch_write(state, names[f], copy, i % 3 == 0 ? scratch_random(&seed) % n : n);
+            if (ttf_calibration_load(ttf_io_posix(), scratch_path(state, "cal"), &back, &err) == 0)
+                ttf_calibration_free(&back);
+            else
+                assert_true(err.code < 0 && err.what[0]);
+        }
+        scratch_write(state, names[f], bytes, n);
+        free(bytes);
+        free(copy);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -365,6 +400,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_calibration_comes_back_from_its_folder, scratch_make,
                                         scratch_remove),
         cmocka_unit_test_setup_teardown(a_changed_picture_is_damage, scratch_make, scratch_remove),
+        cmocka_unit_test_setup_teardown(broken_folders_do_not_crash, scratch_make, scratch_remove),
         cmocka_unit_test_setup_teardown(wrong_json_is_refused_by_field, scratch_make,
                                         scratch_remove),
     };
