@@ -36,6 +36,9 @@ TTF_MUST_USE int image_check_size(uint64_t width, uint64_t height, const char *p
 /* Orientation and times of an EXIF block (beginning with its TIFF header) into *info; what is broken or absent is left alone. */
 void exif_read(const uint8_t *data, size_t n, struct ttf_image_info *info);
 
+/* Whether a profile, as far as 8 bits show, is that of sRGB; false too for what is no profile. */
+bool image_profile_is_srgb(const void *profile, size_t bytes, bool grey);
+
 /* Days from 1970-01-01 of a date that exists; false if it does not. */
 bool days_of_date(int year, int month, int day, int64_t *ret);
 

@@ -75,12 +75,16 @@ static struct jpeg_error_mgr *trap_init(struct jpeg_trap *trap)
 
 static void read_markers(struct jpeg_decompress_struct *jpeg, struct ttf_image_info *info)
 {
+    JOCTET *profile = NULL;
+    unsigned bytes = 0;
+
     for (jpeg_saved_marker_ptr m = jpeg->marker_list; m; m = m->next) {
         if (m->marker == JPEG_APP0 + 1 && m->data_length > 6 && memcmp(m->data, "Exif\0", 6) == 0)
             exif_read(m->data + 6, m->data_length - 6, info);
-        else if (m->marker == JPEG_APP0 + 2 && m->data_length > 12 &&
-                 memcmp(m->data, "ICC_PROFILE", 12) == 0)
-            info->foreign_profile = true;
+    }
+    if (jpeg_read_icc_profile(jpeg, &profile, &bytes)) {
+        info->foreign_profile = !image_profile_is_srgb(profile, bytes, info->samples == 1);
+        free(profile);
     }
 }
 

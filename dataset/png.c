@@ -70,7 +70,9 @@ static void read_colour_and_time(spng_ctx *ctx, struct ttf_image_info *info)
     uint8_t intent;
 
     info->transfer = TTF_TRANSFER_SRGB;
-    info->foreign_profile = spng_get_iccp(ctx, &profile) == 0;
+    if (spng_get_iccp(ctx, &profile) == 0)
+        info->foreign_profile =
+            !image_profile_is_srgb(profile.profile, profile.profile_len, info->samples <= 2);
     if (spng_get_srgb(ctx, &intent) != 0 && spng_get_gama_int(ctx, &gamma) == 0 && gamma == 100000)
         info->transfer = TTF_TRANSFER_LINEAR;
     if (spng_get_exif(ctx, &exif) == 0)

@@ -146,6 +146,7 @@ static void ice_lies_a_minute_apart_by_camera_time_and_by_name(void **state)
     result = import_ok(&config);
     assert_int_equal(result.frames, 70);
     assert_true(result.interval_ns == TTF_NS_PER_MIN);
+    assert_false(result.foreign_profile); /* they carry one, of sRGB */
     sequence = open_sequence(config.output, &reader);
     assert_int_equal(ttf_reader_segment(reader, 0, &segment), 0);
     assert_true(segment.origin_utc_ns == INT64_C(1115223229) * TTF_NS_PER_S);

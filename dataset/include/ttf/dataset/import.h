@@ -63,9 +63,10 @@ struct ttf_import_result {
     int64_t missed; /* slots without an image */
     int64_t interval_ns;
     uint32_t width, height, samples;
-    bool alpha_dropped;   /* some picture had an alpha channel, which a dataset has not */
-    bool foreign_profile; /* some picture had an ICC profile, which was not applied */
-    char digest[65];      /* of the sealed dataset */
+    bool alpha_dropped; /* some picture had an alpha channel, which a dataset has not */
+    bool
+        foreign_profile; /* some picture had an ICC profile other than sRGB, which was not applied */
+    char digest[65];     /* of the sealed dataset */
 };
 
 /*
