@@ -39,8 +39,8 @@ void ttf_quilt_defaults(struct ttf_quilt_config *config)
 
 size_t ttf_quilt_matching_bytes(uint32_t width, uint32_t height, uint32_t n)
 {
-    /* trajectories, features, and 16 bytes of search workspace per position */
-    double per_pixel = 3.0 * n + (double)ttf_features_bytes_per_pixel(n) + 16.0;
+    /* trajectories, features, and 24 bytes of search workspace per position */
+    double per_pixel = 3.0 * n + (double)ttf_features_bytes_per_pixel(n) + 24.0;
     double bytes = per_pixel * width * height;
 
     return bytes < 1e18 ? (size_t)bytes : (size_t)1e18;

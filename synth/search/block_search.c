@@ -4,10 +4,12 @@
 #include <errno.h>
 #include <float.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "search/features.h"
+#include "search/ground.h"
 #include "search/template.h"
 
 /* How many of the most promising positions are compared in full to get a first limit. */
@@ -25,6 +27,7 @@ struct ttf_search {
     struct ttf_pool *pool;
     double tolerance, noise;
     struct ttf_template template;
+    struct ttf_ground ground;
     /* one entry per position of the widest search so far */
     size_t room;
     float *bounds;       /* by position, then by survivor */
@@ -32,7 +35,9 @@ struct ttf_search {
     uint64_t *errors;    /* by survivor */
     /* of the running search */
     uint32_t columns, rows;
-    uint32_t n; /* survivors */
+    struct ttf_overlap overlap;
+    bool on_ground; /* `ground` is of this template, and worth using */
+    uint32_t n;     /* survivors */
     double limit;
     struct ttf_search_counts counts;
 };
@@ -77,6 +82,7 @@ void ttf_search_destroy(struct ttf_search *search)
         return;
     ttf_features_free(&search->features);
     ttf_template_free(&search->template);
+    ttf_ground_free(&search->ground);
     free(search->bounds);
     free(search->survivors);
     free(search->errors);
@@ -166,6 +172,22 @@ static void bound_rank_tile(void *ctx, unsigned tile, unsigned worker)
     }
 }
 
+/* The share of eq. 3 of the pixels that are of the ground: all rectangles less the others' places. */
+static uint64_t ground_error(const struct ttf_search *search, size_t x, size_t y)
+{
+    const struct ttf_template *template = &search->template;
+    const struct ttf_overlap *o = &search->overlap;
+    uint64_t sum = ttf_ground_sum(&search->ground, x, y, o->width, o->top) +
+                   ttf_ground_sum(&search->ground, x, y + o->top, o->left, o->height - o->top);
+
+    for (size_t k = 0; k < template->n_others; k++) {
+        const struct ttf_template_run *run = &template->others[k];
+
+        sum -= ttf_ground_sum(&search->ground, x + run->dx, y + run->dy, run->length, 1);
+    }
+    return sum;
+}
+
 /* Eq. 3 in full, given up as soon as it passes the limit. */
 static uint64_t exact_error(const struct ttf_search *search, uint32_t position)
 {
@@ -173,10 +195,14 @@ static uint64_t exact_error(const struct ttf_search *search, uint32_t position)
     const struct ttf_trajectories *trajectories = search->trajectories;
     size_t corner =
         (size_t)(position / search->columns) * trajectories->width + position % search->columns;
+    const struct ttf_template_run *runs = search->on_ground ? template->others : template->runs;
+    size_t n_runs = search->on_ground ? template->n_others : template->n_runs;
     uint64_t sum = 0;
 
-    for (size_t k = 0; k < template->n_runs; k++) {
-        const struct ttf_template_run *run = &template->runs[k];
+    if (search->on_ground)
+        sum = ground_error(search, position % search->columns, position / search->columns);
+    for (size_t k = 0; k < n_runs; k++) {
+        const struct ttf_template_run *run = &runs[k];
         size_t source = corner + (size_t)run->dy * trajectories->width + run->dx;
 
         sum += search->kernels->ssd_u8(ttf_trajectory(trajectories, source),
@@ -185,6 +211,8 @@ static uint64_t exact_error(const struct ttf_search *search, uint32_t position)
         if ((double)sum > search->limit)
             return EXCLUDED;
     }
+    if ((double)sum > search->limit)
+        return EXCLUDED;
     return sum;
 }
 
@@ -268,6 +296,20 @@ static void second_round(struct ttf_search *search, uint64_t *best)
     search->n = kept;
 }
 
+/* Sums over the ground cost a pass over the input: worth it for many survivors. Without memory for them, do without. */
+static void look_for_ground(struct ttf_search *search)
+{
+    const struct ttf_template *template = &search->template;
+    const struct ttf_trajectories *trajectories = search->trajectories;
+    size_t pixels = (size_t)trajectories->width * trajectories->height;
+
+    if (2 * template->n_ground < template->n_pixels || search->n < pixels / 16)
+        return;
+    search->on_ground = ttf_ground_prepare(&search->ground, trajectories,
+                                           template->codes + template->ground * trajectories->dims,
+                                           search->kernels, search->pool) == 0;
+}
+
 static void collect(struct ttf_search *search, struct ttf_candidates *ret)
 {
     uint64_t best = EXCLUDED;
@@ -309,6 +351,8 @@ int ttf_search_run(struct ttf_search *search, const struct ttf_overlap *overlap,
                                 overlap);
     if (r < 0)
         return r;
+    search->overlap = *overlap;
+    search->on_ground = false;
     search->limit = (double)EXCLUDED;
     ttf_pool_run(search->pool, search->rows, bound_cells_row, search);
     n = most_promising(search->bounds, positions, seeds);
@@ -322,6 +366,7 @@ int ttf_search_run(struct ttf_search *search, const struct ttf_overlap *overlap,
         second_round(search, &best);
     search->counts.survived_rank += search->n;
     search->counts.exact += search->n;
+    look_for_ground(search);
     ttf_pool_run(search->pool, (search->n + TILE - 1) / TILE, exact_tile, search);
     collect(search, ret);
     return 0;

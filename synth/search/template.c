@@ -14,9 +14,11 @@ static int make_room(struct ttf_template *template, size_t pixels, size_t runs, 
     ttf_template_free(template);
     template->runs = malloc(runs * sizeof(*template->runs));
     template->cells = malloc((cells + 1) * sizeof(*template->cells));
+    template->others = malloc(pixels * sizeof(*template->others));
     template->codes = malloc(pixels * dims);
     template->coefs = malloc(pixels * TTF_PIXEL_COEFS * sizeof(*template->coefs));
-    if (!template->runs || !template->cells || !template->codes || !template->coefs) {
+    if (!template->runs || !template->cells || !template->codes || !template->coefs ||
+        !template->others) {
         ttf_template_free(template);
         return -ENOMEM;
     }
@@ -54,6 +56,41 @@ static void gather_runs(struct ttf_template *template, const struct ttf_trajecto
         }
     }
     template->n_pixels = at;
+}
+
+/*
+ * The one candidate for a majority, by pairing off pixels that differ, and then
+ * how many there really are. Pixels that are not of it, as runs.
+ */
+static void find_ground(struct ttf_template *template, size_t dims)
+{
+    const uint8_t *codes = template->codes;
+    size_t votes = 0;
+
+    template->ground = template->n_ground = template->n_others = 0;
+    for (size_t i = 0; i < template->n_pixels; i++) {
+        if (votes == 0)
+            template->ground = i;
+        votes += memcmp(codes + i * dims, codes + template->ground * dims, dims) == 0 ? 1 : -1;
+    }
+    for (size_t k = 0; k < template->n_runs; k++) {
+        const struct ttf_template_run *run = &template->runs[k];
+        struct ttf_template_run *last = NULL;
+
+        for (size_t x = 0; x < run->length; x++) {
+            size_t at = run->first + x;
+
+            if (memcmp(codes + at * dims, codes + template->ground * dims, dims) == 0) {
+                template->n_ground++;
+                last = NULL;
+            } else if (last) {
+                last->length++;
+            } else {
+                last = &template->others[template->n_others++];
+                *last = (struct ttf_template_run){run->dx + (uint32_t)x, run->dy, 1, at};
+            }
+        }
+    }
 }
 
 /* Cells that fit whole into a rectangle of the block; pixels left over at its edges are not used. */
@@ -94,6 +131,7 @@ int ttf_template_gather(struct ttf_template *template, const struct ttf_trajecto
     if (r < 0)
         return r;
     gather_runs(template, trajectories, features, overlap);
+    find_ground(template, trajectories->dims);
     template->n_cells = 0;
     gather_cells(template, trajectories, features, overlap, top);
     gather_cells(template, trajectories, features, overlap, left);
@@ -104,6 +142,7 @@ void ttf_template_free(struct ttf_template *template)
 {
     free(template->runs);
     free(template->cells);
+    free(template->others);
     free(template->codes);
     free(template->coefs);
     memset(template, 0, sizeof(*template));

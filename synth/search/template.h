@@ -22,6 +22,9 @@ struct ttf_template {
     size_t n_pixels, n_runs, n_cells, longest_run;
     struct ttf_template_run *runs;
     struct ttf_template_cell *cells;
+    /* the trajectory that most pixels have: how many, where one is, and the runs of all others */
+    size_t n_ground, ground, n_others;
+    struct ttf_template_run *others;
     uint8_t *codes; /* n_pixels x dims */
     float *coefs;   /* n_pixels x TTF_PIXEL_COEFS, or NULL */
     size_t room_pixels, room_runs, room_cells;

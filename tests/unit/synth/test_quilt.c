@@ -67,6 +67,7 @@ static void the_map_is_that_of_the_plainest_implementation(void **state)
     matches_reference(TEXTURE_SPOTS, 40, 36, 12, &config);
     matches_reference(TEXTURE_SPOTS, 40, 36, 36, &config);
     matches_reference(TEXTURE_NOISE, 30, 34, 3, &config);
+    matches_reference(TEXTURE_OBJECT, 40, 36, 6, &config);
     matches_reference(TEXTURE_STRIPES, 40, 30, 4, &config);
     config.tolerance = 0.5;
     config.metric = TTF_METRIC_LINEAR;

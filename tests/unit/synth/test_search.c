@@ -115,6 +115,14 @@ static void exact_matches_and_constants_are_all_found(void **state)
     search_texture(TEXTURE_CONSTANT, 1, 0.1, 0.1, NULL);
 }
 
+static void an_object_on_a_plain_ground_is_searched_as_exactly(void **state)
+{
+    (void)state;
+    search_texture(TEXTURE_OBJECT, 34, 0.1, 1.0, NULL);
+    search_texture(TEXTURE_OBJECT, 5, 0.1, 1.0 / 12.0, NULL);
+    search_texture(TEXTURE_OBJECT, 5, 10.0, 20.0, NULL); /* the object too is within tolerance */
+}
+
 static void the_scalar_kernels_lead_to_the_same_candidates(void **state)
 {
     (void)state;
@@ -263,6 +271,7 @@ int main(void)
         cmocka_unit_test(the_search_finds_what_a_plain_search_finds),
         cmocka_unit_test(noise_that_no_bound_excludes_is_searched_as_exactly),
         cmocka_unit_test(exact_matches_and_constants_are_all_found),
+        cmocka_unit_test(an_object_on_a_plain_ground_is_searched_as_exactly),
         cmocka_unit_test(the_scalar_kernels_lead_to_the_same_candidates),
         cmocka_unit_test(bounds_exclude_most_of_a_texture),
         cmocka_unit_test(fast_kernels_agree_with_the_reference),

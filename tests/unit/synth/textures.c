@@ -57,6 +57,9 @@ static int value(enum texture texture, uint32_t x, uint32_t y, uint32_t t, uint3
     case TEXTURE_CONSTANT:
         v = 90 + 20 * (int)c;
         break;
+    case TEXTURE_OBJECT:
+        v = x >= 13 && x < 22 && y >= 10 && y < 24 ? spots(x, y, t, n, c) : 255;
+        break;
     case TEXTURE_STRIPES:
         v = 20 * (int)(x % 8) + 5 * (int)t + 10 * (int)c;
         break;

@@ -11,6 +11,7 @@ enum texture {
     TEXTURE_SPOTS = 0, /* soft spots that grow, each at its own pace, and a little noise */
     TEXTURE_NOISE,     /* every code at random: nothing for bounds to hold on to */
     TEXTURE_CONSTANT,  /* one colour, always */
+    TEXTURE_OBJECT,    /* spots in the middle of a plain white ground */
     TEXTURE_STRIPES    /* of period 8 in x, drifting in brightness: exact matches everywhere */
 };
 
