@@ -284,6 +284,8 @@ static void broken_jpeg_never_crashes(void **state)
 /* Puts a profile into a JPEG as one APP2 segment, behind its first marker. */
 static void add_profile(const char *path, enum ttf_icc icc)
 {
+    static const uint8_t head[18] = {0xff, 0xe2, 0,   0,   'I', 'C', 'C', '_', 'P',
+                                     'R',  'O',  'F', 'I', 'L', 'E', 0,   1,   1};
     uint8_t *profile, *old, *all;
     size_t n, bytes, segment;
 
@@ -292,7 +294,7 @@ static void add_profile(const char *path, enum ttf_icc icc)
     segment = bytes + 16;
     all = malloc(n + segment + 2);
     memcpy(all, old, 2);
-    memcpy(all + 2, "\xff\xe2\0\0ICC_PROFILE\0\1\1", 18);
+    memcpy(all + 2, head, sizeof(head));
     all[4] = (uint8_t)(segment >> 8);
     all[5] = (uint8_t)segment;
     memcpy(all + 20, profile, bytes);
