@@ -9,12 +9,12 @@
 
 /* Is it fit to be committed? -EINVAL naming the field. */
 TTF_MUST_USE int ttf_slot_check(const struct ttf_slot_record *record, struct ttf_err *err);
-TTF_MUST_USE int ttf_segment_check(const struct ttf_segment *segment, struct ttf_err *err);
+TTF_MUST_USE int ttf_segment_check(const struct ttf_segment *s, struct ttf_err *err);
 
 /* Fields behind type and seq, between ttf_line_begin and ttf_line_finish. */
 void ttf_slot_put(struct ttf_json *json, const struct ttf_slot_record *record);
-void ttf_segment_put(struct ttf_json *json, const struct ttf_segment *segment);
-void ttf_end_put(struct ttf_json *json, const struct ttf_end_record *record);
+void ttf_segment_put(struct ttf_json *json, const struct ttf_segment *s);
+void ttf_end_put(struct ttf_json *json, const struct ttf_end_record *e);
 
 /* From parsed lines; -TTF_EDAMAGED naming the field if one contradicts FORMAT.md. */
 TTF_MUST_USE int ttf_slot_get(const struct ttf_line *line, struct ttf_slot_record *ret,

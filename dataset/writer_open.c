@@ -50,7 +50,7 @@ static int open_events(struct ttf_writer *writer, struct ttf_lines_tail *tail, s
 
 static int open_all(struct ttf_writer *writer, struct ttf_err *err)
 {
-    struct ttf_lines_tail records, events;
+    struct ttf_lines_tail records = {0}, events = {0};
     int r;
 
     r = ttf_manifest_load(writer->io, writer->path, &writer->manifest, err);

@@ -145,10 +145,10 @@ static void fill_manifest(struct ttf_manifest *m)
     m->streams[1].primary = false;
     m->streams[1].format = TTF_SAMPLE_F16;
     m->streams[1].encoding.scale = 0.1;
-    strcpy(m->group_uuid, m->uuid);
+    memcpy(m->group_uuid, m->uuid, sizeof(m->uuid));
     strcpy(m->group_member, "left");
     strcpy(m->source, "IMG_*.png");
-    strcpy(m->derived_uuid, m->uuid);
+    memcpy(m->derived_uuid, m->uuid, sizeof(m->uuid));
     memset(m->derived_digest, 'a', 64);
     strcpy(m->derived_command, "ttfbox synth quilt");
     m->derived_seed = INT64_MIN;
