@@ -41,7 +41,9 @@ void ttf_pulse_end(struct ttf_pulse *pulse)
 
 bool ttf_pulse_stop_wanted(const struct ttf_pulse *pulse)
 {
-    return pulse->button_stop || (pulse->stop && *pulse->stop != 0);
+    /* Set by a signal handler or by another thread: nothing else hangs on it, so relaxed will do. */
+    return pulse->button_stop ||
+           (pulse->stop && __atomic_load_n(pulse->stop, __ATOMIC_RELAXED) != 0);
 }
 
 /* A better vouched-for UTC corrects what the segment's line says of its origin. */

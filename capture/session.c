@@ -19,16 +19,18 @@
 /* ---- setting up ---- */
 
 /* Finds or adds the camera a shot names, configured. Its index. */
-static int use_camera(struct ttf_session *s, const char *name, struct ttf_err *err)
+static int use_camera(struct ttf_session *s, unsigned shot, struct ttf_err *err)
 {
+    const char *name = s->plan.shots[shot].camera;
     struct ttf_camera_mode native = {0};
-    struct ttf_shooter *shooter = &s->cameras[s->n_cameras];
+    struct ttf_shooter *shooter;
     int r;
 
     for (unsigned i = 0; i < s->n_cameras; i++) {
         if (strcmp(s->cameras[i].name, name) == 0)
             return (int)i;
     }
+    shooter = &s->cameras[s->n_cameras]; /* no more than the box has */
     shooter->camera = ttf_box_camera_find(s->box, name);
     if (!shooter->camera)
         return ttf_err_set(err, -EINVAL, "shots", "the box has no camera '%s'", name);
@@ -36,7 +38,7 @@ static int use_camera(struct ttf_session *s, const char *name, struct ttf_err *e
     r = ttf_camera_configure(shooter->camera, &native, &shooter->format, err);
     if (r < 0)
         return r;
-    snprintf(shooter->name, sizeof(shooter->name), "%s", name);
+    memcpy(shooter->name, s->plan.shots[shot].camera, sizeof(shooter->name));
     shooter->pulse = &s->pulse;
     shooter->events = &s->events;
     return (int)s->n_cameras++;
@@ -47,7 +49,7 @@ static int use_cameras(struct ttf_session *s, struct ttf_err *err)
     if (s->plan.n_shots > TTF_PLAN_SHOTS_MAX)
         return ttf_err_set(err, -EINVAL, "shots", "too many shots");
     for (unsigned i = 0; i < s->plan.n_shots; i++) {
-        int camera = use_camera(s, s->plan.shots[i].camera, err);
+        int camera = use_camera(s, i, err);
 
         if (camera < 0)
             return camera;

@@ -33,6 +33,14 @@ static struct ttf_slot_work *new_work(const struct ttf_session *s, int64_t index
     return work;
 }
 
+/* The later of a slot's wakings counts. */
+static void note_wakeup(struct ttf_slot_work *work, int64_t late_ns)
+{
+    if (late_ns != TTF_NS_UNKNOWN &&
+        (work->wakeup_ns == TTF_NS_UNKNOWN || late_ns > work->wakeup_ns))
+        work->wakeup_ns = late_ns;
+}
+
 static void want_lamps(struct ttf_session *s, const unsigned levels[TTF_LAMPS_MAX])
 {
     if (ttf_lamp_driver_want(&s->lamps, levels))
@@ -65,8 +73,8 @@ int ttf_session_no_slot(struct ttf_session *s, int64_t index, enum ttf_result re
     return hand_over(s, work);
 }
 
-/* Waits between slots; the lamps follow their programme. */
-static int idle_until(struct ttf_session *s, int64_t until_ns)
+/* Waits between slots; the lamps follow their programme. *ret_late_ns: how late it woke, if it slept. */
+static int idle_until(struct ttf_session *s, int64_t until_ns, int64_t *ret_late_ns)
 {
     for (;;) {
         unsigned levels[TTF_LAMPS_MAX];
@@ -79,8 +87,10 @@ static int idle_until(struct ttf_session *s, int64_t until_ns)
         r = ttf_pulse_wait(&s->pulse, next < until_ns ? next : until_ns, true);
         if (r < 0)
             return r;
-        if (next >= until_ns)
+        if (next >= until_ns) {
+            *ret_late_ns = now < until_ns ? now_ns(s) - until_ns : TTF_NS_UNKNOWN;
             return 0;
+        }
     }
 }
 
@@ -174,19 +184,19 @@ static int take_shot(struct shooting *g, int64_t submit_ns, int64_t due_ns)
     const struct ttf_plan_shot *shot = &s->plan.shots[g->shot];
     bool first = submit_ns != 0;
     int64_t ready;
+    bool asleep;
     int r;
 
     want_lamps(s, s->programme.shot[g->shot]);
     ready = s->lamps_changed_ns + ttf_lamp_settle_ns(&s->plan, shot, s->box->lamps);
     if (ready < submit_ns)
         ready = submit_ns;
-    if (ready < now_ns(s))
-        ready = now_ns(s);
+    asleep = now_ns(s) < ready;
     r = ttf_pulse_wait(&s->pulse, ready, false);
     if (r < 0)
         return r;
-    if (first)
-        g->work->wakeup_ns = now_ns(s) - ready;
+    if (first && asleep)
+        note_wakeup(g->work, now_ns(s) - ready);
     for (unsigned b = 0; b < ttf_shot_images(shot); b++, g->image++) {
         r = take_image(g, b, first && b == 0 ? due_ns : 0);
         if (r < 0)
@@ -276,7 +286,7 @@ static int revive_cameras(struct ttf_session *s)
 }
 
 /* From the first lamp command on. */
-static int do_slot(struct ttf_session *s, int64_t index, int64_t submit_ns)
+static int do_slot(struct ttf_session *s, int64_t index, int64_t submit_ns, int64_t late_ns)
 {
     const struct ttf_shooter *camera = &s->cameras[s->camera_of[0]];
     unsigned levels[TTF_LAMPS_MAX];
@@ -290,6 +300,7 @@ static int do_slot(struct ttf_session *s, int64_t index, int64_t submit_ns)
         ttf_slot_work_free(work);
         return -ENOMEM;
     }
+    note_wakeup(work, late_ns);
     want_lamps(s, s->programme.shot[0]);
     r = raw_by(s, &camera->format, submit_ns, &raw);
     if (r == 0) {
@@ -319,18 +330,19 @@ int ttf_session_slot(struct ttf_session *s, int64_t index)
     int64_t due = ttf_grid_due_ns(&s->grid, index);
     const struct ttf_camera_caps *caps = ttf_camera_caps(s->cameras[s->camera_of[0]].camera);
     int64_t submit = due - ttf_exposure_lead_ns(caps, s->locked[0][0].granted.exposure_ns);
+    int64_t late = TTF_NS_UNKNOWN;
     const char *reason;
     int r = revive_cameras(s);
 
     if (r == 0)
-        r = idle_until(s, due - s->lead_ns);
+        r = idle_until(s, due - s->lead_ns, &late);
     if (r < 0)
         return r;
     reason = cannot_begin(s, due);
     if (reason)
         return ttf_session_no_slot(s, index, TTF_RESULT_MISSED, reason);
     s->trouble = false;
-    r = do_slot(s, index, submit);
+    r = do_slot(s, index, submit, late);
     ttf_pulse_led(&s->pulse, s->trouble ? TTF_LED_WARNING : TTF_LED_CAPTURING);
     return r;
 }

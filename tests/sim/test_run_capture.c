@@ -68,7 +68,7 @@ static void everything_the_simulator_makes_says_simulated(void **state)
 static void stop_after_two(struct sim_run *run, const struct ttf_progress *progress)
 {
     if (progress->kind == TTF_PROGRESS_SLOT && progress->index == 1)
-        run->stop = 1;
+        __atomic_store_n(&run->stop, 1, __ATOMIC_RELAXED);
 }
 
 static void a_stopped_run_goes_on_where_it_was(void **state)

@@ -3,8 +3,9 @@
  * session.h: the loop that turns due slots into committed frames.
  *
  * One session = one run of a plan on a box into a dataset: new, or gone on with.
- * It creates its own committing thread and returns when the plan is done,
- * stopped, or cannot go on. Everything that is not lasting ends as a record or an
+ * It joins the box's clock for the calling thread (which must not have joined),
+ * creates its own committing thread and returns when the plan is done, stopped, or cannot go on.
+ * It configures and starts the cameras itself. Everything that is not lasting ends as a record or an
  * event, never as the end of the run.
  */
 #ifndef TTF_CAPTURE_SESSION_H
@@ -47,7 +48,8 @@ struct ttf_session_config {
     unsigned threads;               /* of the tile pool; 0: all */
     ttf_progress_fn *progress;      /* NULL allowed */
     void *progress_ctx;
-    const volatile int *stop; /* becomes non-zero: end cleanly within a slot; NULL allowed */
+    /* becomes non-zero (signal handler, or atomically from a thread): end cleanly within a slot; NULL allowed */
+    const volatile int *stop;
     int64_t rehearse;      /* > 0: so many slots at once, nothing sealed, figures in the result */
     bool skip_speed_check; /* of the disk's write speed */
 };
