@@ -199,31 +199,14 @@ static int repair_files(struct ttf_writer *writer, char *told, size_t told_size,
 
 /* ---- the whole ---- */
 
-static int check_sums(struct ttf_writer *writer, enum ttf_sums_state *ret, struct ttf_err *err)
-{
-    char path[200];
-    int r;
-
-    r = ttf_sums_compare(writer->io, writer->path, ret, path, sizeof(path), err);
-    if (r || *ret != TTF_SUMS_AHEAD)
-        return r;
-    ttf_err_set(err, -TTF_EDAMAGED, writer->records.path,
-                "has lost lines: " TTF_SUMS_NAME " lists %s, which no record names", path);
-    ttf_err_hint(err, "keep a copy of the folder; go on in a new dataset");
-    return -TTF_EDAMAGED;
-}
-
 int ttf_writer_repair(struct ttf_writer *writer, const struct ttf_lines_tail *records,
-                      const struct ttf_lines_tail *events, struct ttf_err *err)
+                      const struct ttf_lines_tail *events, enum ttf_sums_state sums,
+                      struct ttf_err *err)
 {
-    enum ttf_sums_state sums;
     char told[120] = "", text[200];
     unsigned before;
     int r;
 
-    r = check_sums(writer, &sums, err);
-    if (r)
-        return r;
     r = repair_ends(writer, records, events, err);
     if (r)
         return r;

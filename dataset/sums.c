@@ -85,15 +85,9 @@ int ttf_sums_sealed(struct ttf_io *io, const char *dataset, bool *ret, struct tt
 
 /* ---- the running list against the records ---- */
 
-struct compare {
-    struct ttf_lines lines; /* of SHA256SUMS */
-    int file;
-    bool differs;
-};
-
 static int compare_file(void *ctx, const struct ttf_named_file *file, struct ttf_err *err)
 {
-    struct compare *c = ctx;
+    struct ttf_sums_compare *c = ctx;
     const char *line, *path;
     bool terminated;
     int64_t offset;
@@ -112,9 +106,10 @@ static int compare_file(void *ctx, const struct ttf_named_file *file, struct ttf
     return 0;
 }
 
-static int compare_line(void *ctx, const struct ttf_line *line, struct ttf_err *err)
+int ttf_sums_compare_line(struct ttf_sums_compare *c, const struct ttf_line *line,
+                          struct ttf_err *err)
 {
-    return ttf_line_files(line, compare_file, ctx, err);
+    return c->differs ? 0 : ttf_line_files(line, compare_file, c, err);
 }
 
 /*
@@ -156,36 +151,65 @@ static int find_unnamed(struct ttf_io *io, const char *dataset, const char *reco
     return r;
 }
 
-int ttf_sums_compare(struct ttf_io *io, const char *dataset, enum ttf_sums_state *ret,
-                     char *ret_path, size_t path_size, struct ttf_err *err)
+int ttf_sums_compare_begin(struct ttf_sums_compare *c, struct ttf_io *io, const char *dataset,
+                           struct ttf_err *err)
 {
-    struct compare c = {.file = -1};
-    char *records = ttf_path_format("%s/records.jsonl", dataset);
+    int r;
+
+    *c = (struct ttf_sums_compare){.io = io, .dataset = dataset, .file = -1};
+    r = open_sums(io, dataset, &c->lines, &c->file, err);
+    c->lines.at_end = c->file < 0; /* none: behind if any image is named */
+    return r;
+}
+
+int ttf_sums_compare_end(struct ttf_sums_compare *c, enum ttf_sums_state *ret, char *ret_path,
+                         size_t path_size, struct ttf_err *err)
+{
+    char *records = ret ? ttf_path_format("%s/records.jsonl", c->dataset) : NULL;
     const char *line;
     bool terminated;
     int64_t offset;
     size_t n;
-    int r;
+    int r = 0;
+
+    if (ret && !records)
+        r = ttf_err_set(err, -ENOMEM, c->dataset, "no memory");
+    if (ret && r == 0) {
+        *ret = TTF_SUMS_SAME;
+        if (!c->differs) { /* is there more behind? */
+            r = ttf_lines_next(&c->lines, &line, &n, &offset, &terminated);
+            c->differs = r > 0;
+            r = r > 0 ? 0 : r;
+        }
+        if (r == 0 && c->differs)
+            r = find_unnamed(c->io, c->dataset, records, ret, ret_path, path_size, err);
+    }
+    close_sums(c->io, &c->lines, c->file);
+    c->file = -1;
+    free(records);
+    return r;
+}
+
+static int scan_line(void *ctx, const struct ttf_line *line, struct ttf_err *err)
+{
+    return ttf_sums_compare_line(ctx, line, err);
+}
+
+int ttf_sums_compare(struct ttf_io *io, const char *dataset, enum ttf_sums_state *ret,
+                     char *ret_path, size_t path_size, struct ttf_err *err)
+{
+    struct ttf_sums_compare c;
+    char *records = ttf_path_format("%s/records.jsonl", dataset);
+    int r, ended;
 
     if (!records)
         return ttf_err_set(err, -ENOMEM, dataset, "no memory");
-    r = open_sums(io, dataset, &c.lines, &c.file, err);
-    if (r)
-        goto out;
-    *ret = TTF_SUMS_SAME;
-    c.lines.at_end = c.file < 0; /* none: behind if any image is named */
-    r = ttf_lines_scan(io, records, compare_line, NULL, &c, NULL, err);
-    if (r == 0 && !c.differs) { /* is there more behind? */
-        r = ttf_lines_next(&c.lines, &line, &n, &offset, &terminated);
-        c.differs = r > 0;
-        r = r > 0 ? 0 : r;
-    }
-    if (r == 0 && c.differs)
-        r = find_unnamed(io, dataset, records, ret, ret_path, path_size, err);
-out:
-    close_sums(io, &c.lines, c.file);
+    r = ttf_sums_compare_begin(&c, io, dataset, err);
+    if (r == 0)
+        r = ttf_lines_scan(io, records, scan_line, NULL, &c, NULL, err);
+    ended = ttf_sums_compare_end(&c, r == 0 ? ret : NULL, ret_path, path_size, err);
     free(records);
-    return r;
+    return r ? r : ended;
 }
 
 struct rebuild {

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "lines.h"
 #include "ttf/base/err.h"
 #include "ttf/dataset/io.h"
 
@@ -29,6 +30,25 @@ enum ttf_sums_state {
     TTF_SUMS_AHEAD   /* it lists a file that no record names: the records have lost lines */
 };
 
+/* Compares while somebody scans the records: begin, each line, end (always; it frees). */
+struct ttf_sums_compare {
+    struct ttf_io *io;
+    const char *dataset;    /* borrowed */
+    struct ttf_lines lines; /* of SHA256SUMS */
+    int file;
+    bool differs;
+};
+
+TTF_MUST_USE int ttf_sums_compare_begin(struct ttf_sums_compare *c, struct ttf_io *io,
+                                        const char *dataset, struct ttf_err *err);
+TTF_MUST_USE int ttf_sums_compare_line(struct ttf_sums_compare *c, const struct ttf_line *line,
+                                       struct ttf_err *err);
+
+/* ret NULL: only frees. Of TTF_SUMS_AHEAD, ret_path is a file that no record names. */
+TTF_MUST_USE int ttf_sums_compare_end(struct ttf_sums_compare *c, enum ttf_sums_state *ret,
+                                      char *ret_path, size_t path_size, struct ttf_err *err);
+
+/* All of it. */
 TTF_MUST_USE int ttf_sums_compare(struct ttf_io *io, const char *dataset, enum ttf_sums_state *ret,
                                   char *ret_path, size_t path_size, struct ttf_err *err);
 

@@ -7,21 +7,54 @@
 #include "sums.h"
 #include "writer_private.h"
 
+/* One pass over the records: what they say, and whether SHA256SUMS says the same. */
+struct opening {
+    struct ttf_writer *writer;
+    struct ttf_sums_compare sums;
+};
+
 static int learn_line(void *ctx, const struct ttf_line *line, struct ttf_err *err)
 {
-    return ttf_writer_learn(ctx, line, err);
+    struct opening *opening = ctx;
+    int r;
+
+    r = ttf_writer_learn(opening->writer, line, err);
+    return r || opening->writer->sealed ? r : ttf_sums_compare_line(&opening->sums, line, err);
 }
 
-static int open_records(struct ttf_writer *writer, struct ttf_lines_tail *tail, struct ttf_err *err)
+/* Whatever SHA256SUMS lists and no record names was committed and is lost. */
+static int end_compare(struct ttf_writer *writer, struct ttf_sums_compare *compare,
+                       enum ttf_sums_state *ret, struct ttf_err *err)
 {
-    char *path = ttf_path_format("%s/records.jsonl", writer->path);
+    char path[200];
     int r;
+
+    r = ttf_sums_compare_end(compare, ret, path, sizeof(path), err);
+    if (r || !ret || *ret != TTF_SUMS_AHEAD)
+        return r;
+    ttf_err_set(err, -TTF_EDAMAGED, writer->path,
+                "records.jsonl has lost lines: " TTF_SUMS_NAME " lists %s, which no record names",
+                path);
+    ttf_err_hint(err, "keep a copy of the folder; go on in a new dataset");
+    return -TTF_EDAMAGED;
+}
+
+static int open_records(struct ttf_writer *writer, struct ttf_lines_tail *tail,
+                        enum ttf_sums_state *sums, struct ttf_err *err)
+{
+    struct opening opening = {.writer = writer};
+    char *path = ttf_path_format("%s/records.jsonl", writer->path);
+    int r, compared;
 
     if (!path)
         return ttf_err_set(err, -ENOMEM, writer->path, "no memory");
-    r = ttf_lines_scan(writer->io, path, learn_line, NULL, writer, tail, err);
+    r = ttf_sums_compare_begin(&opening.sums, writer->io, writer->path, err);
+    if (r == 0)
+        r = ttf_lines_scan(writer->io, path, learn_line, NULL, &opening, tail, err);
     if (r == -ENOENT)
         r = ttf_err_set(err, -TTF_EDAMAGED, path, "is missing");
+    compared = end_compare(writer, &opening.sums, r || writer->sealed ? NULL : sums, err);
+    r = r ? r : compared;
     if (r == 0)
         r = ttf_jsonl_open(&writer->records, writer->io, path, tail, err);
     free(path);
@@ -51,6 +84,7 @@ static int open_events(struct ttf_writer *writer, struct ttf_lines_tail *tail, s
 static int open_all(struct ttf_writer *writer, struct ttf_err *err)
 {
     struct ttf_lines_tail records = {0}, events = {0};
+    enum ttf_sums_state sums = TTF_SUMS_SAME;
     int r;
 
     r = ttf_manifest_load(writer->io, writer->path, &writer->manifest, err);
@@ -59,13 +93,13 @@ static int open_all(struct ttf_writer *writer, struct ttf_err *err)
     r = ttf_writer_lock(writer, err);
     if (r)
         return r;
-    r = open_records(writer, &records, err);
+    r = ttf_sums_sealed(writer->io, writer->path, &writer->sealed, err);
+    if (r)
+        return r;
+    r = open_records(writer, &records, &sums, err);
     if (r)
         return r;
     r = open_events(writer, &events, err);
-    if (r)
-        return r;
-    r = ttf_sums_sealed(writer->io, writer->path, &writer->sealed, err);
     if (r)
         return r;
     writer->state.sealed = writer->sealed;
@@ -75,7 +109,7 @@ static int open_all(struct ttf_writer *writer, struct ttf_err *err)
                                "records.jsonl or events.jsonl changed after the seal");
         return 0; /* nothing is touched before the first write */
     }
-    r = ttf_writer_repair(writer, &records, &events, err);
+    r = ttf_writer_repair(writer, &records, &events, sums, err);
     if (r == 0)
         ttf_reserve_make(writer);
     return r;

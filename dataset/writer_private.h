@@ -4,6 +4,7 @@
 #define TTF_DATASET_WRITER_PRIVATE_H
 
 #include "jsonl.h"
+#include "sums.h"
 #include "ttf/dataset/writer.h"
 
 #define TTF_RESERVE_NAME  ".events-reserve"
@@ -47,7 +48,8 @@ bool ttf_reserve_use(struct ttf_writer *writer);
 
 /* Puts right what a crash left: temporary files, orphans, ends of lines, SHA256SUMS. */
 TTF_MUST_USE int ttf_writer_repair(struct ttf_writer *writer, const struct ttf_lines_tail *records,
-                                   const struct ttf_lines_tail *events, struct ttf_err *err);
+                                   const struct ttf_lines_tail *events, enum ttf_sums_state sums,
+                                   struct ttf_err *err);
 
 /* Writes plans/N.yaml and .json and puts their entries into json as "files". */
 TTF_MUST_USE int ttf_writer_plan_files(struct ttf_writer *writer, int n, const char *yaml,
