@@ -131,7 +131,7 @@ static int check_ranges(const char *prefix, const struct range *ranges, size_t n
 static int check_world(const struct ttf_sim_config *c, struct ttf_err *err)
 {
     const struct range ranges[] = {
-        {"start_utc_ns", (double)c->start_utc_ns, 0, 8e18},
+        {"start_utc_ns", (double)c->start_utc_ns, 0, 4e18},
         {"power_on_ns", (double)c->power_on_ns, 0, DAYS(36500)},
         {"outage_ns", (double)c->outage_ns, 0, DAYS(3650)},
         {"utc_back_ns", (double)c->utc_back_ns, 0, DAYS(3650)},
@@ -284,14 +284,26 @@ static bool lasting_at_random(const struct ttf_fault *fault)
     }
 }
 
+static double most_amount(enum ttf_fault_kind kind)
+{
+    switch (kind) {
+    case TTF_FAULT_FRAME_SHORT:
+    case TTF_FAULT_LAMP_FADING:
+        return TTF_LAMP_FULL;
+    case TTF_FAULT_CAMERA_HANG:
+        return 3;
+    case TTF_FAULT_WRONG_SETTINGS:
+        return 1e6;
+    default:
+        return 4e9;
+    }
+}
+
 static int check_fault(const struct ttf_sim_config *c, unsigned i, struct ttf_err *err)
 {
     const struct ttf_fault *fault = &c->faults[i];
     bool step = fault->kind == TTF_FAULT_CLOCK_STEP;
-    double most = fault->kind == TTF_FAULT_FRAME_SHORT || fault->kind == TTF_FAULT_LAMP_FADING
-                      ? 1000
-                  : fault->kind == TTF_FAULT_CAMERA_HANG ? 3
-                                                         : 4e9;
+    double most = most_amount(fault->kind);
     bool cut = fault->kind == TTF_FAULT_POWER_CUT && fault->rate_per_million == 0;
     char prefix[32];
     const struct range ranges[] = {

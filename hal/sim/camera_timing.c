@@ -56,9 +56,9 @@ int64_t camera_timing_first_ns(const struct camera_timing *t, int64_t phase_ns, 
     int64_t lead = (int64_t)(t->delay_frames > 0 ? t->delay_frames - 1 : 0) * t->period_ns;
     int64_t frame = camera_timing_frame_ns(t, exposure_ns);
     int64_t begin = grid_from(phase_ns, t->period_ns, now_ns + lead);
-    int64_t wanted = middle_ns - camera_timing_middle_ns(t, exposure_ns);
+    int64_t wanted = middle_ns > 0 ? middle_ns - camera_timing_middle_ns(t, exposure_ns) : 0;
 
-    if (middle_ns == 0 || wanted <= begin + frame)
+    if (wanted <= begin + frame)
         return begin + frame;
     if (t->steerable)
         return on_grid(t, begin + reachable(t, frame, wanted - begin));

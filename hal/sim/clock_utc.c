@@ -7,6 +7,8 @@
 
 #define RTC_UNCERTAINTY_NS TTF_NS_PER_S
 #define NTP_UNCERTAINTY_NS (10 * TTF_NS_PER_MS)
+/* However many steps: 60 years, so that UTC stays within its type. */
+#define STEPPED_MAX_S      (INT64_C(60) * 366 * 86400)
 
 int sim_utc_init(struct sim_utc *utc, const struct ttf_sim_config *config,
                  const struct sim_faults *faults)
@@ -65,6 +67,10 @@ int64_t sim_utc_stepped_ns(struct sim_utc *utc, int64_t boot_ns, bool since_boot
     }
     pthread_mutex_unlock(&utc->lock);
     *ret_count = count;
+    if (sum_s > STEPPED_MAX_S)
+        sum_s = STEPPED_MAX_S;
+    if (sum_s < -STEPPED_MAX_S)
+        sum_s = -STEPPED_MAX_S;
     return sum_s * TTF_NS_PER_S;
 }
 

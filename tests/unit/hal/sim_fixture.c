@@ -79,7 +79,7 @@ int sim_shoot(struct ttf_box *box, int64_t exposure_ns, int64_t middle_ns,
 
     if (r < 0)
         return r;
-    return ttf_camera_next(camera, (middle_ns > now ? middle_ns : now) + 3 * S, ret_frame, NULL);
+    return ttf_camera_next(camera, (middle_ns > now ? middle_ns : now) + 8 * S, ret_frame, NULL);
 }
 
 double sim_mean(struct ttf_box *box, struct ttf_frame *frame)

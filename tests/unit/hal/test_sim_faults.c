@@ -358,6 +358,30 @@ static void faults_at_random_strike_about_as_often_as_said_and_the_same_each_tim
     assert_int_equal(first[0], first[1]);
 }
 
+static void the_largest_amounts_do_not_run_over(void **state)
+{
+    struct ttf_sim_config c = sim_small();
+    struct ttf_frame *frame;
+    struct ttf_utc utc;
+    struct ttf_box box;
+
+    (void)state;
+    c.start_utc_ns = INT64_C(4000000000) * S;
+    for (int i = 0; i < 30; i++)
+        sim_add_fault(&c, TTF_FAULT_CLOCK_STEP, S, 0, INT64_C(4000000000), NULL);
+    sim_add_fault(&c, TTF_FAULT_WRONG_SETTINGS, S, TTF_NS_PER_DAY, 1000000, NULL);
+    sim_add_fault(&c, TTF_FAULT_POWER_CUT, 36500 * TTF_NS_PER_DAY, 0, INT64_C(4000000000), NULL);
+    box = sim_box(&c);
+    ttf_clock_utc(box.clock, &utc);
+    assert_true(utc.utc_ns > c.start_utc_ns);
+    assert_int_equal(sim_shoot(&box, 10 * S, 20 * S, &frame), 0);
+    assert_true(frame->settings.exposure_ns == 10 * S); /* the camera's longest */
+    ttf_camera_release(box.cameras[0].camera, frame);
+    assert_int_equal(sim_shoot(&box, INT64_MAX, TTF_NS_NEVER, &frame), -EINVAL);
+    assert_int_equal(sim_shoot(&box, INT64_MAX, TTF_NS_UNKNOWN, &frame), -ETIMEDOUT);
+    ttf_box_destroy(&box);
+}
+
 static void a_fault_about_something_that_is_not_there_is_refused(void **state)
 {
     struct ttf_sim_config c = sim_small();
@@ -391,6 +415,7 @@ int main(void)
         cmocka_unit_test(a_clock_step_moves_utc_and_not_the_boot_clock),
         cmocka_unit_test(the_door_opens_lets_light_in_and_darkens_the_lamps),
         cmocka_unit_test(faults_at_random_strike_about_as_often_as_said_and_the_same_each_time),
+        cmocka_unit_test(the_largest_amounts_do_not_run_over),
         cmocka_unit_test(a_fault_about_something_that_is_not_there_is_refused),
     };
 
