@@ -178,6 +178,25 @@ static void a_record_whose_sync_fails_is_written_as_a_new_file(void **state)
     assert_whole(path, false);
 }
 
+static void a_newline_that_found_no_room_comes_before_the_next_line(void **state)
+{
+    const char *path = in(*state, "d");
+    struct cue cue = {.error = ENOSPC, .op = "append", .in = "records.jsonl", .for_ever = true};
+    struct ttf_io *io = ttf_io_faulty_create(quick_io(), cue_fault, &cue);
+    struct ttf_writer *writer = small_create(io, path);
+
+    cue.at = cue.n + 2;
+    assert_int_equal(small_slot(writer, 0), 0);
+    assert_int_equal(small_check(quick_io(), path), 1); /* readers count it */
+    assert_int_equal(small_slot(writer, 1), -ENOSPC);
+    cue.at = 0;
+    assert_int_equal(small_slot(writer, 1), 0);
+    ttf_writer_close(writer);
+    ttf_io_faulty_destroy(io);
+    assert_int_equal(small_check(quick_io(), path), 2);
+    assert_int_equal(run("grep -c . '%s/records.jsonl' | grep -qx 4", path), 0);
+}
+
 static void order_of_a_commit(void **state)
 {
     char log[4096] = "";
@@ -411,6 +430,7 @@ int main(void)
         T(a_failed_sync_is_answered_with_a_new_name),
         T(after_two_failed_syncs_the_error_is_told),
         T(a_record_whose_sync_fails_is_written_as_a_new_file),
+        T(a_newline_that_found_no_room_comes_before_the_next_line),
         T(records_may_be_cut_off_at_every_byte),
         T(events_may_be_cut_off_at_every_byte),
         T(what_was_cut_off_is_set_aside_as_an_event),
