@@ -86,8 +86,8 @@ static int reopen(struct ttf_committer *c)
         c->writer = NULL;
         return r;
     }
-    for (unsigned i = 0; i < c->n_pending; i++)
-        drop_lost_files(c, &c->pending[i]->record);
+    for (struct ttf_slot_work *work = c->pending; work; work = work->next)
+        drop_lost_files(c, &work->record);
     return 0;
 }
 
@@ -136,20 +136,40 @@ static int write_record(struct ttf_committer *c, const struct ttf_slot_record *r
     return r;
 }
 
+static void drop_first(struct ttf_committer *c)
+{
+    struct ttf_slot_work *work = c->pending;
+
+    c->pending = work->next;
+    if (!c->pending)
+        c->pending_tail = NULL;
+    c->n_pending--;
+    ttf_slot_work_free(work);
+}
+
+static void append(struct ttf_committer *c, struct ttf_slot_work *work)
+{
+    work->next = NULL;
+    if (c->pending_tail)
+        c->pending_tail->next = work;
+    else
+        c->pending = work;
+    c->pending_tail = work;
+    c->n_pending++;
+}
+
 /* Writes the records that wait, oldest first. 0, or why the first of them could not be written. */
 static int flush(struct ttf_committer *c, struct ttf_err *err)
 {
-    while (c->n_pending > 0) {
-        struct ttf_slot_work *work = c->pending[0];
+    while (c->pending) {
+        struct ttf_slot_work *work = c->pending;
         int r = write_record(c, &work->record, err);
 
         if (r < 0)
             return r;
         if (ttf_ledger_add(&c->ledger, &work->record) == 0)
             acknowledge(c, work);
-        ttf_slot_work_free(work);
-        c->n_pending--;
-        memmove(&c->pending[0], &c->pending[1], c->n_pending * sizeof(c->pending[0]));
+        drop_first(c);
     }
     return 0;
 }
@@ -162,8 +182,10 @@ static int write_event(struct ttf_committer *c, const struct ttf_job *event)
                             NULL, NULL);
 }
 
-static void write_late_events(struct ttf_committer *c)
+static void write_late_lines(struct ttf_committer *c)
 {
+    if (c->has_segment && c->writer && ttf_writer_segment(c->writer, &c->segment, NULL) == 0)
+        c->has_segment = false;
     while (c->n_late > 0 && write_event(c, c->late[0]) == 0) {
         ttf_job_free(c->late[0]);
         c->n_late--;
@@ -179,7 +201,7 @@ static int catch_up(struct ttf_committer *c, struct ttf_err *err)
     if (r == 0)
         r = flush(c, err);
     if (r == 0)
-        write_late_events(c);
+        write_late_lines(c);
     return r;
 }
 
@@ -259,6 +281,17 @@ static void give_up(struct ttf_committer *c, int code, const struct ttf_err *err
     ttf_queue_tell_fatal(c->queue, told, err);
 }
 
+/* One more slot without a record: is this going to pass? */
+static bool lasting(struct ttf_committer *c)
+{
+    int64_t now = ttf_clock_now_ns(c->box->clock);
+
+    if (c->strikes++ == 0)
+        c->first_strike_ns = now;
+    return c->n_pending >= TTF_COMMIT_PENDING ||
+           (c->strikes >= TTF_COMMIT_STRIKES && now - c->first_strike_ns >= TTF_COMMIT_PATIENCE_NS);
+}
+
 static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
 {
     struct ttf_err err = {0};
@@ -267,23 +300,22 @@ static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
     ttf_ledger_judge(&work->record);
     if (work->record.n_images > 0)
         ttf_clock_charge(c->box->clock, TTF_WORK_COMMIT, 1);
-    if (power_lost(c) || c->n_pending == TTF_COMMIT_PENDING || ttf_queue_fatal(c->queue) < 0) {
+    if (power_lost(c) || ttf_queue_fatal(c->queue) < 0) {
         ttf_slot_work_free(work);
         return;
     }
-    c->pending[c->n_pending++] = work;
+    append(c, work);
     r = flush(c, &err);
     c->busy_since_ns = TTF_NS_UNKNOWN;
     if (r == 0) {
         c->strikes = 0;
-        write_late_events(c);
+        write_late_lines(c);
         look_at_space(c);
         return;
     }
     if (power_lost(c))
         return;
-    c->strikes++;
-    if (c->strikes >= TTF_COMMIT_STRIKES || r == -EROFS || r == -TTF_EDAMAGED)
+    if (lasting(c) || r == -EROFS || r == -TTF_EDAMAGED)
         give_up(c, r, &err);
 }
 
@@ -313,11 +345,10 @@ static void do_event(struct ttf_committer *c, const struct ttf_job *job)
 
 static void do_segment(struct ttf_committer *c, const struct ttf_job *job)
 {
-    struct ttf_err err = {0};
-
-    if (!c->writer || ttf_writer_segment(c->writer, &job->segment, &err) < 0)
-        ttf_events_emit(c->events, "disk", "a correction of UTC could not be written: %s",
-                        err.what);
+    if (c->writer && ttf_writer_segment(c->writer, &job->segment, NULL) == 0)
+        return;
+    c->segment = job->segment; /* the newest says all */
+    c->has_segment = true;
 }
 
 static void do_job(struct ttf_committer *c, struct ttf_job *job)
@@ -358,13 +389,13 @@ static void *run(void *arg)
         ttf_job_free(job);
     }
     /* The last chance of records that wait for their storage. */
-    if (!power_lost(c) && (c->n_pending > 0 || c->n_late > 0))
+    if (!power_lost(c) && (c->pending || c->n_late > 0 || c->has_segment))
         (void)catch_up(c, NULL);
-    for (unsigned i = 0; i < c->n_pending; i++)
-        ttf_slot_work_free(c->pending[i]);
+    while (c->pending)
+        drop_first(c);
     for (unsigned i = 0; i < c->n_late; i++)
         ttf_job_free(c->late[i]);
-    c->n_pending = c->n_late = 0;
+    c->n_late = 0;
     ttf_gate_open(c->queue->done);
     ttf_clock_leave(clock);
     return NULL;

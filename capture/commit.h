@@ -13,14 +13,15 @@
 #include "rehearsal.h"
 #include "ttf/capture/session.h"
 
-/* Slots on end whose record cannot be written before the run stops. */
-#define TTF_COMMIT_STRIKES 3
+/* The run stops when so many slots on end could not be recorded, over at least so long. */
+#define TTF_COMMIT_STRIKES     3
+#define TTF_COMMIT_PATIENCE_NS TTF_NS_PER_MIN
 
 /* Events that wait for it. */
 #define TTF_COMMIT_LATE_EVENTS 64
 
-/* Records that wait for a storage that is away; one more than strikes can bring. */
-#define TTF_COMMIT_PENDING 64
+/* Records that wait for a storage that is away: a minute's at ten a second, and some. */
+#define TTF_COMMIT_PENDING 1024
 
 struct ttf_committer {
     /* set before begin, borrowed */
@@ -37,11 +38,14 @@ struct ttf_committer {
     /* the committer's until join */
     struct ttf_writer *writer; /* NULL while the dataset cannot be opened; owned by the session */
     struct ttf_ledger ledger;
-    struct ttf_slot_work *pending[TTF_COMMIT_PENDING];
+    struct ttf_slot_work *pending, *pending_tail; /* records that could not be written yet */
     unsigned n_pending;
     struct ttf_job *late[TTF_COMMIT_LATE_EVENTS]; /* events that could not be written yet */
     unsigned n_late;
+    struct ttf_segment segment; /* a correction that could not be written yet, if has_segment */
+    bool has_segment;
     unsigned strikes;
+    int64_t first_strike_ns;
     bool disk_full;
     bool power_lost;
     int64_t busy_since_ns; /* first image of the slot under way; TTF_NS_UNKNOWN */

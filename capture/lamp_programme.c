@@ -29,6 +29,7 @@ int ttf_lamp_programme_init(struct ttf_lamp_programme *ret, const struct ttf_pla
     struct ttf_lamp_programme p = {
         .mode = plan->lamps,
         .n_lamps = lamps ? ttf_lamps_count(lamps) : 0,
+        .begin_ns = INT64_MIN,
         .zero_ns = zero_ns,
         .day_ns = plan->day_ns,
         .period_ns = plan->period_ns,
@@ -68,9 +69,9 @@ static int64_t in_period(const struct ttf_lamp_programme *p, int64_t t_ns)
 void ttf_lamp_programme_background(const struct ttf_lamp_programme *programme, int64_t t_ns,
                                    unsigned ret[TTF_LAMPS_MAX])
 {
-    bool lit =
-        programme->mode == TTF_LAMPS_CONTINUOUS || (programme->mode == TTF_LAMPS_PHOTOPERIOD &&
-                                                    in_period(programme, t_ns) < programme->day_ns);
+    bool lit = t_ns >= programme->begin_ns && (programme->mode == TTF_LAMPS_CONTINUOUS ||
+                                               (programme->mode == TTF_LAMPS_PHOTOPERIOD &&
+                                                in_period(programme, t_ns) < programme->day_ns));
 
     for (unsigned i = 0; i < TTF_LAMPS_MAX; i++)
         ret[i] = lit ? programme->day[i] : 0;
@@ -80,6 +81,8 @@ int64_t ttf_lamp_programme_next_change(const struct ttf_lamp_programme *programm
 {
     int64_t at;
 
+    if (t_ns < programme->begin_ns)
+        return programme->begin_ns;
     if (programme->mode != TTF_LAMPS_PHOTOPERIOD || programme->day_ns >= programme->period_ns ||
         programme->day_ns <= 0)
         return TTF_NS_NEVER;

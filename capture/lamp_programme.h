@@ -16,7 +16,8 @@ struct ttf_lamp_programme {
     unsigned n_lamps;
     unsigned shot[TTF_PLAN_SHOTS_MAX][TTF_LAMPS_MAX]; /* permille during each shot */
     unsigned day[TTF_LAMPS_MAX];                      /* between slots: continuous, or by day */
-    int64_t zero_ns; /* boot clock: where slot 0 is, or would have been, due */
+    int64_t begin_ns; /* boot clock: dark before it; the caller may set it after init */
+    int64_t zero_ns;  /* boot clock: where slot 0 is, or would have been, due */
     int64_t day_ns, period_ns, phase_ns;
 };
 

@@ -78,6 +78,16 @@ void ttf_queue_push(struct ttf_queue *queue, struct ttf_job *job)
     ttf_gate_open(queue->work);
 }
 
+unsigned ttf_queue_length(struct ttf_queue *queue)
+{
+    unsigned length;
+
+    pthread_mutex_lock(&queue->mutex);
+    length = queue->length;
+    pthread_mutex_unlock(&queue->mutex);
+    return length;
+}
+
 struct ttf_job *ttf_queue_pop(struct ttf_queue *queue)
 {
     for (;;) {

@@ -31,6 +31,7 @@ enum ttf_job_kind {
 
 /* One slot under way. The loop fills an image, then pushes it, and touches it no more. */
 struct ttf_slot_work {
+    struct ttf_slot_work *next; /* the committer's: among those that wait for their storage */
     struct ttf_slot_record record;
     int64_t begun_ns;  /* boot clock: the first lamp command */
     int64_t wakeup_ns; /* how late the loop woke; TTF_NS_UNKNOWN */
@@ -78,6 +79,9 @@ void ttf_slot_work_free(struct ttf_slot_work *work);
 
 /* Passes ownership of the job. An event into a crowded queue is dropped. Any thread. */
 void ttf_queue_push(struct ttf_queue *queue, struct ttf_job *job);
+
+/* How many jobs wait. Any thread. */
+unsigned ttf_queue_length(struct ttf_queue *queue);
 
 /* The oldest job; waits for it. Committer. */
 struct ttf_job *ttf_queue_pop(struct ttf_queue *queue);

@@ -16,6 +16,9 @@
 /* Between the slots of a rehearsal. */
 #define REHEARSAL_PAUSE_NS (500 * TTF_NS_PER_MS)
 
+/* A granted exposure this part off what was asked for is an event. */
+#define EXPOSURE_OFF_SHARE 100
+
 /* ---- setting up ---- */
 
 /* Finds or adds the camera a shot names, configured. Its index. */
@@ -116,6 +119,16 @@ static int set_up_darkrooms(struct ttf_session *s, struct ttf_err *err)
     return 0;
 }
 
+/* A camera that cannot do whole half-periods of the mains shows lamp ripple: somebody should know. */
+static void tell_exposure(struct ttf_session *s, int64_t asked_ns, int64_t granted_ns)
+{
+    int64_t off = granted_ns - asked_ns;
+
+    if (off > asked_ns / EXPOSURE_OFF_SHARE || -off > asked_ns / EXPOSURE_OFF_SHARE)
+        ttf_events_emit(&s->events, "camera", "%.3f ms were asked for, %.3f ms granted and locked",
+                        (double)asked_ns / 1e6, (double)granted_ns / 1e6);
+}
+
 /* Cameras streaming, every setting of the plan locked. */
 static int arm_cameras(struct ttf_session *s, struct ttf_err *err)
 {
@@ -136,6 +149,7 @@ static int arm_cameras(struct ttf_session *s, struct ttf_err *err)
 
             if (r < 0)
                 return r;
+            tell_exposure(s, asked.exposure_ns, s->locked[i][b].granted.exposure_ns);
         }
     }
     return 0;
@@ -287,6 +301,12 @@ static int read_digest(const struct ttf_session *s, char ret[65], struct ttf_err
     return r;
 }
 
+/* A box without power does nothing more, whatever else went wrong with it. */
+static bool power_lost(const struct ttf_session *s)
+{
+    return s->box->power_lost && s->box->power_lost(s->box->box_private);
+}
+
 static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_result *ret,
                           struct ttf_err *err)
 {
@@ -294,11 +314,11 @@ static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_resul
     bool complete = r == 0 && writer && s->config->rehearse <= 0 &&
                     ttf_writer_state(writer)->next_index >= s->plan.count;
 
-    if (r == -ESHUTDOWN) {
+    if (r == -ESHUTDOWN || power_lost(s)) {
         fill_result(s, ret);
         ttf_writer_abandon(writer);
         s->committer.writer = NULL;
-        return ttf_err_set(err, r, s->config->path, "the box lost power");
+        return -ESHUTDOWN;
     }
     if (complete && ttf_writer_state(writer)->sealed) {
         ret->sealed = true; /* it was complete before, and nothing was added */
@@ -341,6 +361,7 @@ static int armed(struct ttf_session *s, struct ttf_session_result *ret, struct t
     if (r == 0)
         r = ttf_lamp_programme_init(&s->programme, &s->plan, s->box->lamps,
                                     ttf_grid_due_ns(&s->grid, 0), err);
+    s->programme.begin_ns = ttf_grid_due_ns(&s->grid, 0) - s->lead_ns;
     if (r == 0)
         r = run(s, err);
     if (r == -ECANCELED)
@@ -406,6 +427,8 @@ int ttf_session_run(const struct ttf_session_config *config, struct ttf_session_
         s->lead_ns = ttf_slot_lead_ns(&s->plan, s->box);
         r = with_devices(s, ret, err);
     }
+    if (r < 0 && power_lost(s))
+        r = ttf_err_set(err, -ESHUTDOWN, config->path, "the box lost power");
     if (s->has_calibration)
         ttf_calibration_free(&s->calibration);
     ttf_clock_leave(s->box->clock);

@@ -30,6 +30,9 @@ int ttf_session_check_disk(struct ttf_session *s, struct ttf_err *err)
     struct ttf_clock *clock = s->config->skip_speed_check ? NULL : s->box->clock;
 
     /* An unattended run that goes on after a power cut is not refused for a disk that became tight. */
+    if (dataset_exists(s) && s->config->rehearse > 0)
+        return ttf_err_set(err, -EEXIST, s->config->path,
+                           "a rehearsal needs a folder of its own, not a dataset that is there");
     if (dataset_exists(s))
         return 0;
     return ttf_disk_budget_check(s->config->io, s->config->path, clock, &s->plan, &s->figures, NULL,

@@ -12,6 +12,8 @@
 /* A slot begun later than this part of its interval is missed rather than taken late. */
 #define LATE_SHARE 10
 
+#define RECORDS_WAITING_MAX 2048
+
 static int64_t now_ns(const struct ttf_session *s)
 {
     return ttf_clock_now_ns(s->box->clock);
@@ -61,10 +63,25 @@ static int hand_over(struct ttf_session *s, struct ttf_slot_work *work)
     return 0;
 }
 
+/* Thousands of lost slots must not fill the memory while the disk takes them one by one. */
+static int wait_for_committer(struct ttf_session *s)
+{
+    int r = 0;
+
+    while (r == 0 && ttf_queue_length(&s->queue) > RECORDS_WAITING_MAX)
+        r = ttf_pulse_wait(&s->pulse, now_ns(s) + 10 * TTF_NS_PER_MS, false);
+    return r;
+}
+
 int ttf_session_no_slot(struct ttf_session *s, int64_t index, enum ttf_result result,
                         const char *reason)
 {
-    struct ttf_slot_work *work = new_work(s, index);
+    struct ttf_slot_work *work;
+    int r = wait_for_committer(s);
+
+    if (r < 0)
+        return r;
+    work = new_work(s, index);
 
     if (!work)
         return -ENOMEM;

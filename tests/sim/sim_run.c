@@ -42,6 +42,23 @@ void sim_run_init(struct sim_run *run)
     snprintf(run->path, sizeof(run->path), "%s/dataset", run->folder);
 }
 
+/* The machine's files, on a disk that may say that it is full. */
+struct sim_disk {
+    struct ttf_io io;
+    struct ttf_io_ops ops;
+    struct sim_run *run;
+};
+
+static int disk_space(struct ttf_io *io, const char *path, struct ttf_io_space *ret)
+{
+    const struct sim_disk *disk = (const struct sim_disk *)io;
+    int r = ttf_io_posix()->ops->space(ttf_io_posix(), path, ret);
+
+    if (r == 0 && disk->run->free_bytes != 0)
+        ret->free_bytes = disk->run->free_bytes;
+    return r;
+}
+
 /* What a file operation meets in this box, at this moment. */
 static int storage_fault(void *ctx, const char *op, const char *path)
 {
@@ -89,11 +106,14 @@ static int run_session(struct sim_run *run, struct ttf_io *io)
 
 int sim_run_boot(struct sim_run *run)
 {
-    struct ttf_io *io = ttf_io_faulty_create(ttf_io_posix(), storage_fault, run);
+    struct sim_disk disk = {.ops = *ttf_io_posix()->ops, .run = run};
+    struct ttf_io *io = ttf_io_faulty_create(&disk.io, storage_fault, run);
     struct ttf_scene scene;
     struct ttf_box box;
 
     assert_non_null(io);
+    disk.io.ops = &disk.ops;
+    disk.ops.space = disk_space;
     memset(&run->err, 0, sizeof(run->err));
     assert_int_equal(
         ttf_scene_procedural(run->scene, run->config.seed, run->scene_span_ns, &scene, &run->err),

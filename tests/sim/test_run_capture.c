@@ -148,6 +148,43 @@ static void a_rehearsal_reports_and_seals_nothing(void **state)
     sim_run_finish(&run);
 }
 
+static void a_rehearsal_does_not_touch_a_dataset(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.count = 1;
+    assert_int_equal(sim_run_boot(&run), 0);
+    run.rehearse = 3;
+    assert_int_equal(sim_run_boot(&run), -EEXIST);
+    sim_run_expect(&run, "c");
+    sim_run_finish(&run);
+}
+
+static void a_capture_begins_when_it_is_told_to(void **state)
+{
+    struct sim_run run;
+    struct ttf_slot_record record;
+    struct ttf_reader *reader;
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.lamps = TTF_LAMPS_CONTINUOUS;
+    run.plan.start_utc_ns = run.config.start_utc_ns + TTF_NS_PER_H;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "cccccc");
+    sim_run_record(&run, 0, &record);
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), run.path, &reader, NULL), 0);
+    assert_in_range(ttf_reader_due_utc_ns(reader, &record) - run.plan.start_utc_ns + 1000, 0, 2000);
+    ttf_reader_close(reader);
+    /* The lamp was not burning for an hour before: it is still warming up. */
+    assert_true(record.images[0].shots[0].lamps[0].measured_permille < 950);
+    assert_true(record.images[0].shots[0].lamps[0].measured_permille > 500);
+    ttf_slot_record_free(&record);
+    sim_run_finish(&run);
+}
+
 static void a_capture_a_box_cannot_do_is_refused_before_it_begins(void **state)
 {
     struct sim_run run;
@@ -182,6 +219,8 @@ int main(void)
         cmocka_unit_test(a_finished_dataset_is_left_as_it_is),
         cmocka_unit_test(another_plan_s_streams_do_not_fit),
         cmocka_unit_test(a_rehearsal_reports_and_seals_nothing),
+        cmocka_unit_test(a_rehearsal_does_not_touch_a_dataset),
+        cmocka_unit_test(a_capture_begins_when_it_is_told_to),
         cmocka_unit_test(a_capture_a_box_cannot_do_is_refused_before_it_begins),
         cmocka_unit_test(a_full_disk_is_noticed_before_it_begins),
     };

@@ -310,6 +310,64 @@ static void a_disk_that_stays_full_ends_the_run_with_all_slots_safe(void **state
     sim_run_finish(&run);
 }
 
+/* Less room than the reserve while slots 2 and 3 are committed. */
+static void fill_and_empty(struct sim_run *run, const struct ttf_progress *progress)
+{
+    if (progress->kind == TTF_PROGRESS_SLOT)
+        run->free_bytes = progress->index == 1 || progress->index == 2 ? 1 << 20 : 1 << 30;
+}
+
+static void before_its_reserve_is_touched_capture_stops_and_goes_on_when_there_is_room(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.reserve_bytes = 8 << 20;
+    run.free_bytes = 1 << 30;
+    run.on_progress = fill_and_empty;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "ccmmcc");
+    sim_run_expect_reason(&run, 2, "disk full");
+    assert_int_equal(sim_run_events(&run, "disk", "less room"), 1);
+    assert_int_equal(sim_run_events(&run, "disk", "room again"), 1);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+static void one_operation_without_room_is_survived(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    one_fault(&run, TTF_FAULT_DISK_FULL, 0);
+    sim_run_expect(&run, "cccccc");
+    sim_run_finish(&run);
+}
+
+static void a_hiccup_of_seconds_does_not_end_a_fast_run(void **state)
+{
+    struct sim_run run;
+    char results[256];
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.lamps = TTF_LAMPS_CONTINUOUS;
+    run.plan.settle_ns = TTF_NS_PER_MS;
+    run.plan.interval_ns = 500 * TTF_NS_PER_MS;
+    run.plan.count = 100;
+    sim_run_fault(&run, TTF_FAULT_IO_ERROR, 20 * TTF_NS_PER_S)->duration_ns = 8 * TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_results(&run, results, sizeof(results));
+    assert_int_equal(strlen(results), 100);
+    assert_in_range(run.result.failed, 12, 20);
+    assert_int_equal(run.result.captured + run.result.failed + run.result.missed, 100);
+    /* What happened meanwhile was not forgotten. */
+    assert_true(sim_run_events(&run, "disk", NULL) > 0);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
 static void one_failed_file_operation_is_survived(void **state)
 {
     struct sim_run run;
@@ -438,6 +496,10 @@ int main(void)
         cmocka_unit_test(a_missing_temperature_turns_lamps_off_not_the_run),
         cmocka_unit_test(a_full_disk_costs_the_slots_it_lasts),
         cmocka_unit_test(a_disk_that_stays_full_ends_the_run_with_all_slots_safe),
+        cmocka_unit_test(
+            before_its_reserve_is_touched_capture_stops_and_goes_on_when_there_is_room),
+        cmocka_unit_test(one_operation_without_room_is_survived),
+        cmocka_unit_test(a_hiccup_of_seconds_does_not_end_a_fast_run),
         cmocka_unit_test(one_failed_file_operation_is_survived),
         cmocka_unit_test(files_that_cannot_be_written_cost_their_slot),
         cmocka_unit_test(now_and_then_a_file_operation_fails),

@@ -143,6 +143,43 @@ static void a_cut_at_any_moment_of_a_slot_loses_no_committed_frame(void **state)
     }
 }
 
+/* Before the first slot: while cameras are armed and the dataset is made. */
+static void a_cut_while_arming_leaves_nothing_that_hinders(void **state)
+{
+    (void)state;
+    for (int64_t at = 0; at < 16; at++) {
+        struct sim_run run;
+
+        sim_run_init(&run);
+        sim_run_fault(&run, TTF_FAULT_POWER_CUT, TTF_NS_PER_S + at * 40 * TTF_NS_PER_MS);
+        assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
+        run.config.power_on_ns = run.back_ns;
+        assert_int_equal(sim_run_boot(&run), 0);
+        assert_int_equal(run.result.slots, 6);
+        assert_true(run.result.captured >= 4);
+        sim_run_expect_whole(&run, true);
+        sim_run_finish(&run);
+    }
+}
+
+static void thousands_of_lost_slots_have_their_records(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.lamps = TTF_LAMPS_CONTINUOUS;
+    run.plan.settle_ns = TTF_NS_PER_MS;
+    run.plan.interval_ns = TTF_NS_PER_S;
+    run.plan.count = 2700;
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 20 * TTF_NS_PER_S)->amount = 2600;
+    assert_int_equal(sim_run_through_cuts(&run), 0);
+    assert_int_equal(run.result.slots, 2700);
+    assert_in_range(run.result.power, 2590, 2610);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
 static void cuts_in_a_row_are_survived(void **state)
 {
     struct sim_run run;
@@ -172,6 +209,8 @@ int main(void)
         cmocka_unit_test(a_gap_is_measured_once_the_clock_is_trusted_again),
         cmocka_unit_test(an_outage_past_the_end_names_every_slot),
         cmocka_unit_test(a_cut_at_any_moment_of_a_slot_loses_no_committed_frame),
+        cmocka_unit_test(a_cut_while_arming_leaves_nothing_that_hinders),
+        cmocka_unit_test(thousands_of_lost_slots_have_their_records),
         cmocka_unit_test(cuts_in_a_row_are_survived),
     };
 
