@@ -19,9 +19,10 @@ step() { # NAME COMMAND...
 format() { git ls-files -z '*.c' '*.h' | xargs -0 clang-format --style=file --dry-run -Werror; }
 
 tidy() {
+    # One file at a time: clang-tidy 14 finds uninitialised va_lists that are not there when given several.
     # Of a finding, the line that names it: the analyzer's paths are for whoever runs it on that file.
     git ls-files -z '*.c' | grep -zv '^tests/fuzz/' |
-        xargs -0 -n 4 -P "$(nproc)" clang-tidy -p build --quiet >build/tidy.log 2>&1
+        xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build --quiet >build/tidy.log 2>&1
     local status=$?
     grep -E '(warning|error):' build/tidy.log
     return "$status"
