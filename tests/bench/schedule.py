@@ -48,7 +48,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("ttfbox")
     parser.add_argument("--slots", type=int, default=1000)
-    parser.add_argument("--interval-ms", type=int, default=100)
+    parser.add_argument("--interval-ms", type=int, default=300)
     parser.add_argument("--board", required=True, help="a simulated board on the machine's own clock")
     args = parser.parse_args()
     if not shutil.which("cyclictest"):
