@@ -296,6 +296,24 @@ static void a_slot_comes_back_whole(void **state)
     assert_string_equal(image->shots[1].refused, "missing");
     assert_int_equal(image->files[0].bytes, INT64_C(25000000000));
     assert_true(image->mean_level == 0.1 + 0.2 && image->reference_level == 0.0);
+    assert_true(image->sharpness == 1e-7 && image->relative_exposure == 0.25);
+    assert_string_equal(image->stream, "main");
+    assert_string_equal(image->calibration, "cal-a");
+    assert_string_equal(image->files[0].role, "raw");
+    assert_string_equal(image->files[0].path, "raw/main/1234567.b1.dng");
+    assert_string_equal(image->files[0].sha256, record.images[0].files[0].sha256);
+    assert_int_equal(image->n_averaged, 1);
+    assert_int_equal(image->n_shots, 2);
+    assert_memory_equal(&image->shots[0].asked, &record.images[0].shots[0].asked,
+                        sizeof(struct ttf_exposure));
+    assert_int_equal(image->shots[0].start_ns, record.images[0].shots[0].start_ns);
+    assert_int_equal(image->shots[0].end_ns, record.images[0].shots[0].end_ns);
+    assert_int_equal(image->shots[0].n_lamps, 2);
+    assert_string_equal(image->shots[0].lamps[0].name, "left");
+    assert_int_equal(image->shots[0].lamps[0].commanded_permille, 1000);
+    assert_string_equal(back.sensors[1].name, "hum");
+    assert_string_equal(back.sensors[0].kind, "temp_mdegc");
+    assert_int_equal(back.due_ns, record.due_ns);
     assert_string_equal(image->flags, "saturated,wrong-settings");
     assert_int_equal(back.images[1].bracket, -1);
     assert_true(isnan(back.images[1].mean_level));

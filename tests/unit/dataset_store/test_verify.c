@@ -166,6 +166,34 @@ static void a_wrong_line_is_named_and_the_rest_still_checked(void **state)
     assert_non_null(strstr(err.where, "records.jsonl:4"));
 }
 
+static void a_frame_that_the_seal_leaves_out_is_damage(void **state)
+{
+    const char *path = sealed_dataset(state);
+    struct ttf_verify_report report;
+
+    assert_int_equal(run("sed -i /000001.tif/d '%s/SHA256SUMS'", path), 0);
+    report = verified(path);
+    assert_true(
+        found(&report, TTF_FINDING_DAMAGE, "frames/main/000001.tif", 1, "not covered by the seal"));
+    ttf_verify_report_free(&report);
+}
+
+static void a_frame_that_is_gone_when_sealing_is_missed(void **state)
+{
+    const char *path = running_dataset(state);
+    struct ttf_verify_report report;
+    struct ttf_writer *writer;
+
+    assert_int_equal(unlink(in(path, "frames/main/000001.tif")), 0);
+    assert_int_equal(ttf_writer_open(ttf_io_posix(), path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+    ttf_writer_close(writer);
+    assert_int_not_equal(sha256sum_check(path), 0);
+    report = verified(path);
+    assert_true(found(&report, TTF_FINDING_DAMAGE, "frames/main/000001.tif", 1, "missing"));
+    ttf_verify_report_free(&report);
+}
+
 static void a_lost_line_is_damage(void **state)
 {
     const char *path = running_dataset(state);
@@ -255,6 +283,8 @@ int main(void)
         T(the_changed_file_and_its_slot_are_named),
         T(every_flipped_bit_of_a_sealed_dataset_is_found),
         T(a_wrong_line_is_named_and_the_rest_still_checked),
+        T(a_frame_that_the_seal_leaves_out_is_damage),
+        T(a_frame_that_is_gone_when_sealing_is_missed),
         T(a_lost_line_is_damage),
         T(lost_last_lines_are_damage_because_sha256sums_remembers),
         T(what_a_crash_leaves_is_no_damage),

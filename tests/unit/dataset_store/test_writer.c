@@ -48,6 +48,31 @@ static void what_is_written_is_read_back(void **state)
     ttf_reader_close(reader);
 }
 
+/* Completes its first bytes last, as TIFF writers do. */
+static int produce_backwards(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
+{
+    int r = ttf_io_pwrite_all(io, file, "rest", 4, 4);
+
+    return r ? r : ttf_io_pwrite_all(io, file, "head", 4, 0);
+}
+
+static void a_file_written_back_and_forth_has_its_right_hash(void **state)
+{
+    const char *path = in(*state, "d");
+    struct ttf_writer *writer = small_create(ttf_io_posix(), path);
+    struct ttf_file_ref ref;
+    char hex[65];
+
+    assert_int_equal(ttf_writer_file(writer, "mask", "main", 1000000, 2, "tif", produce_backwards,
+                                     NULL, &ref, NULL),
+                     0);
+    assert_string_equal(ref.path, "frames/main/1000000.b2.mask.tif");
+    assert_int_equal(ref.bytes, 8);
+    assert_int_equal(ttf_sha256_file(ttf_io_posix(), in(path, "%s", ref.path), NULL, hex, NULL), 0);
+    assert_string_equal(ref.sha256, hex);
+    ttf_writer_close(writer);
+}
+
 static void a_name_that_is_no_name_is_refused(void **state)
 {
     struct ttf_manifest manifest;
@@ -207,6 +232,7 @@ int main(void)
 #define T(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
     const struct CMUnitTest tests[] = {
         T(what_is_written_is_read_back),
+        T(a_file_written_back_and_forth_has_its_right_hash),
         T(a_name_that_is_no_name_is_refused),
         T(an_existing_dataset_is_not_written_over),
         T(two_writers_at_once_are_kept_apart),
