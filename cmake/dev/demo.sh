@@ -35,12 +35,12 @@ run verify "$out/grass"
 say "What it is"
 run info "$out/grass"
 say "To look at"
-run export "$out/grass" --to sheet -o "$out/grass-sheet.png"
+run export "$out/grass" --to sheet --frames 8 --columns 4 -o "$out/grass-sheet.png"
 run export "$out/grass" --to mp4 -o "$out/grass.mp4"
 say "A larger lawn, grown from the week"
-run synth quilt "$out/grass" --size 768x576 --block 48x96 --seed 7 --check -o "$out/lawn"
+run synth quilt "$out/grass" --size 768x576 --block 64x128 --seed 4 --check -o "$out/lawn"
 run export "$out/lawn" --to mp4 -o "$out/lawn.mp4"
-run export "$out/lawn" --to sheet -o "$out/lawn-sheet.png"
+run export "$out/lawn" --to sheet --frames 8 --columns 4 -o "$out/lawn-sheet.png"
 
 cat <<END
 
