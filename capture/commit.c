@@ -189,7 +189,7 @@ static void write_late_lines(struct ttf_committer *c)
     while (c->n_late > 0 && write_event(c, c->late[0]) == 0) {
         ttf_job_free(c->late[0]);
         c->n_late--;
-        memmove(&c->late[0], &c->late[1], c->n_late * sizeof(c->late[0]));
+        memmove(&c->late[0], &c->late[1], c->n_late * sizeof(struct ttf_job *));
     }
 }
 

@@ -119,7 +119,7 @@ int ttf_disk_budget_check(struct ttf_io *io, const char *path, struct ttf_clock 
                           struct ttf_disk_figures *ret, struct ttf_err *err)
 {
     struct ttf_disk_figures d = {0};
-    struct ttf_io_space space;
+    struct ttf_io_space space = {0};
     char folder[PATH_BYTES];
     int r = existing_folder(io, path, folder, sizeof(folder));
 

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "frame_check.h"
 
-#include <stdbool.h>
-
 #include "exposure.h"
 
-static bool format_equal(const struct ttf_frame_format *a, const struct ttf_frame_format *b)
+bool ttf_frame_format_equal(const struct ttf_frame_format *a, const struct ttf_frame_format *b)
 {
     return a->width == b->width && a->height == b->height && a->packing == b->packing &&
            a->cfa == b->cfa && a->bits == b->bits && a->black_level == b->black_level &&
@@ -17,7 +15,7 @@ const char *ttf_frame_refused(const struct ttf_frame *frame, const struct ttf_fr
 {
     if (frame->flags & TTF_FRAME_ERROR)
         return TTF_REFUSED_CORRUPT;
-    if (!format_equal(&frame->format, format))
+    if (!ttf_frame_format_equal(&frame->format, format))
         return TTF_REFUSED_FORMAT;
     if ((frame->flags & TTF_FRAME_SHORT) || !frame->data ||
         frame->bytes < (size_t)frame->format.height * frame->format.stride)

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "frame_check.h"
+
 int ttf_queue_init(struct ttf_queue *queue, struct ttf_clock *clock)
 {
     memset(queue, 0, sizeof(*queue));
@@ -113,7 +115,7 @@ struct ttf_job *ttf_queue_pop(struct ttf_queue *queue)
 
 static bool fits(const struct ttf_raw_sum *raw, const struct ttf_frame_format *format)
 {
-    return raw->sum && memcmp(&raw->format, format, sizeof(*format)) == 0;
+    return raw->sum && ttf_frame_format_equal(&raw->format, format);
 }
 
 int ttf_queue_take_raw(struct ttf_queue *queue, const struct ttf_frame_format *format,

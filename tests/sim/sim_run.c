@@ -4,7 +4,6 @@
 #include "cmocka_includes.h"
 
 #include <errno.h>
-#include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -150,20 +149,19 @@ struct ttf_fault *sim_run_fault(struct sim_run *run, enum ttf_fault_kind kind, i
     return fault;
 }
 
-static int remove_entry(const char *path, const struct stat *st, int kind, struct FTW *at)
+static int remove_entry(void *ctx, const char *name, bool is_dir)
 {
-    (void)st;
-    (void)kind;
-    (void)at;
-    return remove(path);
+    char path[512];
+
+    snprintf(path, sizeof(path), "%s/%s", (const char *)ctx, name);
+    if (is_dir)
+        (void)ttf_io_posix()->ops->list(ttf_io_posix(), path, remove_entry, path);
+    return ttf_io_posix()->ops->unlink(ttf_io_posix(), path);
 }
 
 void sim_run_finish(struct sim_run *run)
 {
-    if (getenv("TTF_KEEP"))
-        print_message("kept: %s\n", run->folder);
-    else
-        nftw(run->folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+    (void)remove_entry((void *)(uintptr_t) "/tmp", strrchr(run->folder, '/') + 1, true);
 }
 
 static struct ttf_reader *open_reader(const struct sim_run *run)

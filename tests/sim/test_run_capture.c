@@ -103,7 +103,7 @@ static void a_finished_dataset_is_left_as_it_is(void **state)
     sim_run_init(&run);
     run.plan.count = 2;
     assert_int_equal(sim_run_boot(&run), 0);
-    strcpy(digest, run.result.digest);
+    snprintf(digest, sizeof(digest), "%s", run.result.digest);
     run.config.power_on_ns = run.ended_ns + TTF_NS_PER_H;
     assert_int_equal(sim_run_boot(&run), 0);
     assert_true(run.result.sealed);

@@ -137,7 +137,7 @@ static void expect_whole_so_far(struct sim_run *run)
 
 static void killed_thirty_times_nothing_committed_is_lost(void **state)
 {
-    const char *given = getenv("TTF_SEED");
+    const char *given = getenv("TTF_SEED"); /* NOLINT(concurrency-mt-unsafe): before any thread */
     uint64_t seed = given ? strtoull(given, NULL, 0) : 20260726;
     uint64_t x = seed * UINT64_C(0x9e3779b97f4a7c15) + 1;
     struct ttf_clock *clock = ttf_clock_real_create();

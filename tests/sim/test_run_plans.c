@@ -11,7 +11,7 @@
 
 static void light(struct ttf_plan_shot *shot, const char *lamp, unsigned permille)
 {
-    strcpy(shot->levels[shot->n_levels].lamp, lamp);
+    snprintf(shot->levels[shot->n_levels].lamp, sizeof(shot->levels[0].lamp), "%s", lamp);
     shot->levels[shot->n_levels++].permille = permille;
 }
 
