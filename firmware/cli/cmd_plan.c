@@ -147,8 +147,12 @@ static int check(struct cli *cli, struct check *c, const struct ttf_board *board
         c->clock = ttf_clock_real_create();
         r = ttf_disk_budget_check(cli->io, cli->opt.output, c->clock, plan, &c->figures, &c->disk,
                                   &cli->err);
-        /* Too small a disk is a plan that does not fit: wrong input. */
-        r = r == -ENOSPC ? -EINVAL : r;
+        /* A disk too small is a plan too long: wrong input, at the line that says how long. */
+        if (r == -ENOSPC) {
+            ttf_err_prefix(&cli->err, "%s", cli->opt.output);
+            (void)snprintf(cli->err.where, sizeof cli->err.where, "count");
+            r = -EINVAL;
+        }
     }
     if (r < 0)
         ttf_plan_file_place(c->file, &cli->err);

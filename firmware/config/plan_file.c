@@ -337,16 +337,26 @@ int ttf_plan_file_resolve(struct ttf_plan_file *file, int64_t now_utc_ns, struct
     return r < 0 ? -EINVAL : 0;
 }
 
+/* Whether a path as "shots[1].exposure" begins with a key of plans: other errors name files. */
+static bool is_plan_field(const char *path)
+{
+    size_t n = strcspn(path, ".[");
+
+    for (const struct cfg_field *f = PLAN; f->key; f++)
+        if (strlen(f->key) == n && strncmp(f->key, path, n) == 0)
+            return true;
+    return false;
+}
+
 void ttf_plan_file_place(const struct ttf_plan_file *file, struct ttf_err *err)
 {
     const struct yaml_node *node;
     char field[256];
 
-    if (!err || (err->where[0] == '/' || strchr(err->where, ':')))
+    if (!err || !is_plan_field(err->where))
         return;
     snprintf(field, sizeof field, "%s", err->where);
     node = yaml_locate(&file->tree, field);
     snprintf(err->where, sizeof err->where, "%.200s:%u:%u", node->file, node->line, node->col);
-    if (*field)
-        ttf_err_prefix(err, "%s", field);
+    ttf_err_prefix(err, "%s", field);
 }

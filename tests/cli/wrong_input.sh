@@ -43,7 +43,7 @@ expect 2 "$TTFBOX" plan check fast.yaml
 said err "fast.yaml:1:11: interval"
 plan huge.yaml "interval: 10min" "count: 1000000" "keep: both" "reserve: 900TB"
 expect 2 "$TTFBOX" plan check huge.yaml -o here/later
-said err "huge.yaml:"
+said err "huge.yaml:2:8: count: here/later"
 
 # ---- options ----
 plan ok.yaml "interval: 10min" "count: 3"

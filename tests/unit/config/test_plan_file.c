@@ -356,6 +356,25 @@ static void an_exposure_beyond_the_interval_is_named_with_its_line(void **state)
     assert_true(*err.what != '\0');
 }
 
+static void an_error_about_a_file_is_left_as_it_is(void **state)
+{
+    struct ttf_plan_file *file = parse("interval: 1s\ncount: 5\nshot:\n  exposure: 3ms\n");
+    struct ttf_err err;
+
+    (void)state;
+    ttf_err_set(&err, -EINVAL, "grass", "is another plan's");
+    ttf_plan_file_place(file, &err);
+    assert_string_equal(err.where, "grass");
+    ttf_err_set(&err, -EINVAL, "shots[0].exposure", "is too long");
+    ttf_plan_file_place(file, &err);
+    assert_string_equal(err.where, "p.yaml:4:13");
+    assert_string_equal(err.what, "shots[0].exposure: is too long");
+    ttf_err_set(&err, -EINVAL, "lamps.settle", "is too long");
+    ttf_plan_file_place(file, &err);
+    assert_string_equal(err.where, "p.yaml:1:1");
+    ttf_plan_file_free(file);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -369,6 +388,7 @@ int main(void)
         cmocka_unit_test(a_lamp_beyond_its_duty_is_named_with_its_line),
         cmocka_unit_test(a_lamp_that_the_box_lacks_is_named_with_its_line),
         cmocka_unit_test(an_exposure_beyond_the_interval_is_named_with_its_line),
+        cmocka_unit_test(an_error_about_a_file_is_left_as_it_is),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
