@@ -2,18 +2,12 @@
 #include "commit.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "commit_storage.h"
 #include "image_flags.h"
-
-static bool power_lost(struct ttf_committer *c)
-{
-    if (!c->power_lost && c->box->power_lost)
-        c->power_lost = c->box->power_lost(c->box->box_private) != 0;
-    return c->power_lost;
-}
-
 void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progress *progress)
 {
     if (!committer->progress)
@@ -23,7 +17,7 @@ void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progre
     pthread_mutex_unlock(&committer->progress_mutex);
 }
 
-/* ---- storage that fails ---- */
+/* ---- room on the disk ---- */
 
 static const char *storage_reason(int r)
 {
@@ -50,161 +44,6 @@ static void look_at_space(struct ttf_committer *c)
     note_disk(c, space.free_bytes < c->reserve_bytes + c->slot_bytes);
 }
 
-/* Image files that opening the dataset anew may have cleared away are taken from a record not yet written. */
-static void drop_lost_files(struct ttf_committer *c, struct ttf_slot_record *record)
-{
-    char path[4096];
-
-    for (unsigned i = 0; i < record->n_images; i++) {
-        struct ttf_image *image = &record->images[i];
-        unsigned kept = 0;
-
-        for (unsigned f = 0; f < image->n_files; f++) {
-            struct ttf_io_stat st;
-
-            snprintf(path, sizeof(path), "%s/%s", c->path, image->files[f].path);
-            if (c->io->ops->stat(c->io, path, &st) == 0 && st.bytes == image->files[f].bytes)
-                image->files[kept++] = image->files[f];
-        }
-        if (image->n_files > 0 && kept == 0)
-            snprintf(image->lacking, sizeof(image->lacking), "%s", TTF_REASON_IO_ERROR);
-        image->n_files = kept;
-    }
-    ttf_ledger_judge(record);
-}
-
-/* After a write that failed nobody knows what is on the disk: open it anew, which repairs what it must. */
-static int reopen(struct ttf_committer *c)
-{
-    struct ttf_err err = {0};
-    int r;
-
-    ttf_writer_abandon(c->writer);
-    c->writer = NULL;
-    r = ttf_writer_open(c->io, c->path, &c->writer, &err);
-    if (r < 0) {
-        c->writer = NULL;
-        return r;
-    }
-    for (struct ttf_slot_work *work = c->pending; work; work = work->next)
-        drop_lost_files(c, &work->record);
-    return 0;
-}
-
-/* ---- records ---- */
-
-static void acknowledge(struct ttf_committer *c, const struct ttf_slot_work *work)
-{
-    const struct ttf_slot_record *record = &work->record;
-    int64_t now = ttf_clock_now_ns(c->box->clock);
-    struct ttf_progress p = {
-        .kind = TTF_PROGRESS_SLOT,
-        .index = record->index,
-        .total = c->total,
-        .result = (int)record->result,
-        .text = record->reason,
-        .now_ns = now,
-        .error_ns = record->middle_ns == TTF_NS_UNKNOWN ? TTF_NS_UNKNOWN
-                                                        : record->middle_ns - record->due_ns,
-        .wakeup_ns = work->wakeup_ns,
-    };
-
-    if (work->wakeup_ns != TTF_NS_UNKNOWN)
-        ttf_quantile_add(&c->ledger.wakeup, work->wakeup_ns);
-    if (c->rehearsal && c->busy_since_ns != TTF_NS_UNKNOWN)
-        ttf_rehearsal_slot(c->rehearsal, record, now - work->begun_ns, now - c->busy_since_ns);
-    ttf_committer_tell(c, &p);
-}
-
-/* Writes one record. 0 once it is on the disk. */
-static int write_record(struct ttf_committer *c, const struct ttf_slot_record *record,
-                        struct ttf_err *err)
-{
-    int r = c->writer ? ttf_writer_commit(c->writer, record, err) : -EIO;
-
-    if (r == 0 || power_lost(c))
-        return r;
-    r = reopen(c);
-    if (r < 0)
-        return ttf_err_set(err, r, c->path, "the dataset cannot be opened anew");
-    if (ttf_writer_state(c->writer)->next_index > record->index)
-        return 0; /* it had got there after all */
-    r = ttf_writer_commit(c->writer, record, err);
-    if (r == 0)
-        ttf_events_emit(c->events, "retry", "record of slot %lld needed a second try",
-                        (long long)record->index);
-    return r;
-}
-
-static void drop_first(struct ttf_committer *c)
-{
-    struct ttf_slot_work *work = c->pending;
-
-    c->pending = work->next;
-    if (!c->pending)
-        c->pending_tail = NULL;
-    c->n_pending--;
-    ttf_slot_work_free(work);
-}
-
-static void append(struct ttf_committer *c, struct ttf_slot_work *work)
-{
-    work->next = NULL;
-    if (c->pending_tail)
-        c->pending_tail->next = work;
-    else
-        c->pending = work;
-    c->pending_tail = work;
-    c->n_pending++;
-}
-
-/* Writes the records that wait, oldest first. 0, or why the first of them could not be written. */
-static int flush(struct ttf_committer *c, struct ttf_err *err)
-{
-    while (c->pending) {
-        struct ttf_slot_work *work = c->pending;
-        int r = write_record(c, &work->record, err);
-
-        if (r < 0)
-            return r;
-        if (ttf_ledger_add(&c->ledger, &work->record) == 0)
-            acknowledge(c, work);
-        drop_first(c);
-    }
-    return 0;
-}
-
-static int write_event(struct ttf_committer *c, const struct ttf_job *event)
-{
-    if (!c->writer)
-        return -EIO;
-    return ttf_writer_event(c->writer, event->event, event->at_ns, event->at_utc_ns, event->text,
-                            NULL, NULL);
-}
-
-static void write_late_lines(struct ttf_committer *c)
-{
-    if (c->has_segment && c->writer && ttf_writer_segment(c->writer, &c->segment, NULL) == 0)
-        c->has_segment = false;
-    while (c->n_late > 0 && write_event(c, c->late[0]) == 0) {
-        ttf_job_free(c->late[0]);
-        c->n_late--;
-        memmove(&c->late[0], &c->late[1], c->n_late * sizeof(struct ttf_job *));
-    }
-}
-
-/* What waits for a storage that was away. 0 once all records are written. */
-static int catch_up(struct ttf_committer *c, struct ttf_err *err)
-{
-    int r = c->writer ? 0 : reopen(c);
-
-    if (r == 0)
-        r = flush(c, err);
-    if (r == 0)
-        write_late_lines(c);
-    return r;
-}
-
 /* ---- images ---- */
 
 /* Writes one file; an error that may pass is tried once more. */
@@ -217,7 +56,7 @@ static int print_file(struct ttf_committer *c, struct ttf_darkroom *room, const 
     if (!c->writer)
         return -EIO;
     r = ttf_darkroom_print(room, c->writer, role, print, &err);
-    if (r == 0 || r == -ENOSPC || r == -EROFS || power_lost(c))
+    if (r == 0 || r == -ENOSPC || r == -EROFS || ttf_committer_power_lost(c))
         return r;
     ttf_events_emit(c->events, "retry", "%s file of slot %lld is written again: %s", role,
                     (long long)print->index, err.what);
@@ -239,9 +78,9 @@ static void print_image(struct ttf_committer *c, const struct ttf_job *job)
     ttf_darkroom_reference(room, &print);
     if (room->keep != TTF_KEEP_DEVELOPED)
         raw = print_file(c, room, "raw", &print);
-    if (room->keep != TTF_KEEP_RAW && !power_lost(c))
+    if (room->keep != TTF_KEEP_RAW && !ttf_committer_power_lost(c))
         developed = print_file(c, room, "developed", &print);
-    if (power_lost(c))
+    if (ttf_committer_power_lost(c))
         return;
     /* What one file holds is not lost with the other: from the raw the developed one can be made again. */
     if (image->n_files == 0)
@@ -261,9 +100,10 @@ static void do_image(struct ttf_committer *c, struct ttf_job *job)
     if (c->busy_since_ns == TTF_NS_UNKNOWN)
         c->busy_since_ns = ttf_clock_now_ns(c->box->clock);
     ttf_clock_charge(c->box->clock, TTF_WORK_DEVELOP, 1);
-    if (!power_lost(c)) {
+    if (!ttf_committer_power_lost(c)) {
         if (!c->writer)
-            (void)catch_up(c, NULL); /* the image itself will tell whether it helped */
+            (void)ttf_committer_catch_up(c,
+                                         NULL); /* the image itself will tell whether it helped */
         print_image(c, job);
         if (c->rehearsal)
             ttf_rehearsal_image(c->rehearsal, job->shot, job->raw,
@@ -300,20 +140,20 @@ static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
     ttf_ledger_judge(&work->record);
     if (work->record.n_images > 0)
         ttf_clock_charge(c->box->clock, TTF_WORK_COMMIT, 1);
-    if (power_lost(c) || ttf_queue_fatal(c->queue) < 0) {
+    if (ttf_committer_power_lost(c) || ttf_queue_fatal(c->queue) < 0) {
         ttf_slot_work_free(work);
         return;
     }
-    append(c, work);
-    r = flush(c, &err);
+    ttf_committer_keep(c, work);
+    r = ttf_committer_flush(c, &err);
     c->busy_since_ns = TTF_NS_UNKNOWN;
     if (r == 0) {
         c->strikes = 0;
-        write_late_lines(c);
+        ttf_committer_write_late(c);
         look_at_space(c);
         return;
     }
-    if (power_lost(c))
+    if (ttf_committer_power_lost(c))
         return;
     if (lasting(c) || r == -EROFS || r == -TTF_EDAMAGED)
         give_up(c, r, &err);
@@ -332,7 +172,8 @@ static void do_event(struct ttf_committer *c, const struct ttf_job *job)
                              .wakeup_ns = TTF_NS_UNKNOWN};
 
     /* In order: one that cannot be written now waits, and those after it. */
-    if ((c->n_late > 0 || write_event(c, job) < 0) && c->n_late < TTF_COMMIT_LATE_EVENTS) {
+    if ((c->n_late > 0 || ttf_committer_write_event(c, job) < 0) &&
+        c->n_late < TTF_COMMIT_LATE_EVENTS) {
         struct ttf_job *copy = ttf_job_new(TTF_JOB_EVENT);
 
         if (copy) {
@@ -353,7 +194,7 @@ static void do_segment(struct ttf_committer *c, const struct ttf_job *job)
 
 static void do_job(struct ttf_committer *c, struct ttf_job *job)
 {
-    bool dark = power_lost(c);
+    bool dark = ttf_committer_power_lost(c);
 
     switch (job->kind) {
     case TTF_JOB_IMAGE:
@@ -389,10 +230,10 @@ static void *run(void *arg)
         ttf_job_free(job);
     }
     /* The last chance of records that wait for their storage. */
-    if (!power_lost(c) && (c->pending || c->n_late > 0 || c->has_segment))
-        (void)catch_up(c, NULL);
+    if (!ttf_committer_power_lost(c) && (c->pending || c->n_late > 0 || c->has_segment))
+        (void)ttf_committer_catch_up(c, NULL);
     while (c->pending)
-        drop_first(c);
+        ttf_committer_drop_first(c);
     for (unsigned i = 0; i < c->n_late; i++)
         ttf_job_free(c->late[i]);
     c->n_late = 0;
@@ -403,13 +244,19 @@ static void *run(void *arg)
 
 int ttf_committer_begin(struct ttf_committer *committer)
 {
+    sigset_t all;
+    sigset_t before;
     int r;
 
     committer->busy_since_ns = TTF_NS_UNKNOWN;
     if (pthread_mutex_init(&committer->progress_mutex, NULL))
         return -ENOMEM;
     ttf_clock_join_for(committer->box->clock);
+    /* Signals are for the program's own threads; here they would only interrupt writing. */
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
     r = pthread_create(&committer->thread, NULL, run, committer);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
     if (r) {
         ttf_clock_leave(committer->box->clock);
         pthread_mutex_destroy(&committer->progress_mutex);

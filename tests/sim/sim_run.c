@@ -161,7 +161,9 @@ static int remove_entry(void *ctx, const char *name, bool is_dir)
 
 void sim_run_finish(struct sim_run *run)
 {
-    (void)remove_entry((void *)(uintptr_t) "/tmp", strrchr(run->folder, '/') + 1, true);
+    char parent[] = "/tmp";
+
+    (void)remove_entry(parent, strrchr(run->folder, '/') + 1, true);
 }
 
 static struct ttf_reader *open_reader(const struct sim_run *run)

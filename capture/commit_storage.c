@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "commit_storage.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "image_flags.h"
+
+bool ttf_committer_power_lost(struct ttf_committer *c)
+{
+    if (!c->power_lost && c->box->power_lost)
+        c->power_lost = c->box->power_lost(c->box->box_private) != 0;
+    return c->power_lost;
+}
+
+/* Image files that opening the dataset anew may have cleared away are taken from a record not yet written. */
+static void drop_lost_files(struct ttf_committer *c, struct ttf_slot_record *record)
+{
+    char path[4096];
+
+    for (unsigned i = 0; i < record->n_images; i++) {
+        struct ttf_image *image = &record->images[i];
+        unsigned kept = 0;
+
+        for (unsigned f = 0; f < image->n_files; f++) {
+            struct ttf_io_stat st;
+
+            snprintf(path, sizeof(path), "%s/%s", c->path, image->files[f].path);
+            if (c->io->ops->stat(c->io, path, &st) == 0 && st.bytes == image->files[f].bytes)
+                image->files[kept++] = image->files[f];
+            else
+                ttf_image_flag(image, strcmp(image->files[f].role, "raw") == 0 ? "raw-lost"
+                                                                               : "developed-lost");
+        }
+        if (image->n_files > 0 && kept == 0)
+            snprintf(image->lacking, sizeof(image->lacking), "%s", TTF_REASON_IO_ERROR);
+        image->n_files = kept;
+    }
+    ttf_ledger_judge(record);
+}
+
+/* After a write that failed nobody knows what is on the disk: open it anew, which repairs what it must. */
+static int reopen(struct ttf_committer *c)
+{
+    struct ttf_err err = {0};
+    int r;
+
+    ttf_writer_abandon(c->writer);
+    c->writer = NULL;
+    r = ttf_writer_open(c->io, c->path, &c->writer, &err);
+    if (r < 0) {
+        c->writer = NULL;
+        return r;
+    }
+    for (struct ttf_slot_work *work = c->pending; work; work = work->next)
+        drop_lost_files(c, &work->record);
+    return 0;
+}
+
+/* ---- records ---- */
+
+static void acknowledge(struct ttf_committer *c, const struct ttf_slot_work *work)
+{
+    const struct ttf_slot_record *record = &work->record;
+    int64_t now = ttf_clock_now_ns(c->box->clock);
+    struct ttf_progress p = {
+        .kind = TTF_PROGRESS_SLOT,
+        .index = record->index,
+        .total = c->total,
+        .result = (int)record->result,
+        .text = record->reason,
+        .now_ns = now,
+        .error_ns = record->middle_ns == TTF_NS_UNKNOWN ? TTF_NS_UNKNOWN
+                                                        : record->middle_ns - record->due_ns,
+        .wakeup_ns = work->wakeup_ns,
+    };
+
+    if (work->wakeup_ns != TTF_NS_UNKNOWN)
+        ttf_quantile_add(&c->ledger.wakeup, work->wakeup_ns);
+    if (c->rehearsal && c->busy_since_ns != TTF_NS_UNKNOWN)
+        ttf_rehearsal_slot(c->rehearsal, record, now - work->begun_ns, now - c->busy_since_ns);
+    ttf_committer_tell(c, &p);
+}
+
+/* Writes one record. 0 once it is on the disk. */
+static int write_record(struct ttf_committer *c, const struct ttf_slot_record *record,
+                        struct ttf_err *err)
+{
+    int r = c->writer ? ttf_writer_commit(c->writer, record, err) : -EIO;
+
+    if (r == 0 || ttf_committer_power_lost(c))
+        return r;
+    r = reopen(c);
+    if (r < 0)
+        return ttf_err_set(err, r, c->path, "the dataset cannot be opened anew");
+    if (ttf_writer_state(c->writer)->next_index > record->index)
+        return 0; /* it had got there after all */
+    r = ttf_writer_commit(c->writer, record, err);
+    if (r == 0)
+        ttf_events_emit(c->events, "retry", "record of slot %lld needed a second try",
+                        (long long)record->index);
+    return r;
+}
+
+void ttf_committer_drop_first(struct ttf_committer *c)
+{
+    struct ttf_slot_work *work = c->pending;
+
+    c->pending = work->next;
+    if (!c->pending)
+        c->pending_tail = NULL;
+    c->n_pending--;
+    ttf_slot_work_free(work);
+}
+
+void ttf_committer_keep(struct ttf_committer *c, struct ttf_slot_work *work)
+{
+    work->next = NULL;
+    if (c->pending_tail)
+        c->pending_tail->next = work;
+    else
+        c->pending = work;
+    c->pending_tail = work;
+    c->n_pending++;
+}
+
+/* Writes the records that wait, oldest first. 0, or why the first of them could not be written. */
+int ttf_committer_flush(struct ttf_committer *c, struct ttf_err *err)
+{
+    while (c->pending) {
+        struct ttf_slot_work *work = c->pending;
+        int r = write_record(c, &work->record, err);
+
+        if (r < 0)
+            return r;
+        if (ttf_ledger_add(&c->ledger, &work->record) == 0)
+            acknowledge(c, work);
+        ttf_committer_drop_first(c);
+    }
+    return 0;
+}
+
+int ttf_committer_write_event(struct ttf_committer *c, const struct ttf_job *event)
+{
+    if (!c->writer)
+        return -EIO;
+    return ttf_writer_event(c->writer, event->event, event->at_ns, event->at_utc_ns, event->text,
+                            NULL, NULL);
+}
+
+void ttf_committer_write_late(struct ttf_committer *c)
+{
+    if (c->has_segment && c->writer && ttf_writer_segment(c->writer, &c->segment, NULL) == 0)
+        c->has_segment = false;
+    while (c->n_late > 0 && ttf_committer_write_event(c, c->late[0]) == 0) {
+        ttf_job_free(c->late[0]);
+        c->n_late--;
+        memmove(&c->late[0], &c->late[1], c->n_late * sizeof(struct ttf_job *));
+    }
+}
+
+/* What waits for a storage that was away. 0 once all records are written. */
+int ttf_committer_catch_up(struct ttf_committer *c, struct ttf_err *err)
+{
+    int r = c->writer ? 0 : reopen(c);
+
+    if (r == 0)
+        r = ttf_committer_flush(c, err);
+    if (r == 0)
+        ttf_committer_write_late(c);
+    return r;
+}
