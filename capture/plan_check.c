@@ -261,14 +261,14 @@ static int check_shot_on_box(const struct ttf_plan *plan, unsigned i, const stru
 }
 
 /* Longest time a lamp is on at a stretch; TTF_NS_NEVER: always. */
-static int64_t longest_on_ns(const struct ttf_plan *plan,
+static int64_t longest_on_ns(const struct ttf_plan *plan, const struct ttf_box *box,
                              const struct ttf_lamp_programme *programme,
                              const struct ttf_plan_figures *f, unsigned i)
 {
     if (f->lamp_on_ns[i] == 0)
         return 0;
     if (plan->lamps == TTF_LAMPS_CONTINUOUS && programme->day[i] > 0)
-        return f->duration_ns + f->slot_busy_ns;
+        return f->duration_ns + f->slot_busy_ns + ttf_first_settle_ns(plan, box);
     if (plan->lamps == TTF_LAMPS_PHOTOPERIOD && programme->day[i] > 0)
         return plan->day_ns < plan->period_ns ? plan->day_ns + f->slot_busy_ns : TTF_NS_NEVER;
     return f->slot_busy_ns;
@@ -285,7 +285,7 @@ static int check_lamps_on_box(const struct ttf_plan *plan, const struct ttf_box 
     for (unsigned i = 0; box->lamps && i < ttf_lamps_count(box->lamps); i++) {
         const struct ttf_lamp_info *info = ttf_lamps_info(box->lamps, i);
         bool by_day = plan->lamps == TTF_LAMPS_PHOTOPERIOD && programme.day[i] > 0;
-        int64_t on = longest_on_ns(plan, &programme, f, i);
+        int64_t on = longest_on_ns(plan, box, &programme, f, i);
 
         if (info->max_on_ns > 0 && on > info->max_on_ns)
             return ttf_err_set(err, -EINVAL, by_day ? "lamps.day" : "lamps.mode",

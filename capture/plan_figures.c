@@ -55,13 +55,55 @@ static int64_t exposing_ns(const struct ttf_plan *plan, const struct ttf_plan_sh
     return total;
 }
 
+static unsigned level_of(const struct ttf_lamp_level *levels, unsigned n, const char *lamp)
+{
+    for (unsigned i = 0; i < n; i++) {
+        if (strcmp(levels[i].lamp, lamp) == 0)
+            return levels[i].permille;
+    }
+    return 0;
+}
+
+static bool levels_within(const struct ttf_plan_shot *a, const struct ttf_plan_shot *b)
+{
+    for (unsigned i = 0; i < a->n_levels; i++) {
+        if (level_of(b->levels, b->n_levels, a->levels[i].lamp) != a->levels[i].permille)
+            return false;
+    }
+    return true;
+}
+
+/* Lamps that burn from start to end and that no shot changes: they settle once. */
+static bool steady_light(const struct ttf_plan *plan)
+{
+    if (plan->lamps != TTF_LAMPS_CONTINUOUS)
+        return false;
+    for (unsigned i = 1; i < plan->n_shots; i++) {
+        if (!levels_within(&plan->shots[i], &plan->shots[0]) ||
+            !levels_within(&plan->shots[0], &plan->shots[i]))
+            return false;
+    }
+    return true;
+}
+
+int64_t ttf_first_settle_ns(const struct ttf_plan *plan, const struct ttf_box *box)
+{
+    return steady_light(plan) ? ttf_lamp_settle_ns(plan, &plan->shots[0], box->lamps) : 0;
+}
+
+/* What a shot of every slot waits for its lamps. */
+static int64_t slot_settle_ns(const struct ttf_plan *plan, const struct ttf_plan_shot *shot,
+                              const struct ttf_box *box)
+{
+    return steady_light(plan) ? 0 : ttf_lamp_settle_ns(plan, shot, box->lamps);
+}
+
 int64_t ttf_shot_busy_ns(const struct ttf_plan *plan, const struct ttf_plan_shot *shot,
                          const struct ttf_box *box)
 {
     struct ttf_camera *camera = ttf_box_camera_find(box, shot->camera);
 
-    return ttf_lamp_settle_ns(plan, shot, box->lamps) +
-           (camera ? exposing_ns(plan, shot, camera) : 0);
+    return slot_settle_ns(plan, shot, box) + (camera ? exposing_ns(plan, shot, camera) : 0);
 }
 
 int64_t ttf_slot_lead_ns(const struct ttf_plan *plan, const struct ttf_box *box)
@@ -71,7 +113,7 @@ int64_t ttf_slot_lead_ns(const struct ttf_plan *plan, const struct ttf_box *box)
     const struct ttf_camera_caps *caps = ttf_camera_caps(camera);
     struct ttf_exposure e = ttf_shot_exposure(shot, 0, plan->mains_hz, caps->exposure_max_ns);
 
-    return ttf_lamp_settle_ns(plan, shot, box->lamps) + ttf_exposure_lead_ns(caps, e.exposure_ns);
+    return slot_settle_ns(plan, shot, box) + ttf_exposure_lead_ns(caps, e.exposure_ns);
 }
 
 /* Time on at `on_ns` in each `period_ns`, at worst, within any window. */
@@ -86,15 +128,6 @@ static int64_t worst_in_window(int64_t on_ns, int64_t period_ns, int64_t window_
     /* The window can begin with one stretch and end with another. */
     worst += rest < on_ns ? rest : on_ns;
     return worst < window_ns ? worst : window_ns;
-}
-
-static unsigned level_of(const struct ttf_lamp_level *levels, unsigned n, const char *lamp)
-{
-    for (unsigned i = 0; i < n; i++) {
-        if (strcmp(levels[i].lamp, lamp) == 0)
-            return levels[i].permille;
-    }
-    return 0;
 }
 
 /* Time that a lamp burns within one slot's own work. */
@@ -122,7 +155,7 @@ static void fill_lamp(const struct ttf_plan *plan, const struct ttf_box *box, un
                       struct ttf_plan_figures *f)
 {
     const struct ttf_lamp_info *info = ttf_lamps_info(box->lamps, i);
-    int64_t whole = f->duration_ns + f->slot_busy_ns;
+    int64_t whole = f->duration_ns + f->slot_busy_ns + ttf_first_settle_ns(plan, box);
     int64_t window = info->duty_window_ns > 0 ? info->duty_window_ns : whole;
     unsigned stretches = 0;
     int64_t slot_ns = lamp_slot_ns(plan, box, info->name, &stretches);

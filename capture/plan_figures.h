@@ -18,7 +18,16 @@ enum ttf_keep ttf_plan_keep(const struct ttf_plan *plan, const struct ttf_frame_
 struct ttf_region ttf_plan_region(const struct ttf_plan *plan,
                                   const struct ttf_frame_format *format);
 
-/* A shot, from its lamps' command to its last exposure's end; lead is part of it. */
+/*
+ * Lamps that burn from start to end, alike for all shots, settle once: that long
+ * before the first slot's lead they are lit. 0 where lamps settle in every slot.
+ */
+int64_t ttf_first_settle_ns(const struct ttf_plan *plan, const struct ttf_box *box);
+
+/*
+ * A shot, from its lamps' command to its last exposure's end; lead is part of it,
+ * and settling where it is not done once for all.
+ */
 int64_t ttf_shot_busy_ns(const struct ttf_plan *plan, const struct ttf_plan_shot *shot,
                          const struct ttf_box *box);
 

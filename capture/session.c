@@ -361,7 +361,7 @@ static int armed(struct ttf_session *s, struct ttf_session_result *ret, struct t
     if (r == 0)
         r = ttf_lamp_programme_init(&s->programme, &s->plan, s->box->lamps,
                                     ttf_grid_due_ns(&s->grid, 0), err);
-    s->programme.begin_ns = ttf_grid_due_ns(&s->grid, 0) - s->lead_ns;
+    s->programme.begin_ns = ttf_grid_due_ns(&s->grid, 0) - s->lead_ns - s->first_settle_ns;
     if (r == 0)
         r = run(s, err);
     if (r == -ECANCELED)
@@ -425,6 +425,7 @@ int ttf_session_run(const struct ttf_session_config *config, struct ttf_session_
     if (r == 0) {
         set_up_committer(s);
         s->lead_ns = ttf_slot_lead_ns(&s->plan, s->box);
+        s->first_settle_ns = ttf_first_settle_ns(&s->plan, s->box);
         r = with_devices(s, ret, err);
     }
     if (r < 0 && power_lost(s))

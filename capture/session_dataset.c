@@ -103,7 +103,7 @@ static int resolve_grid(struct ttf_session *s, const struct ttf_writer_state *st
     int r;
 
     ttf_clock_utc(s->box->clock, &in.utc);
-    in.ready_ns = in.now_ns + s->lead_ns + READY_MARGIN_NS;
+    in.ready_ns = in.now_ns + s->first_settle_ns + s->lead_ns + READY_MARGIN_NS;
     r = ttf_resume_resolve(&in, &s->resume, err);
     if (r < 0)
         return r;

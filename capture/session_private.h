@@ -39,6 +39,7 @@ struct ttf_session {
     struct ttf_resume resume;
     int segment;              /* number of the current one */
     int64_t lead_ns;          /* of a slot: first lamp command to due */
+    int64_t first_settle_ns;  /* before the first slot's lead: lamps that settle once */
     int64_t lamps_changed_ns; /* the last command that changed a level */
     bool sensor_silent[TTF_SENSORS_MAX];
     bool trouble; /* in the last slot: the warning light */

@@ -76,6 +76,35 @@ static void a_good_plan_has_figures(void **state)
     assert_true(f.slot_busy_ns > 20 * TTF_NS_PER_MS);
 }
 
+/* Lamps that stay on need no settling in each slot: paint every 5 s under warm lamps. */
+static void lamps_that_burn_all_the_time_settle_once(void **state)
+{
+    struct ttf_plan plan;
+    struct ttf_plan_figures f;
+
+    (void)state;
+    good_plan(&plan);
+    plan.lamps = TTF_LAMPS_CONTINUOUS;
+    plan.shots[0].n_levels = 1;
+    strcpy(plan.shots[0].levels[0].lamp, "left");
+    plan.shots[0].levels[0].permille = 1000;
+    plan.settle_ns = 5 * TTF_NS_PER_MIN;
+    plan.interval_ns = 5 * TTF_NS_PER_S;
+    plan.count = 60;
+    assert_int_equal(ttf_plan_check(&plan, &box, &f, NULL), 0);
+    assert_true(f.slot_busy_ns < TTF_NS_PER_S);
+    /* Another shot in another light: now every slot waits. */
+    plan.n_shots = 2;
+    plan.shots[1] = plan.shots[0];
+    plan.shots[1].stream[0] = 'x';
+    plan.shots[1].levels[0].permille /= 2;
+    refused(&plan, &box, "interval");
+    plan.shots[1].levels[0].permille = plan.shots[0].levels[0].permille;
+    assert_int_equal(ttf_plan_check(&plan, &box, &f, NULL), 0);
+    plan.lamps = TTF_LAMPS_CAPTURE_ONLY;
+    refused(&plan, &box, "interval");
+}
+
 static void times_beyond_sense_are_refused(void **state)
 {
     struct ttf_plan plan;
@@ -260,6 +289,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_good_plan_has_figures),
+        cmocka_unit_test(lamps_that_burn_all_the_time_settle_once),
         cmocka_unit_test(times_beyond_sense_are_refused),
         cmocka_unit_test(shots_beyond_sense_are_refused),
         cmocka_unit_test(brackets_that_snap_to_one_exposure_are_refused),
