@@ -3,6 +3,15 @@
 # One dataset's whole life: calibrate, capture, verify, info, develop, export, synthesize.
 . "$(dirname "$0")/cli.bash"
 
+# The plans that the documents show all fit their boards.
+for sample in "$PLANS"/*.yaml; do
+    board=sim
+    [ "${sample##*/}" = demo.yaml ] && board=sim-small
+    expect 0 "$TTFBOX" plan check "$sample" --board "$board"
+    said out "The plan fits."
+done
+expect 0 "$TTFBOX" plan check "$PLANS/fast.yaml" --board "$SOURCE/boards/sim/real-clock.yaml"
+
 plan week.yaml "title: A week" "interval: 6h" "until: 7d" "lamps: {mode: capture-only, settle: 20s}" \
     "shots: [{lamps: {left: 100%, right: 100%}, exposure: 20ms}]" \
     "region: {x: 8, y: 8, width: 80, height: 48}" "keep: both"
