@@ -44,7 +44,8 @@ static void command(struct ttf_lamp_driver *driver, unsigned i)
     struct ttf_err err = {0};
     int r = ttf_lamps_set(driver->lamps, i, driver->wanted[i], &err);
 
-    if (r < 0 && !driver->refused[i])
+    /* A trip has been told already. */
+    if (r < 0 && !driver->refused[i] && driver->trip[i] == TTF_TRIP_NONE)
         ttf_events_emit(driver->events, "lamp-trip", "lamp %s cannot be set to %u permille: %s",
                         ttf_lamps_info(driver->lamps, i)->name, driver->wanted[i], err.what);
     driver->refused[i] = r < 0;
@@ -79,7 +80,11 @@ static void look_after(struct ttf_lamp_driver *driver, unsigned i)
             ttf_events_emit(driver->events, "lamp-trip", "lamp %s may be lit again", name);
         driver->trip[i] = state.trip;
     }
-    if (driver->wanted[i] > 0 && state.actual_permille == 0 && state.trip == TTF_TRIP_NONE)
+    /*
+     * A trip is kept until the lamp is commanded again: so ask at every tick. The guardian
+     * refuses as long as the cause lasts, and always where it takes a person.
+     */
+    if (driver->wanted[i] > 0 && state.actual_permille == 0)
         command(driver, i);
 }
 

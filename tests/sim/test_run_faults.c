@@ -455,6 +455,27 @@ static void an_open_door_flags_and_the_lamp_comes_back(void **state)
     sim_run_finish(&run);
 }
 
+static void a_lamp_that_a_door_put_out_between_slots_is_lit_again(void **state)
+{
+    struct sim_run run;
+    struct ttf_slot_record record;
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.lamps = TTF_LAMPS_CONTINUOUS;
+    sim_run_fault(&run, TTF_FAULT_DOOR_OPEN, before_slot(2))->duration_ns = 5 * TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "cccccc");
+    assert_int_equal(sim_run_events(&run, "lamp-trip", "door"), 1);
+    for (int64_t k = 2; k < 6; k++) {
+        sim_run_record(&run, k, &record);
+        assert_string_equal(record.images[0].flags, "");
+        assert_true(record.images[0].shots[0].lamps[0].measured_permille > 800);
+        ttf_slot_record_free(&record);
+    }
+    sim_run_finish(&run);
+}
+
 static void storage_slower_than_the_plan_misses_slots_and_says_so(void **state)
 {
     struct sim_run run;
@@ -505,6 +526,7 @@ int main(void)
         cmocka_unit_test(now_and_then_a_file_operation_fails),
         cmocka_unit_test(a_clock_step_moves_labels_not_slots),
         cmocka_unit_test(an_open_door_flags_and_the_lamp_comes_back),
+        cmocka_unit_test(a_lamp_that_a_door_put_out_between_slots_is_lit_again),
         cmocka_unit_test(storage_slower_than_the_plan_misses_slots_and_says_so),
     };
 
