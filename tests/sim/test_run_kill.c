@@ -125,12 +125,12 @@ static void expect_nothing_lost(struct sim_run *run, const struct acknowledged *
     assert_true(ack->n > SLOTS / 3);
 }
 
-/* A dataset that has not been begun yet is whole too. */
+/* A dataset that has not been begun yet is whole too: dataset.json comes last (DESIGN.md). */
 static void expect_whole_so_far(struct sim_run *run)
 {
     char path[128];
 
-    snprintf(path, sizeof(path), "%s/records.jsonl", run->path);
+    snprintf(path, sizeof(path), "%s/dataset.json", run->path);
     if (access(path, F_OK) == 0)
         sim_run_expect_whole(run, false);
 }
