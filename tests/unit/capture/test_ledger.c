@@ -2,6 +2,7 @@
 #include "cmocka_includes.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "ledger.h"
@@ -29,8 +30,8 @@ static void judge(const char *first, const char *second, enum ttf_result want, c
 
     ttf_slot_record_init(&record);
     assert_int_equal(ttf_slot_record_images(&record, 2), 0);
-    strcpy(record.images[0].lacking, first);
-    strcpy(record.images[1].lacking, second);
+    snprintf(record.images[0].lacking, sizeof(record.images[0].lacking), "%s", first);
+    snprintf(record.images[1].lacking, sizeof(record.images[1].lacking), "%s", second);
     ttf_ledger_judge(&record);
     assert_int_equal(record.result, want);
     assert_string_equal(record.reason, reason);
