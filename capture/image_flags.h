@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * image_flags.h: the words that mark an image: "wrong-settings", "short-average",
- * "late", "saturated", "lamp-tripped", "lamp-level", "door-open", "raw-lost",
+ * "late", "saturated", "lamp-tripped", "lamp-level", "lamp-unsettled", "door-open", "raw-lost",
  * "developed-lost".
  */
 #ifndef TTF_CAPTURE_PRIVATE_IMAGE_FLAGS_H

@@ -117,7 +117,15 @@ static bool far_off(const struct ttf_lamp_driver *driver, unsigned i,
            state->measured_permille > wanted + LEVEL_HIGH_ABOVE;
 }
 
-unsigned ttf_lamp_driver_sample(struct ttf_lamp_driver *driver, struct ttf_shot *shot)
+/* Lit for less long than it needs, when the exposure began. */
+static bool unsettled(const struct ttf_lamp_state *state, int64_t settle_ns, int64_t start_ns)
+{
+    return state->actual_permille > 0 && state->on_since_ns != TTF_NS_UNKNOWN &&
+           start_ns != TTF_NS_UNKNOWN && start_ns - state->on_since_ns < settle_ns;
+}
+
+unsigned ttf_lamp_driver_sample(struct ttf_lamp_driver *driver, int64_t settle_ns,
+                                struct ttf_shot *shot)
 {
     unsigned marks = 0;
 
@@ -135,6 +143,8 @@ unsigned ttf_lamp_driver_sample(struct ttf_lamp_driver *driver, struct ttf_shot 
         lamp->measured_permille = state.measured_permille;
         if (driver->wanted[i] > 0 && state.actual_permille == 0)
             marks |= TTF_LAMP_MARK_TRIPPED;
+        if (driver->wanted[i] > 0 && unsettled(&state, settle_ns, shot->start_ns))
+            marks |= TTF_LAMP_MARK_UNSETTLED;
         off = far_off(driver, i, &state);
         if (off)
             marks |= TTF_LAMP_MARK_LEVEL;

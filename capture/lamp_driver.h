@@ -39,8 +39,10 @@ void ttf_lamp_driver_alive(struct ttf_lamp_driver *driver, int64_t alive_until_n
 /* Levels now, into a shot. Returns the words an image gets for them: 0 or TTF_LAMP_MARK_*. */
 enum {
     TTF_LAMP_MARK_TRIPPED = 1u << 0,
-    TTF_LAMP_MARK_LEVEL = 1u << 1
+    TTF_LAMP_MARK_LEVEL = 1u << 1,
+    TTF_LAMP_MARK_UNSETTLED = 1u << 2 /* lit again after a trip, less than settle_ns before */
 };
-unsigned ttf_lamp_driver_sample(struct ttf_lamp_driver *driver, struct ttf_shot *shot);
+unsigned ttf_lamp_driver_sample(struct ttf_lamp_driver *driver, int64_t settle_ns,
+                                struct ttf_shot *shot);
 
 #endif

@@ -84,12 +84,14 @@ static void accept_frame(struct ttf_shooter *shooter, struct ttf_take *take,
 
 static void note_lamps(struct ttf_shooter *shooter, struct ttf_take *take, struct ttf_shot *shot)
 {
-    unsigned marks = ttf_lamp_driver_sample(shooter->pulse->lamps, shot);
+    unsigned marks = ttf_lamp_driver_sample(shooter->pulse->lamps, take->settle_ns, shot);
 
     if (marks & TTF_LAMP_MARK_TRIPPED)
         ttf_image_flag(take->image, "lamp-tripped");
     if (marks & TTF_LAMP_MARK_LEVEL)
         ttf_image_flag(take->image, "lamp-level");
+    if (marks & TTF_LAMP_MARK_UNSETTLED)
+        ttf_image_flag(take->image, "lamp-unsettled");
     if (shooter->pulse->door_open)
         ttf_image_flag(take->image, "door-open");
     if (marks || shooter->pulse->door_open)

@@ -33,6 +33,7 @@ struct ttf_take {
     unsigned average;
     int64_t middle_ns;  /* of the first exposure; 0: as soon as can be */
     int64_t give_up_ns; /* no new try after this */
+    int64_t settle_ns;  /* of lamps; lit for less: flagged */
     struct ttf_raw_sum *raw;
     struct ttf_image *image; /* shots, n_averaged, lacking and flags are filled */
     unsigned shots_room;     /* allocated in image->shots */

@@ -164,6 +164,7 @@ static int take_image(struct shooting *g, unsigned bracket, int64_t middle_ns)
                             .average = shot->average,
                             .middle_ns = middle_ns,
                             .give_up_ns = g->give_up_ns,
+                            .settle_ns = ttf_lamp_settle_ns(&s->plan, shot, s->box->lamps),
                             .raw = g->raw,
                             .image = image};
     int r = 1;

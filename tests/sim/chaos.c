@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Whole captures at random, each in a process of its own:
+ *
+ *   chaos [-v] FIRST_SEED COUNT     so many seeds, one after another
+ *   chaos                           the fixed ones, as a test
+ *
+ * Says what did not hold, with the seed that shows it. Exits 1 if anything did not.
+ */
+#include "chaos.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "ttf/base/attr.h"
+
+/* A seed that takes longer hangs: the longest need a few seconds. */
+#define HANG_S 120
+
+void chaos_fail(struct chaos *c, const char *format, ...)
+{
+    va_list args;
+
+    printf("seed %llu, run %u: ", (unsigned long long)c->seed, c->n_boots);
+    va_start(args, format);
+    vprintf(format, args);
+    va_end(args);
+    printf("\n");
+    c->failures++;
+}
+
+static void progress(struct sim_run *run, const struct ttf_progress *p)
+{
+    struct chaos *c = (struct chaos *)run;
+
+    if (p->kind != TTF_PROGRESS_SLOT)
+        return;
+    if (p->index != c->told + 1)
+        chaos_fail(c, "slot %lld told after slot %lld", (long long)p->index, (long long)c->told);
+    c->told = p->index;
+    for (unsigned i = 0; i < TTF_COUNT_OF(c->stop_at); i++) {
+        if (c->stop_at[i] != p->index)
+            continue;
+        c->stop_at[i] = -1;
+        c->stopped_ns = p->now_ns;
+        __atomic_store_n(&run->stop, 1, __ATOMIC_RELAXED);
+    }
+    if (run->plan.reserve_bytes > 0)
+        run->free_bytes =
+            p->index >= c->full_from && p->index < c->full_until ? 1 << 20 : (int64_t)1 << 32;
+}
+
+/* The session has ended, the box is still there. */
+static void at_end(struct sim_run *run)
+{
+    struct chaos *c = (struct chaos *)run;
+    struct chaos_boot *boot = &c->boots[c->n_boots];
+
+    snprintf(boot->id, sizeof(boot->id), "%s", ttf_clock_boot_id(run->box->clock));
+    boot->power_on_ns = run->config.power_on_ns;
+    for (unsigned i = 0; run->box->lamps && i < ttf_lamps_count(run->box->lamps); i++) {
+        struct ttf_lamp_state state;
+
+        if (ttf_lamps_state(run->box->lamps, i, &state) == 0 && state.actual_permille > 0)
+            chaos_fail(c, "lamp %u burns after the end", i);
+    }
+    if (c->stopped_ns != TTF_NS_UNKNOWN && run->code == 0) {
+        int64_t took = ttf_clock_now_ns(run->box->clock) - c->stopped_ns;
+
+        if (took > 2 * run->plan.interval_ns + 4 * run->config.cost_commit_ns +
+                       60 * run->config.cost_develop_ns + 30 * TTF_NS_PER_S)
+            chaos_fail(c, "a stop took %.1f s", (double)took / 1e9);
+    }
+}
+
+/* In virtual time no run may last longer than what is left of its plan, and some work. */
+static void check_length(struct chaos *c)
+{
+    const struct sim_run *run = &c->run;
+    int64_t work = run->config.cost_commit_ns + 12 * run->config.cost_develop_ns;
+    int64_t most = (run->plan.count + 2) * (run->plan.interval_ns + work) + TTF_NS_PER_H;
+
+    if (run->ended_ns - run->config.power_on_ns > most)
+        chaos_fail(c, "the run took %.1f s of virtual time",
+                   (double)(run->ended_ns - run->config.power_on_ns) / 1e9);
+    if (run->bites > 0)
+        chaos_fail(c, "the watchdog bit %u times", run->bites);
+}
+
+static bool documented(int code)
+{
+    return code == 0 || code == -ENOSPC || code == -EIO || code == -EROFS || code == -ENODEV ||
+           code == -ESHUTDOWN;
+}
+
+/* A plan that does not fit the box gets more time and gentler lamps. */
+static bool make_fit(struct chaos *c)
+{
+    struct ttf_plan *plan = &c->run.plan;
+
+    if (strcmp(c->run.err.where, "interval") == 0) {
+        plan->interval_ns *= 2;
+        return true;
+    }
+    if (strcmp(c->run.err.where, "start") == 0) {
+        plan->start_utc_ns = 0;
+        return true;
+    }
+    if (strncmp(c->run.err.where, "lamps.", 6) == 0) {
+        for (unsigned i = 0; i < c->run.config.n_lamps; i++) {
+            c->run.config.lamps[i].info.max_on_ns = 0;
+            c->run.config.lamps[i].info.max_duty_permille = TTF_LAMP_FULL;
+        }
+        return true;
+    }
+    return false;
+}
+
+/* 1: go on; 0: done, or no use. */
+static int one_run(struct chaos *c)
+{
+    struct sim_run *run = &c->run;
+    int code;
+
+    c->stopped_ns = TTF_NS_UNKNOWN;
+    __atomic_store_n(&run->stop, 0, __ATOMIC_RELAXED);
+    code = sim_run_boot(run);
+    if (c->verbose)
+        printf("  run %u from %.3f s to %.3f s: %d %s: %s (told %lld)\n", c->n_boots,
+               (double)run->config.power_on_ns / 1e9, (double)run->ended_ns / 1e9, code,
+               run->err.where, run->err.what, (long long)c->told);
+    if (code == -EINVAL && !c->records && make_fit(c))
+        return 1;
+    c->n_boots++;
+    if (!documented(code))
+        chaos_fail(c, "ended with %d: %s: %s", code, run->err.where, run->err.what);
+    if (code < 0 && run->err.code != code)
+        chaos_fail(c, "ended with %d but says %d", code, run->err.code);
+    check_length(c);
+    chaos_check_boot(c);
+    if (code == 0 && run->result.sealed)
+        return 0;
+    if (code == 0 && c->stopped_ns == TTF_NS_UNKNOWN)
+        chaos_fail(c, "neither sealed nor stopped");
+    run->config.power_on_ns =
+        code == -ESHUTDOWN
+            ? run->back_ns
+            : run->ended_ns +
+                  chaos_between(c, 1, 1 + 3 * run->plan.interval_ns / TTF_NS_PER_S) * TTF_NS_PER_S;
+    return documented(code);
+}
+
+static unsigned campaign(uint64_t seed, bool verbose)
+{
+    static struct chaos c;
+    bool done;
+    int tries = 0;
+
+    memset(&c, 0, sizeof(c));
+    c.seed = seed;
+    c.verbose = verbose;
+    c.told = -1;
+    chaos_draw(&c);
+    c.run.on_progress = progress;
+    c.run.at_end = at_end;
+    if (verbose)
+        chaos_describe(&c);
+    while (one_run(&c) == 1 && ++tries < CHAOS_RUNS_MAX)
+        ;
+    done = c.run.code == 0 && c.run.result.sealed;
+    chaos_check_end(&c, done);
+    if (c.failures > 0 && !verbose)
+        chaos_describe(&c);
+    free(c.records);
+    free(c.events);
+    if (c.failures > 0 && verbose)
+        printf("  left in %s\n", c.run.path);
+    else
+        sim_run_finish(&c.run);
+    return c.failures;
+}
+
+/* In a process of its own, so that a hang or a crash is one seed's. 0: all held. */
+static int apart(uint64_t seed, bool verbose)
+{
+    int status = 0;
+    pid_t child;
+
+    fflush(stdout);
+    child = fork();
+    if (child < 0)
+        return 1;
+    if (child == 0) {
+        alarm(HANG_S);
+        exit(campaign(seed, verbose) > 0);
+    }
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR)
+        ;
+    if (WIFSIGNALED(status))
+        printf("seed %llu: %s\n", (unsigned long long)seed,
+               WTERMSIG(status) == SIGALRM ? "HANGS" : strsignal(WTERMSIG(status)));
+    else if (WEXITSTATUS(status) > 1)
+        printf("seed %llu: exit %d\n", (unsigned long long)seed, WEXITSTATUS(status));
+    return status != 0;
+}
+
+int main(int argc, char **argv)
+{
+    static const uint64_t fixed[] = {1,  2,  3,  4,  5,  6,  7,  8,  9,  10,
+                                     11, 12, 13, 14, 15, 16, 17, 18, 19, 20};
+    bool verbose = argc > 1 && strcmp(argv[1], "-v") == 0;
+    uint64_t first;
+    uint64_t count;
+    unsigned bad = 0;
+
+    argv += verbose;
+    argc -= verbose;
+    first = argc == 3 ? strtoull(argv[1], NULL, 10) : 0;
+    count = argc == 3 ? strtoull(argv[2], NULL, 10) : TTF_COUNT_OF(fixed);
+    for (uint64_t i = 0; i < count; i++) {
+        uint64_t seed = argc == 3 ? first + i : fixed[i];
+
+        bad += apart(seed, verbose) != 0;
+    }
+    printf("%llu seeds, %u bad\n", (unsigned long long)count, bad);
+    return bad > 0;
+}

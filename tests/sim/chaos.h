@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * chaos.h: whole captures at random: a plan, a board and faults drawn from a seed,
+ * run, cut, stopped and run again until done, and what must hold of every dataset.
+ */
+#ifndef TTF_TESTS_CHAOS_H
+#define TTF_TESTS_CHAOS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "sim_run.h"
+
+#define CHAOS_RUNS_MAX 48
+
+/* One boot of the box. */
+struct chaos_boot {
+    char id[37];
+    int64_t power_on_ns; /* since the first power-on */
+};
+
+struct chaos {
+    struct sim_run run; /* first: its callbacks are given this */
+    uint64_t seed, state;
+    bool verbose;
+    unsigned failures;
+    /* what else happens */
+    int64_t stop_at[3]; /* a person stops the run once this slot is told; -1: not */
+    int64_t full_from, full_until; /* slots between which the disk has little room; -1: never */
+    /* what happened */
+    struct chaos_boot boots[CHAOS_RUNS_MAX];
+    unsigned n_boots;
+    int64_t told;       /* highest slot told to be committed; -1 */
+    int64_t stopped_ns; /* boot clock when the stop was asked for; TTF_NS_UNKNOWN */
+    char *records, *events; /* the files as they were after the last boot; NULL */
+};
+
+/* The plan, the board and the faults of a seed. */
+void chaos_draw(struct chaos *c);
+
+/* One line on what was drawn, and one per fault. */
+void chaos_describe(const struct chaos *c);
+
+/* A number from 0 to n - 1; from low to high; true in so many of 100. */
+uint64_t chaos_below(struct chaos *c, uint64_t n);
+int64_t chaos_between(struct chaos *c, int64_t low, int64_t high);
+bool chaos_percent(struct chaos *c, unsigned percent);
+
+/* Says what does not hold, and counts it. */
+void chaos_fail(struct chaos *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* After each boot: nothing committed was lost or changed, nothing is damaged. */
+void chaos_check_boot(struct chaos *c);
+
+/* At the end: every slot has its one record, and each says what was. */
+void chaos_check_end(struct chaos *c, bool done);
+
+#endif

@@ -1,0 +1,413 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What must hold of a dataset, whatever happened to its box. */
+#include "chaos.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "exposure.h"
+#include "ttf/dataset/verify.h"
+
+/* What a middle may be off without a flag, beyond the camera's bound. */
+#define LATE_SLACK_NS TTF_NS_PER_MS
+
+/* A reading of the door or of a lamp comes so much later than its exposure. */
+#define READING_NS (200 * TTF_NS_PER_MS)
+
+/* ---- after each boot ---- */
+
+static bool has_dataset(const struct chaos *c)
+{
+    struct stat st;
+    char path[128];
+
+    snprintf(path, sizeof(path), "%s/dataset.json", c->run.path);
+    return stat(path, &st) == 0;
+}
+
+/* Whole lines that were there must be there for ever. */
+static void check_grown(struct chaos *c, const char *name, char **before)
+{
+    char path[128];
+    char *now = NULL;
+    char *end;
+    size_t bytes;
+
+    snprintf(path, sizeof(path), "%s/%s", c->run.path, name);
+    if (ttf_io_slurp(ttf_io_posix(), path, 1 << 26, &now, &bytes, NULL) < 0) {
+        if (*before)
+            chaos_fail(c, "%s is gone", name);
+        return;
+    }
+    end = strrchr(now, '\n');
+    if (end)
+        end[1] = '\0';
+    else
+        now[0] = '\0';
+    if (*before && strncmp(now, *before, strlen(*before)) != 0)
+        chaos_fail(c, "%s lost or changed lines", name);
+    free(*before);
+    *before = now;
+}
+
+static void check_verify(struct chaos *c, bool deep)
+{
+    struct ttf_verify_options options = {.deep = deep};
+    struct ttf_verify_report report;
+    struct ttf_err err = {0};
+    int r = ttf_verify(ttf_io_posix(), c->run.path, &options, &report, &err);
+
+    if (r < 0) {
+        chaos_fail(c, "verify: %d: %s: %s", r, err.where, err.what);
+        return;
+    }
+    for (unsigned i = 0; i < report.n_findings; i++) {
+        const struct ttf_verify_finding *f = &report.findings[i];
+
+        if (f->severity == TTF_FINDING_DAMAGE || (report.sealed && deep))
+            chaos_fail(c, "verify: %s: %s: %s", ttf_severity_name(f->severity), f->file, f->text);
+    }
+    if (report.sealed != (c->run.code == 0 && c->run.result.sealed))
+        chaos_fail(c, "sealed %d, but the session said %d, code %d", report.sealed,
+                   c->run.result.sealed, c->run.code);
+    ttf_verify_report_free(&report);
+}
+
+void chaos_check_boot(struct chaos *c)
+{
+    struct ttf_reader *reader;
+    struct ttf_err err = {0};
+
+    if (!has_dataset(c)) {
+        if (c->told >= 0 || c->records)
+            chaos_fail(c, "the dataset is gone");
+        return;
+    }
+    check_grown(c, "records.jsonl", &c->records);
+    check_grown(c, "events.jsonl", &c->events);
+    check_verify(c, false);
+    if (ttf_reader_open(ttf_io_posix(), c->run.path, &reader, &err) < 0) {
+        chaos_fail(c, "reader: %s: %s", err.where, err.what);
+        return;
+    }
+    if (ttf_reader_summary(reader)->slots > 0 || c->told >= 0) {
+        int64_t last = ttf_reader_summary(reader)->last_index;
+
+        if (last < c->told)
+            chaos_fail(c, "slot %lld was told, %lld is the last", (long long)c->told,
+                       (long long)last);
+        /* A record that reached the disk while the power went was not told any more. */
+        c->told = last;
+    }
+    ttf_reader_close(reader);
+}
+
+/* ---- at the end ---- */
+
+struct walk {
+    struct chaos *c;
+    struct ttf_reader *reader;
+    struct ttf_slot_record record;
+    struct ttf_segment segment;
+    int64_t power_on_ns;      /* of the record's boot; TTF_NS_UNKNOWN */
+    int64_t last_due_ns;      /* since the first power-on, of the slot before */
+    int64_t last_end_ns;      /* the same, of the exposure before */
+};
+
+static bool flagged(const struct ttf_image *image, const char *flag)
+{
+    return strstr(image->flags, flag) != NULL;
+}
+
+static bool any_fault(const struct chaos *c, enum ttf_fault_kind kind)
+{
+    for (unsigned i = 0; i < c->run.config.n_faults; i++)
+        if (c->run.config.faults[i].kind == kind)
+            return true;
+    return false;
+}
+
+static int64_t since_power_on(const struct walk *w, int64_t boot_ns)
+{
+    return w->power_on_ns + boot_ns - TTF_NS_PER_S; /* the boot clock stands at 1 s at power-on */
+}
+
+/* A fault of this kind and target, at a time, lasts over all of from..until. */
+static bool fault_covers(const struct walk *w, enum ttf_fault_kind kind, const char *target,
+                         int64_t from_ns, int64_t until_ns)
+{
+    const struct ttf_sim_config *config = &w->c->run.config;
+
+    for (unsigned i = 0; i < config->n_faults; i++) {
+        const struct ttf_fault *f = &config->faults[i];
+        int64_t duration = f->duration_ns;
+
+        if (f->kind != kind || f->rate_per_million > 0 || strcmp(f->target, target) != 0)
+            continue;
+        if (duration == 0)
+            duration = kind == TTF_FAULT_DOOR_OPEN ? 10 * TTF_NS_PER_S : TTF_NS_PER_DAY * 365;
+        if (f->at_ns <= from_ns && f->at_ns + duration >= until_ns)
+            return true;
+    }
+    return false;
+}
+
+/* What the camera would grant of an exposure that nothing is wrong with. */
+static int64_t grant_of(const struct ttf_sim_config *b, int64_t asked_ns)
+{
+    int64_t steps = (asked_ns + b->exposure_step_ns / 2) / b->exposure_step_ns;
+
+    return steps * b->exposure_step_ns;
+}
+
+static void check_exposure(struct walk *w, const struct ttf_image *image,
+                           const struct ttf_shot *shot, const struct ttf_exposure *planned)
+{
+    const struct ttf_sim_config *b = &w->c->run.config;
+    int64_t took = shot->end_ns - shot->start_ns - shot->granted.exposure_ns;
+
+    if (took > 2 * b->jitter_ns + b->readout_ns + 1 || took < -2 * b->jitter_ns - 1)
+        chaos_fail(w->c, "slot %lld: exposed %.3f ms, said to be %.3f ms",
+                   (long long)w->record.index, (double)(shot->end_ns - shot->start_ns) / 1e6,
+                   (double)shot->granted.exposure_ns / 1e6);
+    if (flagged(image, "wrong-settings"))
+        return;
+    if (llabs(shot->granted.exposure_ns - grant_of(b, planned->exposure_ns)) > b->exposure_step_ns)
+        chaos_fail(w->c, "slot %lld, %s: %.3f ms without a flag, the plan says %.3f ms",
+                   (long long)w->record.index, image->stream,
+                   (double)shot->granted.exposure_ns / 1e6, (double)planned->exposure_ns / 1e6);
+    if (llabs((int64_t)shot->granted.gain_milli - (int64_t)planned->gain_milli) > b->gain_step_milli)
+        chaos_fail(w->c, "slot %lld: gain %u without a flag, the plan says %u",
+                   (long long)w->record.index, shot->granted.gain_milli, planned->gain_milli);
+}
+
+/* Light that was not as planned is flagged. */
+static void check_light(struct walk *w, const struct ttf_image *image, const struct ttf_shot *shot)
+{
+    int64_t from = since_power_on(w, shot->start_ns);
+    int64_t until = since_power_on(w, shot->end_ns);
+
+    if (w->c->run.config.door_switch &&
+        fault_covers(w, TTF_FAULT_DOOR_OPEN, "", from, until) && !flagged(image, "door-open"))
+        chaos_fail(w->c, "slot %lld, %s: exposed with the door open, no flag",
+                   (long long)w->record.index, image->stream);
+    for (unsigned i = 0; i < shot->n_lamps; i++) {
+        const struct ttf_shot_lamp *lamp = &shot->lamps[i];
+
+        if (lamp->commanded_permille >= 300 &&
+            fault_covers(w, TTF_FAULT_LAMP_DEAD, lamp->name, from, until + READING_NS) &&
+            !flagged(image, "lamp-level") && !flagged(image, "lamp-tripped"))
+            chaos_fail(w->c, "slot %lld, %s: lamp %s was dead, no flag",
+                       (long long)w->record.index, image->stream, lamp->name);
+    }
+}
+
+/* The lamps burnt as the plan says, or a flag says that they did not. */
+static void check_lamps(struct walk *w, const struct ttf_image *image, const struct ttf_shot *shot,
+                        const struct ttf_plan_shot *plan)
+{
+    for (unsigned i = 0; i < shot->n_lamps; i++) {
+        int wanted = 0;
+
+        for (unsigned k = 0; k < plan->n_levels; k++)
+            if (strcmp(plan->levels[k].lamp, shot->lamps[i].name) == 0)
+                wanted = (int)plan->levels[k].permille;
+        if (shot->lamps[i].commanded_permille != wanted)
+            chaos_fail(w->c, "slot %lld, %s: lamp %s commanded %d, the plan says %d",
+                       (long long)w->record.index, image->stream, shot->lamps[i].name,
+                       shot->lamps[i].commanded_permille, wanted);
+    }
+    if (w->c->run.plan.lamps != TTF_LAMPS_NONE && shot->n_lamps != w->c->run.config.n_lamps)
+        chaos_fail(w->c, "slot %lld: %u lamps in the record", (long long)w->record.index,
+                   shot->n_lamps);
+}
+
+/* A dark picture of what was lit, or a bright one of the dark, says so. */
+static void check_level(struct walk *w, const struct ttf_image *image,
+                        const struct ttf_plan_shot *plan)
+{
+    unsigned light = 0;
+
+    for (unsigned i = 0; i < plan->n_levels; i++)
+        light += plan->levels[i].permille;
+    if (image->flags[0] != '\0' || !(image->mean_level == image->mean_level))
+        return;
+    if (light == 0 && image->mean_level > 0.3 && w->c->run.config.door_switch)
+        chaos_fail(w->c, "slot %lld, %s: mean %.3f without light, no flag",
+                   (long long)w->record.index, image->stream, image->mean_level);
+    if (light >= 900 && plan->exposure.exposure_ns >= 20 * TTF_NS_PER_MS &&
+        image->mean_level < 0.005)
+        chaos_fail(w->c, "slot %lld, %s: mean %.4f in full light, no flag",
+                   (long long)w->record.index, image->stream, image->mean_level);
+}
+
+static void check_files(struct walk *w, const struct ttf_image *image)
+{
+    enum ttf_keep keep = w->c->run.plan.keep;
+    unsigned want = keep == TTF_KEEP_RAW || keep == TTF_KEEP_DEVELOPED ? 1 : 2;
+
+    if (image->lacking[0] != '\0') {
+        if (image->n_files > 0)
+            chaos_fail(w->c, "slot %lld: lacking, but has files", (long long)w->record.index);
+        return;
+    }
+    if (image->n_files != want && !flagged(image, "-lost"))
+        chaos_fail(w->c, "slot %lld, %s: %u files of %u, no flag", (long long)w->record.index,
+                   image->stream, image->n_files, want);
+    if (image->n_files == 0)
+        chaos_fail(w->c, "slot %lld, %s: no files", (long long)w->record.index, image->stream);
+}
+
+/* Image `bracket` of shot `s`. */
+static void check_image(struct walk *w, const struct ttf_image *image, unsigned s, unsigned bracket)
+{
+    const struct ttf_plan *plan = &w->c->run.plan;
+    struct ttf_exposure planned = ttf_shot_exposure(&plan->shots[s], bracket, plan->mains_hz,
+                                                    w->c->run.config.exposure_max_ns);
+    unsigned good = 0;
+
+    if (strcmp(image->stream, plan->shots[s].stream) != 0)
+        chaos_fail(w->c, "slot %lld: image of %s where %s should be", (long long)w->record.index,
+                   image->stream, plan->shots[s].stream);
+    check_files(w, image);
+    for (unsigned i = 0; i < image->n_shots; i++) {
+        const struct ttf_shot *shot = &image->shots[i];
+
+        if (shot->start_ns == TTF_NS_UNKNOWN)
+            continue;
+        if (since_power_on(w, shot->start_ns) < w->last_end_ns - 2 * w->c->run.config.jitter_ns)
+            chaos_fail(w->c, "slot %lld: an exposure began before the one before it ended",
+                       (long long)w->record.index);
+        w->last_end_ns = since_power_on(w, shot->end_ns);
+        if (shot->refused[0] != '\0')
+            continue;
+        good++;
+        check_exposure(w, image, shot, &planned);
+        check_light(w, image, shot);
+        check_lamps(w, image, shot, &plan->shots[s]);
+    }
+    if (image->lacking[0] != '\0')
+        return;
+    check_level(w, image, &plan->shots[s]);
+    if (good != image->n_averaged || good == 0)
+        chaos_fail(w->c, "slot %lld: %u good shots, %u averaged", (long long)w->record.index, good,
+                   image->n_averaged);
+    if (good < plan->shots[s].average && !flagged(image, "short-average"))
+        chaos_fail(w->c, "slot %lld: %u of %u averaged, no flag", (long long)w->record.index, good,
+                   plan->shots[s].average);
+}
+
+static void check_middle(struct walk *w)
+{
+    const struct ttf_slot_record *record = &w->record;
+    const struct ttf_sim_config *b = &w->c->run.config;
+    const struct ttf_image *image = &record->images[0];
+    int64_t bound = b->jitter_ns + LATE_SLACK_NS +
+                    (b->steerable ? b->readout_ns / b->height : b->frame_period_ns / 2 + 1);
+    int64_t exposure = 0;
+
+    for (unsigned i = 0; i < image->n_shots; i++)
+        if (image->shots[i].refused[0] == '\0')
+            exposure = image->shots[i].granted.exposure_ns;
+    /* A long exposure makes its frame longer. */
+    if (!b->steerable && exposure > b->frame_period_ns)
+        bound += exposure / 2;
+    if (image->lacking[0] != '\0' || flagged(image, "late"))
+        return;
+    if (record->middle_ns == TTF_NS_UNKNOWN || llabs(record->middle_ns - record->due_ns) > bound)
+        chaos_fail(w->c, "slot %lld: middle off by %.3f ms, no flag", (long long)record->index,
+                   (double)(record->middle_ns - record->due_ns) / 1e6);
+}
+
+static void check_times(struct walk *w)
+{
+    struct chaos *c = w->c;
+    int64_t due = since_power_on(w, w->record.due_ns);
+    int64_t utc = ttf_reader_due_utc_ns(w->reader, &w->record);
+
+    if (due <= w->last_due_ns)
+        chaos_fail(c, "slot %lld is due %.3f s before the one before it",
+                   (long long)w->record.index, (double)(w->last_due_ns - due) / 1e9);
+    /* With a clock that is kept, the grid is the first boot's for ever. */
+    if (c->run.config.rtc && w->record.index > 0 && !any_fault(c, TTF_FAULT_CLOCK_STEP) &&
+        llabs(due - w->last_due_ns - c->run.plan.interval_ns) > TTF_NS_PER_MS)
+        chaos_fail(c, "slot %lld left the grid by %.3f s", (long long)w->record.index,
+                   (double)(due - w->last_due_ns - c->run.plan.interval_ns) / 1e9);
+    if (utc != TTF_NS_UNKNOWN && !any_fault(c, TTF_FAULT_CLOCK_STEP) &&
+        llabs(utc - c->run.config.start_utc_ns - due) > TTF_NS_PER_S)
+        chaos_fail(c, "slot %lld: UTC off by %.3f s", (long long)w->record.index,
+                   (double)(utc - c->run.config.start_utc_ns - due) / 1e9);
+    w->last_due_ns = due;
+}
+
+static void find_boot(struct walk *w)
+{
+    w->power_on_ns = TTF_NS_UNKNOWN;
+    if (ttf_reader_segment(w->reader, w->record.segment, &w->segment) < 0) {
+        chaos_fail(w->c, "slot %lld has no segment", (long long)w->record.index);
+        return;
+    }
+    for (unsigned i = 0; i < w->c->n_boots; i++)
+        if (strcmp(w->c->boots[i].id, w->segment.boot_id) == 0)
+            w->power_on_ns = w->c->boots[i].power_on_ns;
+    if (w->power_on_ns == TTF_NS_UNKNOWN)
+        chaos_fail(w->c, "slot %lld is of a boot that was not", (long long)w->record.index);
+}
+
+static void check_slot(struct walk *w, int64_t index)
+{
+    struct ttf_slot_record *record = &w->record;
+    const struct ttf_plan *plan = &w->c->run.plan;
+    unsigned image = 0;
+
+    if (record->index != index)
+        chaos_fail(w->c, "slot %lld where %lld should be", (long long)record->index,
+                   (long long)index);
+    if (record->result != TTF_RESULT_CAPTURED && record->reason[0] == '\0')
+        chaos_fail(w->c, "slot %lld: %s without a reason", (long long)index,
+                   ttf_result_name(record->result));
+    find_boot(w);
+    if (w->power_on_ns == TTF_NS_UNKNOWN)
+        return;
+    check_times(w);
+    if (record->result != TTF_RESULT_CAPTURED && record->result != TTF_RESULT_PARTIAL)
+        return;
+    for (unsigned s = 0; s < plan->n_shots; s++)
+        for (unsigned b = 0; b < ttf_shot_images(&plan->shots[s]); b++, image++)
+            if (image < record->n_images)
+                check_image(w, &record->images[image], s, b);
+    if (image != record->n_images)
+        chaos_fail(w->c, "slot %lld: %u images of %u", (long long)index, record->n_images, image);
+    check_middle(w);
+}
+
+void chaos_check_end(struct chaos *c, bool done)
+{
+    struct walk w = {.c = c, .last_due_ns = INT64_MIN / 2, .last_end_ns = INT64_MIN / 2};
+    int64_t slots;
+
+    if (!has_dataset(c)) {
+        if (done)
+            chaos_fail(c, "done without a dataset");
+        return;
+    }
+    check_verify(c, true);
+    if (ttf_reader_open(ttf_io_posix(), c->run.path, &w.reader, NULL) < 0)
+        return; /* said before */
+    slots = ttf_reader_summary(w.reader)->slots;
+    if (done && slots != c->run.plan.count)
+        chaos_fail(c, "%lld records of %lld slots", (long long)slots, (long long)c->run.plan.count);
+    if (!ttf_reader_manifest(w.reader)->simulated)
+        chaos_fail(c, "it does not say SIMULATED");
+    for (int64_t i = 0; i < slots; i++) {
+        if (ttf_reader_slot(w.reader, i, &w.record, NULL) < 0) {
+            chaos_fail(c, "slot line %lld cannot be read", (long long)i);
+            continue;
+        }
+        check_slot(&w, i);
+        ttf_slot_record_free(&w.record);
+    }
+    ttf_reader_close(w.reader);
+}
