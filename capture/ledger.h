@@ -21,6 +21,7 @@
 #define TTF_REASON_NO_TIME      "no time left in the slot"
 #define TTF_REASON_NO_POWER     "the box was without power"
 #define TTF_REASON_NOT_RUNNING  "the program was not running"
+#define TTF_REASON_HAD_ENDED    "the run had come to its end"
 #define TTF_REASON_BEFORE_START "the capture began after this slot"
 #define TTF_REASON_NO_MEMORY    "out of memory"
 

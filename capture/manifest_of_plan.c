@@ -104,6 +104,11 @@ int ttf_manifest_takes_plan(const struct ttf_manifest *manifest, const struct tt
     if (manifest->simulated != wanted->simulated)
         return ttf_err_set(err, -EINVAL, "dataset.json",
                            "a simulated and a real capture cannot share a dataset");
+    if (manifest->rehearsal) {
+        ttf_err_set(err, -EINVAL, "dataset.json",
+                    "this is a rehearsal, not a capture to go on with");
+        return ttf_err_hint(err, "name another folder for the capture");
+    }
     for (unsigned i = 0; i < wanted->n_streams; i++) {
         const struct ttf_stream *w = &wanted->streams[i];
         const struct ttf_stream *st = ttf_manifest_stream(manifest, w->id);

@@ -58,7 +58,7 @@ static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resu
     if (strcmp(last->boot_id, in->boot_id) == 0) {
         r->grid.origin_ns = ttf_grid_due_ns(&before, next);
         r->lost_result = TTF_RESULT_MISSED;
-        r->lost_reason = TTF_REASON_NOT_RUNNING;
+        r->lost_reason = in->state->sealed ? TTF_REASON_HAD_ENDED : TTF_REASON_NOT_RUNNING;
         r->on_grid = true;
         r->gap_ns = 0;
         r->outage_ns = in->now_ns - ttf_grid_due_ns(&before, next - 1);
@@ -72,8 +72,9 @@ static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resu
             int64_t due_utc = ttf_grid_due_ns(&before_utc, next);
 
             r->grid.origin_ns = in->utc.boot_ns + (due_utc - in->utc.utc_ns);
-            r->lost_result = TTF_RESULT_POWER;
-            r->lost_reason = TTF_REASON_NO_POWER;
+            /* A run that had ended was not cut short: the box may have been put away, or not. */
+            r->lost_result = in->state->sealed ? TTF_RESULT_MISSED : TTF_RESULT_POWER;
+            r->lost_reason = in->state->sealed ? TTF_REASON_HAD_ENDED : TTF_REASON_NO_POWER;
             r->on_grid = true;
             r->gap_ns = 0;
             r->outage_ns = now_utc - last_utc;

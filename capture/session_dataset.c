@@ -39,24 +39,49 @@ int ttf_session_check_disk(struct ttf_session *s, struct ttf_err *err)
                                  err);
 }
 
-/* A plan that is not the stored one is stored beside it. Returns the plan's number. */
-static int store_plan(struct ttf_session *s, struct ttf_writer *writer, const char *json,
-                      struct ttf_err *err)
+/* Whether the dataset's newest plan is this one. */
+static bool plan_is_stored(const struct ttf_session *s, int n_plans, const char *json)
 {
-    int n = ttf_writer_state(writer)->n_plans;
     char path[4096];
     char *stored = NULL;
     size_t bytes;
     bool same;
 
-    snprintf(path, sizeof(path), "%s/plans/%d.json", s->config->path, n - 1);
-    if (n > 0 && ttf_io_slurp(s->config->io, path, PLAN_MAX_BYTES, &stored, &bytes, NULL) == 0) {
-        same = strcmp(stored, json) == 0;
-        free(stored);
-        if (same)
-            return n - 1;
-    }
+    snprintf(path, sizeof(path), "%s/plans/%d.json", s->config->path, n_plans - 1);
+    if (n_plans <= 0 ||
+        ttf_io_slurp(s->config->io, path, PLAN_MAX_BYTES, &stored, &bytes, NULL) < 0)
+        return false;
+    same = strcmp(stored, json) == 0;
+    free(stored);
+    return same;
+}
+
+/* A plan that is not the stored one is stored beside it. Returns the plan's number. */
+static int store_plan(struct ttf_session *s, struct ttf_writer *writer, const char *json,
+                      struct ttf_err *err)
+{
+    int n = ttf_writer_state(writer)->n_plans;
+
+    if (plan_is_stored(s, n, json))
+        return n - 1;
     return ttf_writer_plan(writer, s->config->plan_yaml, json, err);
+}
+
+/* All slots have their records: fine if this plan says so too, else somebody is mistaken. */
+static int expect_same_plan(const struct ttf_session *s, int n_plans, struct ttf_err *err)
+{
+    char *json = NULL;
+    bool same;
+    int r = ttf_plan_json(&s->plan, &json, err);
+
+    if (r < 0)
+        return r;
+    same = plan_is_stored(s, n_plans, json);
+    free(json);
+    if (same)
+        return 0;
+    ttf_err_set(err, -EINVAL, s->config->path, "is complete, and was captured by another plan");
+    return ttf_err_hint(err, "name another folder, or a plan with more slots to go on with it");
 }
 
 /* UTC of slot 0 as a dataset that is gone on with has it; TTF_NS_UNKNOWN. */
@@ -188,6 +213,7 @@ int ttf_session_open_dataset(struct ttf_session *s, struct ttf_err *err)
     int r = ttf_manifest_of_plan(&s->plan, s->box, s->has_calibration && s->calibration.has_flat,
                                  &manifest, err);
 
+    manifest.rehearsal = r == 0 && s->config->rehearse > 0;
     if (r == 0 && dataset_exists(s)) {
         r = ttf_writer_open(s->config->io, s->config->path, &s->committer.writer, err);
         if (r < 0)
@@ -204,7 +230,7 @@ int ttf_session_open_dataset(struct ttf_session *s, struct ttf_err *err)
     if (r < 0)
         return r;
     if (s->resume.continued && state->next_index >= s->plan.count)
-        return 0; /* all slots have their records: only the seal is lacking */
+        return expect_same_plan(s, state->n_plans, err); /* only the seal may be lacking */
     plan = dataset_with_plan(s, &manifest, err);
     if (plan < 0)
         return plan;

@@ -193,6 +193,7 @@ int ttf_manifest_read(const char *text, size_t bytes, const char *where, struct 
     ttf_in_text(&in, root, "uuid", m.uuid, sizeof(m.uuid), TTF_JSON_REQUIRED);
     ttf_in_text(&in, root, "title", m.title, sizeof(m.title), TTF_JSON_CUT);
     m.simulated = ttf_in_bool(&in, root, "simulated", false, TTF_JSON_REQUIRED);
+    m.rehearsal = ttf_in_bool(&in, root, "rehearsal", false, TTF_JSON_OPTIONAL);
     ttf_in_text(&in, root, "box_serial", m.box_serial, sizeof(m.box_serial), TTF_JSON_CUT);
     ttf_in_text(&in, root, "software", m.software, sizeof(m.software), TTF_JSON_CUT);
     get_cameras(&in, root, &m);

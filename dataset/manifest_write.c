@@ -130,6 +130,8 @@ int ttf_manifest_write(const struct ttf_manifest *manifest, char **ret_text, str
     ttf_json_kstring(&json, "uuid", manifest->uuid);
     put_text(&json, "title", manifest->title);
     ttf_json_kbool(&json, "simulated", manifest->simulated);
+    if (manifest->rehearsal)
+        ttf_json_kbool(&json, "rehearsal", true);
     put_text(&json, "box_serial", manifest->box_serial);
     put_text(&json, "software", manifest->software);
     put_cameras(&json, manifest);

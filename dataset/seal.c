@@ -166,6 +166,7 @@ int ttf_writer_seal(struct ttf_writer *writer, const char *reason, char ret_dige
     if (r)
         return r;
     writer->sealed = true;
+    writer->state.sealed = true;
     writer->sums_behind = false;
     reserve = ttf_path_format("%s/" TTF_RESERVE_NAME, writer->path);
     if (reserve && io->ops->unlink(io, reserve) == 0)

@@ -83,6 +83,7 @@ int ttf_writer_unseal(struct ttf_writer *writer, struct ttf_err *err)
     if (r)
         return r;
     writer->sealed = false;
+    writer->state.sealed = false;
     ttf_reserve_make(writer);
     return 0;
 }

@@ -162,6 +162,59 @@ static void a_rehearsal_does_not_touch_a_dataset(void **state)
     sim_run_finish(&run);
 }
 
+static void a_rehearsal_is_never_gone_on_with(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    run.rehearse = 3;
+    assert_int_equal(sim_run_boot(&run), 0);
+    run.rehearse = 0;
+    run.config.power_on_ns = run.ended_ns;
+    assert_int_equal(sim_run_boot(&run), -EINVAL);
+    assert_non_null(strstr(run.err.what, "rehearsal"));
+    sim_run_finish(&run);
+}
+
+static void a_longer_plan_goes_on_with_a_finished_dataset(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.count = 2;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect_whole(&run, true);
+    /* An hour later, with six more slots to take; those of the hour were nobody's. */
+    run.plan.count = 2 + TTF_NS_PER_H / run.plan.interval_ns + 6;
+    run.config.power_on_ns = run.ended_ns + TTF_NS_PER_H;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_true(run.result.sealed);
+    sim_run_expect_whole(&run, true);
+    sim_run_expect_reason(&run, 2, "the run had come to its end");
+    assert_int_equal(run.result.power, 0);
+    assert_in_range(run.result.captured, 2 + 5, 2 + 7);
+    assert_int_equal(run.result.slots, run.plan.count);
+    sim_run_finish(&run);
+}
+
+static void a_finished_dataset_of_another_plan_is_refused(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.count = 2;
+    assert_int_equal(sim_run_boot(&run), 0);
+    run.plan.interval_ns *= 2;
+    run.config.power_on_ns = run.ended_ns;
+    assert_int_equal(sim_run_boot(&run), -EINVAL);
+    assert_non_null(strstr(run.err.what, "another plan"));
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
 static void a_capture_begins_when_it_is_told_to(void **state)
 {
     struct sim_run run;
@@ -220,6 +273,9 @@ int main(void)
         cmocka_unit_test(another_plan_s_streams_do_not_fit),
         cmocka_unit_test(a_rehearsal_reports_and_seals_nothing),
         cmocka_unit_test(a_rehearsal_does_not_touch_a_dataset),
+        cmocka_unit_test(a_rehearsal_is_never_gone_on_with),
+        cmocka_unit_test(a_longer_plan_goes_on_with_a_finished_dataset),
+        cmocka_unit_test(a_finished_dataset_of_another_plan_is_refused),
         cmocka_unit_test(a_capture_begins_when_it_is_told_to),
         cmocka_unit_test(a_capture_a_box_cannot_do_is_refused_before_it_begins),
         cmocka_unit_test(a_full_disk_is_noticed_before_it_begins),

@@ -57,6 +57,7 @@ struct ttf_manifest {
     char software[64];
     char title[128];
     bool simulated;
+    bool rehearsal; /* slots tried at once before a capture: never gone on with, never sealed */
     unsigned n_cameras, n_channels, n_streams;
     struct ttf_dataset_camera cameras[TTF_CAMERAS_MAX];
     struct ttf_channel channels[TTF_CHANNELS_MAX];

@@ -25,7 +25,7 @@ struct ttf_writer_state {
     struct ttf_segment last_segment; /* valid if n_segments > 0 */
     int64_t last_due_ns; /* of the last slot record, on its segment's boot clock; TTF_NS_UNKNOWN */
     int n_plans;
-    bool sealed; /* was sealed when opened (continuing removes the seal at the first write) */
+    bool sealed; /* it is, and nothing was added since (the first write removes the seal) */
     int64_t counts[TTF_RESULT_COUNT];
     unsigned repaired; /* leftovers put right on opening */
 };
