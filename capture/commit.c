@@ -216,6 +216,28 @@ static void do_job(struct ttf_committer *c, struct ttf_job *job)
     }
 }
 
+/* Records that still wait for their storage at the end have as long as during the run; without them it is no success. */
+static void last_chance(struct ttf_committer *c)
+{
+    struct ttf_clock *clock = c->box->clock;
+    int64_t until = ttf_clock_now_ns(clock) + TTF_COMMIT_PATIENCE_NS;
+    struct ttf_err err = {0};
+    int r = 0;
+
+    if (ttf_committer_power_lost(c) || !(c->pending || c->n_late > 0 || c->has_segment))
+        return;
+    r = ttf_committer_catch_up(c, &err);
+    while ((r == -EIO || r == -ENOSPC) && ttf_queue_fatal(c->queue) == 0 &&
+           ttf_clock_now_ns(clock) < until) {
+        (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + TTF_NS_PER_S);
+        if (ttf_committer_power_lost(c))
+            return;
+        r = ttf_committer_catch_up(c, &err);
+    }
+    if (r < 0 && !ttf_committer_power_lost(c))
+        give_up(c, r, &err);
+}
+
 static void *run(void *arg)
 {
     struct ttf_committer *c = arg;
@@ -229,9 +251,7 @@ static void *run(void *arg)
         do_job(c, job);
         ttf_job_free(job);
     }
-    /* The last chance of records that wait for their storage. */
-    if (!ttf_committer_power_lost(c) && (c->pending || c->n_late > 0 || c->has_segment))
-        (void)ttf_committer_catch_up(c, NULL);
+    last_chance(c);
     while (c->pending)
         ttf_committer_drop_first(c);
     for (unsigned i = 0; i < c->n_late; i++)

@@ -21,8 +21,11 @@ void ttf_pulse_begin(struct ttf_pulse *pulse, struct ttf_box *box, struct ttf_qu
     pulse->stop = stop;
     ttf_clock_utc(box->clock, &utc);
     ttf_utc_watch_init(&pulse->utc, &utc);
+    pulse->door_was_opened_ns = TTF_NS_UNKNOWN;
+    pulse->door_was_closed_ns = TTF_NS_UNKNOWN;
     if (box->panel)
         pulse->door_open = ttf_panel_door(box->panel) == 1;
+    /* If it is, nobody knows since when: since ever. */
 }
 
 void ttf_pulse_guard(struct ttf_pulse *pulse)
@@ -78,11 +81,30 @@ static void look_at_utc(struct ttf_pulse *pulse)
     if (news.stepped)
         ttf_events_emit(pulse->events, "clock-step", "UTC stepped by %+.3f s; the grid stays",
                         (double)news.step_ns / 1e9);
-    if (news.more_trusted) {
+    if (news.more_trusted)
         ttf_events_emit(pulse->events, "clock", "UTC is now vouched for by %s",
                         ttf_trust_name(utc.trust));
+    /*
+     * A clock that was set is believed: were the segment left as it is, the step would look
+     * like an outage after the next power cut, and slots would be given up as lost to it.
+     */
+    if (news.more_trusted || (news.stepped && utc.trust != TTF_TRUST_NONE &&
+                              strcmp(pulse->segment.trust, ttf_trust_name(utc.trust)) == 0))
         correct_segment(pulse, &utc);
+}
+
+static void note_door(struct ttf_pulse *pulse, bool open, int64_t at_ns)
+{
+    if (open == pulse->door_open)
+        return;
+    if (open) {
+        pulse->door_opened_ns = at_ns;
+    } else {
+        pulse->door_was_opened_ns = pulse->door_opened_ns;
+        pulse->door_was_closed_ns = at_ns;
     }
+    pulse->door_open = open;
+    ttf_events_emit(pulse->events, "door", open ? "opened" : "closed");
 }
 
 static void look_at_panel(struct ttf_pulse *pulse)
@@ -97,13 +119,23 @@ static void look_at_panel(struct ttf_pulse *pulse)
         if (event.kind == TTF_PANEL_BUTTON_LONG) {
             pulse->button_stop = true;
             ttf_events_emit(pulse->events, "button", "held: the run is to end");
+        } else if (event.kind == TTF_PANEL_DOOR_OPENED || event.kind == TTF_PANEL_DOOR_CLOSED) {
+            note_door(pulse, event.kind == TTF_PANEL_DOOR_OPENED, event.at_ns);
         }
     }
+    /* Should an event have been lost. */
     door = ttf_panel_door(panel);
-    if (door >= 0 && (door == 1) != pulse->door_open) {
-        pulse->door_open = door == 1;
-        ttf_events_emit(pulse->events, "door", pulse->door_open ? "opened" : "closed");
-    }
+    if (door >= 0)
+        note_door(pulse, door == 1, ttf_clock_now_ns(pulse->box->clock));
+}
+
+bool ttf_pulse_door_was_open(struct ttf_pulse *pulse, int64_t from_ns, int64_t until_ns)
+{
+    look_at_panel(pulse);
+    if (pulse->door_open && pulse->door_opened_ns <= until_ns)
+        return true;
+    return pulse->door_was_closed_ns != TTF_NS_UNKNOWN && pulse->door_was_closed_ns >= from_ns &&
+           pulse->door_was_opened_ns <= until_ns;
 }
 
 int ttf_pulse_beat(struct ttf_pulse *pulse, int64_t next_ns)

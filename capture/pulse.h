@@ -29,6 +29,9 @@ struct ttf_pulse {
     bool has_before;
     bool button_stop; /* the button was held */
     bool door_open;
+    int64_t door_opened_ns; /* the last time */
+    /* the last time before that it was open and closed again; TTF_NS_UNKNOWN */
+    int64_t door_was_opened_ns, door_was_closed_ns;
     bool watchdog; /* armed */
     enum ttf_led led;
 };
@@ -67,6 +70,9 @@ TTF_MUST_USE int ttf_pulse_gate(struct ttf_pulse *pulse, struct ttf_gate *gate,
 TTF_MUST_USE int ttf_pulse_next(struct ttf_pulse *pulse, struct ttf_camera *camera,
                                 int64_t deadline_ns, struct ttf_frame **ret_frame,
                                 struct ttf_err *err);
+
+/* Looks at the door: was it open at any time from..until (the recent past)? */
+bool ttf_pulse_door_was_open(struct ttf_pulse *pulse, int64_t from_ns, int64_t until_ns);
 
 /* Status light; a box without one is fine. */
 void ttf_pulse_led(struct ttf_pulse *pulse, enum ttf_led led);

@@ -307,6 +307,30 @@ static bool power_lost(const struct ttf_session *s)
     return s->box->power_lost && s->box->power_lost(s->box->box_private);
 }
 
+/* Nothing more is to come: a storage that fails at this moment is given the time it has during the run. */
+static int seal(struct ttf_session *s, char ret_digest[65], struct ttf_err *err)
+{
+    struct ttf_writer **writer = &s->committer.writer;
+    struct ttf_clock *clock = s->box->clock;
+    int64_t until = ttf_clock_now_ns(clock) + TTF_COMMIT_PATIENCE_NS;
+    int r = ttf_writer_seal(*writer, "count", ret_digest, err);
+
+    while ((r == -EIO || r == -ENOSPC) && !power_lost(s) && ttf_clock_now_ns(clock) < until) {
+        (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + TTF_TICK_NS);
+        if (power_lost(s))
+            break;
+        /* After a write that failed nobody knows what is on the disk. */
+        ttf_writer_abandon(*writer);
+        *writer = NULL;
+        r = ttf_writer_open(s->config->io, s->config->path, writer, err);
+        if (r == 0 && ttf_writer_state(*writer)->sealed)
+            r = read_digest(s, ret_digest, err); /* it had got there after all */
+        else if (r == 0)
+            r = ttf_writer_seal(*writer, "count", ret_digest, err);
+    }
+    return r;
+}
+
 static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_result *ret,
                           struct ttf_err *err)
 {
@@ -314,21 +338,20 @@ static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_resul
     bool complete = r == 0 && writer && s->config->rehearse <= 0 &&
                     ttf_writer_state(writer)->next_index >= s->plan.count;
 
+    fill_result(s, ret);
     if (r == -ESHUTDOWN || power_lost(s)) {
-        fill_result(s, ret);
         ttf_writer_abandon(writer);
         s->committer.writer = NULL;
         return -ESHUTDOWN;
     }
-    if (complete && ttf_writer_state(writer)->sealed) {
+    if (complete && ttf_writer_state(writer)->sealed && !s->pulse.has_segment) {
         ret->sealed = true; /* it was complete before, and nothing was added */
         r = read_digest(s, ret->digest, err);
     } else if (complete) {
-        r = ttf_writer_seal(writer, "count", ret->digest, err);
+        r = seal(s, ret->digest, err);
         ret->sealed = r == 0;
     }
-    fill_result(s, ret);
-    ttf_writer_close(writer);
+    ttf_writer_close(s->committer.writer);
     s->committer.writer = NULL;
     return r;
 }

@@ -17,6 +17,10 @@
 #define LATE_SLACK_NS TTF_NS_PER_MS
 
 #define LOCK_ROUNDS 4
+#define LOCK_TRIES  3
+
+/* So often the same request must bring the same grant, if it is another than was asked for. */
+#define LOCK_CONFIRMS 3
 
 /* What came of one submitted set. */
 struct attempt {
@@ -85,6 +89,8 @@ static void accept_frame(struct ttf_shooter *shooter, struct ttf_take *take,
 static void note_lamps(struct ttf_shooter *shooter, struct ttf_take *take, struct ttf_shot *shot)
 {
     unsigned marks = ttf_lamp_driver_sample(shooter->pulse->lamps, take->settle_ns, shot);
+    /* Looked at anew: since the last beat it may have been opened, and closed again. */
+    bool door = ttf_pulse_door_was_open(shooter->pulse, shot->start_ns, shot->end_ns);
 
     if (marks & TTF_LAMP_MARK_TRIPPED)
         ttf_image_flag(take->image, "lamp-tripped");
@@ -92,9 +98,9 @@ static void note_lamps(struct ttf_shooter *shooter, struct ttf_take *take, struc
         ttf_image_flag(take->image, "lamp-level");
     if (marks & TTF_LAMP_MARK_UNSETTLED)
         ttf_image_flag(take->image, "lamp-unsettled");
-    if (shooter->pulse->door_open)
+    if (door)
         ttf_image_flag(take->image, "door-open");
-    if (marks || shooter->pulse->door_open)
+    if (marks || door)
         take->trouble = true;
 }
 
@@ -364,27 +370,70 @@ static int probe_hard(struct ttf_shooter *shooter, const struct ttf_exposure *as
     return r;
 }
 
+/* Asks for what was granted until both agree. *ret_first: what the first request was granted. */
+static int converge(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
+                    struct ttf_locked *ret, struct ttf_exposure *ret_first)
+{
+    ret->asked = *asked;
+    for (int round = 0; round < LOCK_ROUNDS; round++) {
+        int r = probe_hard(shooter, &ret->asked, &ret->granted);
+
+        if (r < 0)
+            return r;
+        if (round == 0)
+            *ret_first = ret->granted;
+        if (ttf_exposure_equal(&ret->asked, &ret->granted))
+            return 0;
+        ret->asked = ret->granted;
+    }
+    return -EIO;
+}
+
+/*
+ * A driver rounds, and does so each time alike; a frame with settings that went wrong is
+ * another matter: what it carried must not become the setting of the whole run. So
+ * a grant that differs from the request counts only if the same request brings it again.
+ */
+static int lock_steady(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
+                       struct ttf_locked *ret)
+{
+    struct ttf_exposure first;
+    struct ttf_exposure again;
+
+    for (int try = 0; try < LOCK_TRIES; try++) {
+        int r = converge(shooter, asked, ret, &first);
+
+        if (r == -EIO && !ends_run(shooter, r))
+            continue;
+        if (r < 0 || ttf_exposure_equal(asked, &ret->asked))
+            return r;
+        again = first;
+        for (int i = 0; r == 0 && i < LOCK_CONFIRMS && ttf_exposure_equal(&first, &again); i++)
+            r = probe_hard(shooter, asked, &again);
+        if (r < 0 || ttf_exposure_equal(&first, &again))
+            return r;
+    }
+    return -EIO;
+}
+
 int ttf_shooter_lock(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
                      struct ttf_locked *ret, struct ttf_err *err)
 {
     struct ttf_locked locked = {.asked = *asked};
-    int r;
+    int r = lock_steady(shooter, asked, &locked);
 
-    for (int round = 0; round < LOCK_ROUNDS; round++) {
-        r = probe_hard(shooter, &locked.asked, &locked.granted);
-        if (r == -ENODEV)
-            return ttf_err_set(err, r, shooter->name,
-                               "the camera gives no frame, also after it was opened anew");
-        if (r < 0)
-            return ttf_err_set(err, r, shooter->name, "the exposure could not be locked");
-        if (ttf_exposure_equal(&locked.asked, &locked.granted)) {
-            *ret = locked;
-            return 0;
-        }
-        locked.asked = locked.granted;
-    }
-    return ttf_err_set(err, -EIO, shooter->name,
-                       "the camera grants other settings than it was asked for, each time anew "
-                       "(%.3f ms, gain %.3f)",
-                       (double)locked.granted.exposure_ns / 1e6, locked.granted.gain_milli / 1e3);
+    if (r == 0)
+        *ret = locked;
+    else if (r == -ENODEV)
+        return ttf_err_set(err, r, shooter->name,
+                           "the camera gives no frame, also after it was opened anew");
+    else if (r == -EIO && !ends_run(shooter, r))
+        return ttf_err_set(err, r, shooter->name,
+                           "the camera grants other settings than it was asked for, each time anew "
+                           "(%.3f ms, gain %.3f)",
+                           (double)locked.granted.exposure_ns / 1e6,
+                           locked.granted.gain_milli / 1e3);
+    else
+        return ttf_err_set(err, r, shooter->name, "the exposure could not be locked");
+    return 0;
 }

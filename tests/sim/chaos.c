@@ -22,16 +22,20 @@
 /* A seed that takes longer hangs: the longest need a few seconds. */
 #define HANG_S 120
 
+/* Of one seed, so many failures are told. */
+#define SAID_MAX 8
+
 void chaos_fail(struct chaos *c, const char *format, ...)
 {
     va_list args;
 
+    if (++c->failures > SAID_MAX)
+        return;
     printf("seed %llu, run %u: ", (unsigned long long)c->seed, c->n_boots);
     va_start(args, format);
     vprintf(format, args);
     va_end(args);
     printf("\n");
-    c->failures++;
 }
 
 static void progress(struct sim_run *run, const struct ttf_progress *p)

@@ -25,13 +25,13 @@ struct chaos {
     bool verbose;
     unsigned failures;
     /* what else happens */
-    int64_t stop_at[3]; /* a person stops the run once this slot is told; -1: not */
+    int64_t stop_at[3];            /* a person stops the run once this slot is told; -1: not */
     int64_t full_from, full_until; /* slots between which the disk has little room; -1: never */
     /* what happened */
     struct chaos_boot boots[CHAOS_RUNS_MAX];
     unsigned n_boots;
-    int64_t told;       /* highest slot told to be committed; -1 */
-    int64_t stopped_ns; /* boot clock when the stop was asked for; TTF_NS_UNKNOWN */
+    int64_t told;           /* highest slot told to be committed; -1 */
+    int64_t stopped_ns;     /* boot clock when the stop was asked for; TTF_NS_UNKNOWN */
     char *records, *events; /* the files as they were after the last boot; NULL */
 };
 

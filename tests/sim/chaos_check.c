@@ -66,12 +66,12 @@ static void check_verify(struct chaos *c, bool deep)
     for (unsigned i = 0; i < report.n_findings; i++) {
         const struct ttf_verify_finding *f = &report.findings[i];
 
-        if (f->severity == TTF_FINDING_DAMAGE || (report.sealed && deep))
+        if (f->severity != TTF_FINDING_LEFTOVER && (f->severity == TTF_FINDING_DAMAGE || deep))
             chaos_fail(c, "verify: %s: %s: %s", ttf_severity_name(f->severity), f->file, f->text);
     }
-    if (report.sealed != (c->run.code == 0 && c->run.result.sealed))
-        chaos_fail(c, "sealed %d, but the session said %d, code %d", report.sealed,
-                   c->run.result.sealed, c->run.code);
+    /* If the seal's last sync fails, it may be there all the same. */
+    if (c->run.code == 0 && report.sealed != c->run.result.sealed)
+        chaos_fail(c, "sealed %d, but the session said %d", report.sealed, c->run.result.sealed);
     ttf_verify_report_free(&report);
 }
 
@@ -111,9 +111,9 @@ struct walk {
     struct ttf_reader *reader;
     struct ttf_slot_record record;
     struct ttf_segment segment;
-    int64_t power_on_ns;      /* of the record's boot; TTF_NS_UNKNOWN */
-    int64_t last_due_ns;      /* since the first power-on, of the slot before */
-    int64_t last_end_ns;      /* the same, of the exposure before */
+    int64_t power_on_ns; /* of the record's boot; TTF_NS_UNKNOWN */
+    int64_t last_due_ns; /* since the first power-on, of the slot before */
+    int64_t last_end_ns; /* the same, of the exposure before */
 };
 
 static bool flagged(const struct ttf_image *image, const char *flag)
@@ -131,7 +131,7 @@ static bool any_fault(const struct chaos *c, enum ttf_fault_kind kind)
 
 static int64_t since_power_on(const struct walk *w, int64_t boot_ns)
 {
-    return w->power_on_ns + boot_ns - TTF_NS_PER_S; /* the boot clock stands at 1 s at power-on */
+    return w->power_on_ns + boot_ns;
 }
 
 /* A fault of this kind and target, at a time, lasts over all of from..until. */
@@ -178,7 +178,8 @@ static void check_exposure(struct walk *w, const struct ttf_image *image,
         chaos_fail(w->c, "slot %lld, %s: %.3f ms without a flag, the plan says %.3f ms",
                    (long long)w->record.index, image->stream,
                    (double)shot->granted.exposure_ns / 1e6, (double)planned->exposure_ns / 1e6);
-    if (llabs((int64_t)shot->granted.gain_milli - (int64_t)planned->gain_milli) > b->gain_step_milli)
+    if (llabs((int64_t)shot->granted.gain_milli - (int64_t)planned->gain_milli) >
+        b->gain_step_milli)
         chaos_fail(w->c, "slot %lld: gain %u without a flag, the plan says %u",
                    (long long)w->record.index, shot->granted.gain_milli, planned->gain_milli);
 }
@@ -189,8 +190,8 @@ static void check_light(struct walk *w, const struct ttf_image *image, const str
     int64_t from = since_power_on(w, shot->start_ns);
     int64_t until = since_power_on(w, shot->end_ns);
 
-    if (w->c->run.config.door_switch &&
-        fault_covers(w, TTF_FAULT_DOOR_OPEN, "", from, until) && !flagged(image, "door-open"))
+    if (w->c->run.config.door_switch && fault_covers(w, TTF_FAULT_DOOR_OPEN, "", from, until) &&
+        !flagged(image, "door-open"))
         chaos_fail(w->c, "slot %lld, %s: exposed with the door open, no flag",
                    (long long)w->record.index, image->stream);
     for (unsigned i = 0; i < shot->n_lamps; i++) {
@@ -199,8 +200,8 @@ static void check_light(struct walk *w, const struct ttf_image *image, const str
         if (lamp->commanded_permille >= 300 &&
             fault_covers(w, TTF_FAULT_LAMP_DEAD, lamp->name, from, until + READING_NS) &&
             !flagged(image, "lamp-level") && !flagged(image, "lamp-tripped"))
-            chaos_fail(w->c, "slot %lld, %s: lamp %s was dead, no flag",
-                       (long long)w->record.index, image->stream, lamp->name);
+            chaos_fail(w->c, "slot %lld, %s: lamp %s was dead, no flag", (long long)w->record.index,
+                       image->stream, lamp->name);
     }
 }
 
@@ -266,6 +267,8 @@ static void check_image(struct walk *w, const struct ttf_image *image, unsigned 
     const struct ttf_plan *plan = &w->c->run.plan;
     struct ttf_exposure planned = ttf_shot_exposure(&plan->shots[s], bracket, plan->mains_hz,
                                                     w->c->run.config.exposure_max_ns);
+    /* A rolling shutter begins the next frame while the last rows are read. */
+    int64_t overlap = 2 * w->c->run.config.jitter_ns + w->c->run.config.readout_ns;
     unsigned good = 0;
 
     if (strcmp(image->stream, plan->shots[s].stream) != 0)
@@ -277,7 +280,7 @@ static void check_image(struct walk *w, const struct ttf_image *image, unsigned 
 
         if (shot->start_ns == TTF_NS_UNKNOWN)
             continue;
-        if (since_power_on(w, shot->start_ns) < w->last_end_ns - 2 * w->c->run.config.jitter_ns)
+        if (since_power_on(w, shot->start_ns) < w->last_end_ns - overlap)
             chaos_fail(w->c, "slot %lld: an exposure began before the one before it ended",
                        (long long)w->record.index);
         w->last_end_ns = since_power_on(w, shot->end_ns);
@@ -336,7 +339,7 @@ static void check_times(struct walk *w)
         chaos_fail(c, "slot %lld left the grid by %.3f s", (long long)w->record.index,
                    (double)(due - w->last_due_ns - c->run.plan.interval_ns) / 1e9);
     if (utc != TTF_NS_UNKNOWN && !any_fault(c, TTF_FAULT_CLOCK_STEP) &&
-        llabs(utc - c->run.config.start_utc_ns - due) > TTF_NS_PER_S)
+        llabs(utc - c->run.config.start_utc_ns - due) > TTF_NS_PER_MS)
         chaos_fail(c, "slot %lld: UTC off by %.3f s", (long long)w->record.index,
                    (double)(utc - c->run.config.start_utc_ns - due) / 1e9);
     w->last_due_ns = due;

@@ -227,6 +227,7 @@ void chaos_draw(struct chaos *c)
 
     c->state = c->seed * UINT64_C(0xd1342543de82ef95) + 1;
     sim_run_init(&c->run);
+    c->run.scene = "chart"; /* bright, and does not change */
     draw_board(c);
     draw_plan(c);
     draw_cost(c);

@@ -74,7 +74,8 @@ struct ttf_session_result {
 /*
  * Runs. 0 when the plan is done (sealed) or a stop was asked for (not sealed).
  * -EINVAL: the plan does not fit the box or the dataset. -EBUSY: dataset in use.
- * -ENOSPC, -EROFS, -EIO: storage gave out (all committed slots are safe).
+ * -ENOSPC, -EROFS, -EIO: storage gave out (all committed slots are safe); -EIO also: at arming the
+ * camera granted other settings each time it was asked.
  * -ENODEV: no camera after the whole ladder at arming. -ESHUTDOWN: the (simulated) box lost power; run
  * again to resume. -TTF_EDAMAGED: the dataset is damaged.
  */
