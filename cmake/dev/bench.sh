@@ -6,7 +6,28 @@ box=build/bin/ttfbox
 
 week() { python3 tests/bench/week.py "$box" boards/sim/plans/grass-week.yaml --board sim; }
 schedule() { python3 tests/bench/schedule.py "$box" --board boards/sim/real-clock.yaml "$@"; }
-synth() { build/tests/bench_quilt "$@"; }
+# Of the folders of pictures given; else of the real sequences, where they are, and of a simulated week.
+synth() {
+    if [ $# -gt 0 ]; then
+        build/tests/bench_quilt "$@"
+        return
+    fi
+    local data=${TTFBOX_TEST_DATA:-../shared/data} name
+    for name in copper clay; do
+        if [ -d "$data/timelapse/$name" ]; then
+            echo "== $name"
+            build/tests/bench_quilt "$data/timelapse/$name"
+        else
+            echo "== $name: skipped, $data is not there"
+        fi
+    done
+    echo "== a simulated week of grass"
+    scratch=$(mktemp -d)
+    trap 'rm -rf "$scratch"' EXIT
+    "$box" capture boards/sim/plans/demo.yaml --board sim-small -o "$scratch/grass" -q >"$scratch/log"
+    "$box" export "$scratch/grass" --to png -o "$scratch/png" -q >>"$scratch/log"
+    build/tests/bench_quilt "$scratch/png" --block 64x128
+}
 
 case ${1:-all} in
 week) week ;;
