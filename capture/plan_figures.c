@@ -208,9 +208,8 @@ static void fill_shot(const struct ttf_plan *plan, const struct ttf_box *box, un
         image += kept_px * 6 + FILE_OVERHEAD_BYTES;
     f->slot_bytes += image * (int64_t)ttf_shot_images(shot) + RECORD_BYTES;
     f->slot_busy_ns += ttf_shot_busy_ns(plan, shot, box);
-    f->exposure_ns[i] = ttf_shot_exposure(&plan->shots[i], 0, plan->mains_hz,
-                                          ttf_camera_caps(camera)->exposure_max_ns)
-                            .exposure_ns;
+    f->exposure_ns[i] = ttf_exposure_snap(shot->exposure.exposure_ns, plan->mains_hz,
+                                          ttf_camera_caps(camera)->exposure_max_ns);
     /* Two raw sums, the camera's own buffers, dark and flat per pixel, strips of work. */
     memory = raw_px * (2 * 4 + 4 + 2) +
              (int64_t)ttf_camera_caps(camera)->buffers * (int64_t)format->stride * format->height +
@@ -230,7 +229,8 @@ void ttf_plan_figures_fill(const struct ttf_plan *plan, const struct ttf_box *bo
         if (box)
             fill_shot(plan, box, i, &f);
         else
-            f.exposure_ns[i] = ttf_shot_exposure(&plan->shots[i], 0, plan->mains_hz, 0).exposure_ns;
+            f.exposure_ns[i] =
+                ttf_exposure_snap(plan->shots[i].exposure.exposure_ns, plan->mains_hz, 0);
     }
     if (!ttf_mul_i64(f.slot_bytes, plan->count, &f.bytes))
         f.bytes = INT64_MAX;

@@ -153,6 +153,23 @@ static int push_image(struct shooting *g, const struct ttf_take *take)
     return 0;
 }
 
+/*
+ * By the exposures that were granted: the mains' grid and the camera's steps may keep them from the
+ * plan's own numbers. 0 without brackets.
+ */
+static double relative_exposure(const struct ttf_session *s, unsigned shot, unsigned bracket)
+{
+    const struct ttf_plan_shot *plan = &s->plan.shots[shot];
+    unsigned reference = 0;
+
+    if (plan->n_brackets <= 1)
+        return 0;
+    while (reference + 1 < plan->n_brackets && plan->brackets[reference] != 1)
+        reference++;
+    return (double)s->locked[shot][bracket].granted.exposure_ns /
+           (double)s->locked[shot][reference].granted.exposure_ns;
+}
+
 /* Takes image `bracket` of the shot. middle_ns as of ttf_take. */
 static int take_image(struct shooting *g, unsigned bracket, int64_t middle_ns)
 {
@@ -171,7 +188,7 @@ static int take_image(struct shooting *g, unsigned bracket, int64_t middle_ns)
 
     snprintf(image->stream, sizeof(image->stream), "%s", shot->stream);
     image->bracket = shot->n_brackets > 1 ? (int)bracket : -1;
-    image->relative_exposure = shot->n_brackets > 1 ? shot->brackets[bracket] : 0;
+    image->relative_exposure = relative_exposure(s, g->shot, bracket);
     g->raw = NULL;
     if (!take.raw)
         r = raw_by(s, &camera->format, g->give_up_ns, &take.raw);

@@ -48,6 +48,23 @@ static const char *size_text(int64_t bytes, char *buf, size_t size)
     return buf;
 }
 
+static void say_shots(const struct cli *cli, const struct check *c)
+{
+    const struct ttf_plan *plan = ttf_plan_file_plan(c->file);
+
+    for (unsigned i = 0; i < plan->n_shots; i++) {
+        const struct ttf_plan_shot *shot = &plan->shots[i];
+        char brackets[160] = "";
+        size_t n = 0;
+
+        for (unsigned b = 0; shot->n_brackets > 1 && b < shot->n_brackets; b++)
+            n += (size_t)snprintf(brackets + n, sizeof brackets - n, "%s%.4g",
+                                  b ? ", " : ", brackets of ", shot->brackets[b]);
+        cli_say(cli, "exposure %-8s %.3f ms%s", shot->stream,
+                (double)c->figures.exposure_ns[i] / 1e6, brackets);
+    }
+}
+
 static void say_lamps(const struct cli *cli, const struct check *c)
 {
     const struct ttf_plan_figures *f = &c->figures;
@@ -76,9 +93,7 @@ static void say(const struct cli *cli, const struct check *c)
             ttf_utc_format(start + f->duration_ns, a, sizeof a),
             plan->start_utc_ns ? ttf_utc_format(start, b, sizeof b) : "now");
     cli_say(cli, "busy              %s of each interval", span(f->slot_busy_ns, a, sizeof a));
-    for (unsigned i = 0; i < plan->n_shots; i++)
-        cli_say(cli, "exposure %-8s %.3f ms", plan->shots[i].stream,
-                (double)f->exposure_ns[i] / 1e6);
+    say_shots(cli, c);
     say_lamps(cli, c);
     cli_say(cli, "storage           %s, %s a slot", size_text(f->bytes, a, sizeof a),
             size_text(f->slot_bytes, b, sizeof b));

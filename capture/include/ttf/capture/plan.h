@@ -92,7 +92,7 @@ struct ttf_plan_figures {
     int64_t lamp_switchings[TTF_LAMPS_MAX];
     unsigned lamp_duty_permille[TTF_LAMPS_MAX];
     int64_t memory_bytes;
-    int64_t exposure_ns[TTF_PLAN_SHOTS_MAX]; /* as snapped */
+    int64_t exposure_ns[TTF_PLAN_SHOTS_MAX]; /* the reference, as snapped */
 };
 
 /*
