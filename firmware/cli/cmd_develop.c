@@ -249,6 +249,29 @@ static int develop_all(struct darkroom *d)
     return r;
 }
 
+/* What the new values mean is the given calibration's to say: the parent may have had another, or none. */
+static int name_values(struct darkroom *d, struct ttf_manifest *m)
+{
+    struct cli *cli = d->cli;
+    struct ttf_calibration given;
+    int r;
+
+    if (!cli->opt.calibration)
+        return 0;
+    ttf_calibration_init(&given);
+    r = ttf_calibration_load(cli->io, cli->opt.calibration, &given, &cli->err);
+    for (unsigned i = 0; r == 0 && i < m->n_streams; i++) {
+        struct ttf_stream *s = &m->streams[i];
+
+        (void)snprintf(s->quantity, sizeof s->quantity, "%s",
+                       given.has_flat ? "reflectance" : "radiance");
+        (void)snprintf(s->colour_space, sizeof s->colour_space, "%s",
+                       given.has_flat ? "linear-srgb" : "camera");
+    }
+    ttf_calibration_free(&given);
+    return r;
+}
+
 static int create(struct darkroom *d)
 {
     struct cli *cli = d->cli;
@@ -266,8 +289,10 @@ static int create(struct darkroom *d)
         memcpy(m->channels, old->channels, sizeof m->channels);
         m->n_streams = old->n_streams;
         memcpy(m->streams, old->streams, sizeof m->streams);
-        r = ttf_writer_create(cli->io, cli->opt.output, m, yaml, json, &d->writer, &cli->err);
+        r = name_values(d, m);
     }
+    if (r == 0)
+        r = ttf_writer_create(cli->io, cli->opt.output, m, yaml, json, &d->writer, &cli->err);
     free(yaml);
     free(json);
     free(m);
