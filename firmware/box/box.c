@@ -57,6 +57,19 @@ static int make_sim(const struct ttf_board *board, struct ttf_io *io, struct ttf
     return ttf_sim_box_create(&config, &scene, ret, err);
 }
 
+/* A back-end makes a whole box; what the board says it has not is not used. */
+static void leave_out(const struct ttf_board *board, struct ttf_box *box)
+{
+    if (!board->device[TTF_DEVICE_PANEL]) {
+        ttf_panel_destroy(box->panel);
+        box->panel = NULL;
+    }
+    if (!board->device[TTF_DEVICE_WATCHDOG]) {
+        ttf_watchdog_destroy(box->watchdog);
+        box->watchdog = NULL;
+    }
+}
+
 /* One line per back-end of config's registry that can make a whole box. */
 static const struct {
     const char *name;
@@ -77,6 +90,7 @@ int box_create(const struct ttf_board *board, struct ttf_io *io, struct ttf_box 
         r = MAKERS[i].make(board, io, ret, err);
         if (r < 0)
             return r;
+        leave_out(board, ret);
         (void)snprintf(ret->board, sizeof ret->board, "%s", board->name);
         (void)snprintf(ret->serial, sizeof ret->serial, "%s", board->serial);
         return 0;

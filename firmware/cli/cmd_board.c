@@ -66,15 +66,19 @@ static void probe_lamps(struct probe *p)
     for (unsigned i = 0; p->box.lamps && i < ttf_lamps_count(p->box.lamps); i++) {
         const struct ttf_lamp_info *info = ttf_lamps_info(p->box.lamps, i);
         struct ttf_lamp_state state;
+        char longest[32] = "any time";
         bool ok = ttf_lamps_state(p->box.lamps, i, &state) == 0;
 
         p->silent += !ok;
-        cli_say(p->cli, "lamp %-12s %s%s, longest on %.1f h, duty %u permille%s", info->name,
+        if (info->max_on_ns)
+            (void)snprintf(longest, sizeof longest, "at most %.1f h",
+                           (double)info->max_on_ns / TTF_NS_PER_H);
+        cli_say(p->cli, "lamp %-12s %s%s, on for %s, duty %u permille%s", info->name,
                 ok ? "" : "DOES NOT ANSWER, ",
                 info->kind == TTF_LAMP_SWITCH  ? "switch"
                 : info->kind == TTF_LAMP_STEPS ? "steps"
                                                : "pwm",
-                (double)info->max_on_ns / TTF_NS_PER_H, info->max_duty_permille,
+                longest, info->max_duty_permille,
                 info->interlock_door ? ", off while the door is open" : "");
         ttf_json_object(j);
         ttf_json_kstring(j, "name", info->name);
@@ -84,10 +88,33 @@ static void probe_lamps(struct probe *p)
     ttf_json_array_end(j);
 }
 
+/* A reading for people; programs get the number and its kind. */
+static const char *reading_text(const struct ttf_reading *reading, char *buf, size_t size)
+{
+    double thousandth = (double)reading->value / 1000;
+
+    switch (reading->kind) {
+    case TTF_SENSOR_TEMP_MDEGC:
+        (void)snprintf(buf, size, "%.2f degC", thousandth);
+        break;
+    case TTF_SENSOR_HUMIDITY_MPCT:
+        (void)snprintf(buf, size, "%.1f %% humidity", thousandth);
+        break;
+    case TTF_SENSOR_LIGHT_PERMILLE:
+        (void)snprintf(buf, size, "%" PRId64 " permille light", reading->value);
+        break;
+    default:
+        (void)snprintf(buf, size, "%s: %" PRId64, ttf_sensor_kind_name(reading->kind),
+                       reading->value);
+    }
+    return buf;
+}
+
 static void probe_sensors(struct probe *p)
 {
     struct ttf_reading readings[TTF_SENSORS_MAX];
     struct ttf_json *j = &p->cli->out;
+    char text[48];
     int n = p->box.sensors ? ttf_sensors_read(p->box.sensors, readings, NULL) : 0;
 
     if (n < 0) {
@@ -98,9 +125,8 @@ static void probe_sensors(struct probe *p)
     ttf_json_array(j);
     for (int i = 0; i < n; i++) {
         p->silent += !readings[i].ok;
-        cli_say(p->cli, "sensor %-10s %s: %" PRId64 "%s", readings[i].name,
-                ttf_sensor_kind_name(readings[i].kind), readings[i].value,
-                readings[i].ok ? "" : " DOES NOT ANSWER");
+        cli_say(p->cli, "sensor %-10s %s", readings[i].name,
+                readings[i].ok ? reading_text(&readings[i], text, sizeof text) : "DOES NOT ANSWER");
         ttf_json_object(j);
         ttf_json_kstring(j, "name", readings[i].name);
         ttf_json_kstring(j, "kind", ttf_sensor_kind_name(readings[i].kind));
