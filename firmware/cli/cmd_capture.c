@@ -114,14 +114,14 @@ static int look_at_output(struct capture *c)
     r = ttf_reader_open(cli->io, cli->opt.output, &reader, &cli->err);
     if (r < 0)
         return r;
-    if (ttf_reader_manifest(reader)->simulated != c->board.simulated) {
+    if (*ttf_reader_manifest(reader)->source || *ttf_reader_manifest(reader)->derived_uuid) {
+        r = ttf_err_set(&cli->err, -EEXIST, cli->opt.output, "is no capture: it was %s",
+                        *ttf_reader_manifest(reader)->source ? "imported" : "derived");
+        ttf_err_hint(&cli->err, "give another -o");
+    } else if (ttf_reader_manifest(reader)->simulated != c->board.simulated) {
         r = ttf_err_set(&cli->err, -EINVAL, cli->opt.output, "%s",
                         c->board.simulated ? "was captured by a real box, this one is simulated"
                                            : "is SIMULATED, this box is real");
-        ttf_err_hint(&cli->err, "give another -o");
-    } else if (*ttf_reader_manifest(reader)->source || *ttf_reader_manifest(reader)->derived_uuid) {
-        r = ttf_err_set(&cli->err, -EEXIST, cli->opt.output, "is no capture: it was %s",
-                        *ttf_reader_manifest(reader)->source ? "imported" : "derived");
         ttf_err_hint(&cli->err, "give another -o");
     } else if (c->board.simulated) {
         c->resuming = true;
@@ -156,7 +156,7 @@ static void say(struct capture *c)
             "slots             %" PRId64 ": %" PRId64 " captured, %" PRId64 " partial, %" PRId64
             " missed, %" PRId64 " failed, %" PRId64 " paused, %" PRId64 " without power",
             s->slots, s->captured, s->partial, s->missed, s->failed, s->paused, s->power);
-    if (s->captured)
+    if (s->error_max_ns) /* 0: this run captured nothing */
         cli_say(cli, "timing            middle of exposure within %.3f ms (p99), %.3f ms at most",
                 (double)s->error_p99_ns / 1e6, (double)s->error_max_ns / 1e6);
     if (cli->opt.rehearse)
