@@ -32,6 +32,8 @@ said out "96 x 64"
 expect 0 "$TTFBOX" board probe "${TINY[@]}" --json
 is silent 0
 is cameras.0.width 96
+expect 0 "$TTFBOX" board probe "${TINY[@]}" --set watchdog=none --set panel=none --json
+is watchdog false
 expect 1 "$TTFBOX" board probe "${TINY[@]}" --set 'sim.faults=[{kind: sensor-gone, at: 0s, for: 1h, target: box-temp}]'
 said out "DOES NOT ANSWER"
 
@@ -102,6 +104,24 @@ expect 0 "$TTFBOX" info grass2 --json
 is derived_digest "$digest"
 expect 0 "$TTFBOX" develop grass -o grass3 --frames 2 --json
 is images 2
+
+# What the values mean is said by the calibration they were developed with.
+expect 0 "$TTFBOX" calibrate dark "${TINY[@]}" --plan week.yaml --frames 4 -o dark
+expect 0 "$TTFBOX" develop grass -c dark -o grass4 --frames 2
+expect 0 "$TTFBOX" info grass4 --json
+is streams.0.quantity radiance
+plan bare.yaml "interval: 6h" "count: 2" "lamps: {mode: capture-only, settle: 20s}" \
+    "shots: [{lamps: {left: 100%, right: 100%}, exposure: 20ms, brackets: [0.3, 1]}]" "keep: raw"
+expect 0 "$TTFBOX" plan check bare.yaml "${TINY[@]}"
+said out "20.000 ms, brackets of 0.3, 1"
+expect 0 "$TTFBOX" capture bare.yaml "${TINY[@]}" -o bare
+# 6 ms are no whole half-period of the mains: 10 ms were granted, and the record says so.
+grep -q '"relative_exposure":0.5}' bare/records.jsonl || fail "a bracket is not recorded as granted"
+expect 0 "$TTFBOX" capture bare.yaml "${TINY[@]}" -o bare
+grep -q timing "$WORK/out" && fail "figures of a run that captured nothing"
+expect 0 "$TTFBOX" develop bare -c cal -o lit
+expect 0 "$TTFBOX" info lit --json
+is streams.0.quantity reflectance
 
 expect 0 "$TTFBOX" export grass --to sheet -o sheet.png
 expect 0 "$TTFBOX" export grass --to png --frames 5 -o pngs --json
