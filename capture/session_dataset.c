@@ -10,6 +10,7 @@
 #include "plan_figures.h"
 #include "session_private.h"
 #include "ttf/capture/disk_budget.h"
+#include "ttf/dataset/reader.h"
 
 #define PLAN_MAX_BYTES (1 << 20)
 
@@ -92,17 +93,43 @@ static int64_t slot0_utc(const struct ttf_segment *segment)
     return segment->origin_utc_ns == TTF_NS_UNKNOWN ? TTF_NS_UNKNOWN : ttf_grid_due_ns(&grid, 0);
 }
 
+/*
+ * The same from whichever segment knows it: after a cut without a clock to be trusted the last one
+ * does not. What was resolved once stays, counted in slots, whatever the outages.
+ */
+static int known_slot0_utc(struct ttf_session *s, const struct ttf_writer_state *state,
+                           int64_t *ret, struct ttf_err *err)
+{
+    struct ttf_reader *reader;
+    struct ttf_segment segment;
+    int r;
+
+    *ret = state->n_segments > 0 ? slot0_utc(&state->last_segment) : TTF_NS_UNKNOWN;
+    if (*ret != TTF_NS_UNKNOWN || state->n_segments <= 1)
+        return 0;
+    r = ttf_reader_open(s->config->io, s->config->path, &reader, err);
+    if (r < 0)
+        return r;
+    for (int i = 0; i < state->n_segments && *ret == TTF_NS_UNKNOWN; i++)
+        if (ttf_reader_segment(reader, i, &segment) == 0)
+            *ret = slot0_utc(&segment);
+    ttf_reader_close(reader);
+    return 0;
+}
+
 /* A day that starts at a local time becomes a phase since slot 0, once. */
 static int resolve_local(struct ttf_session *s, const struct ttf_writer_state *state,
                          const struct ttf_utc *utc, struct ttf_err *err)
 {
     struct ttf_plan *plan = &s->plan;
-    int64_t slot0 = TTF_NS_UNKNOWN;
+    int64_t slot0;
+    int r;
 
     if (plan->lamps != TTF_LAMPS_PHOTOPERIOD || !plan->photoperiod_local)
         return 0;
-    if (state->n_segments > 0)
-        slot0 = slot0_utc(&state->last_segment);
+    r = known_slot0_utc(s, state, &slot0, err);
+    if (r < 0)
+        return r;
     if (slot0 == TTF_NS_UNKNOWN && utc->trust != TTF_TRUST_NONE)
         slot0 = utc->utc_ns + (ttf_grid_due_ns(&s->grid, 0) - utc->boot_ns);
     if (slot0 == TTF_NS_UNKNOWN) {

@@ -17,10 +17,10 @@
 #define LATE_SLACK_NS TTF_NS_PER_MS
 
 #define LOCK_ROUNDS 4
-#define LOCK_TRIES  3
 
-/* So often the same request must bring the same grant, if it is another than was asked for. */
-#define LOCK_CONFIRMS 3
+/* So often on end the procedure must come to the same settings; so often it is tried. */
+#define LOCK_ALIKE 3
+#define LOCK_TRIES 8
 
 /* What came of one submitted set. */
 struct attempt {
@@ -370,50 +370,43 @@ static int probe_hard(struct ttf_shooter *shooter, const struct ttf_exposure *as
     return r;
 }
 
-/* Asks for what was granted until both agree. *ret_first: what the first request was granted. */
+/* Asks for what was granted until both agree. */
 static int converge(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
-                    struct ttf_locked *ret, struct ttf_exposure *ret_first)
+                    struct ttf_locked *ret)
 {
     ret->asked = *asked;
     for (int round = 0; round < LOCK_ROUNDS; round++) {
         int r = probe_hard(shooter, &ret->asked, &ret->granted);
 
-        if (r < 0)
+        if (r < 0 || ttf_exposure_equal(&ret->asked, &ret->granted))
             return r;
-        if (round == 0)
-            *ret_first = ret->granted;
-        if (ttf_exposure_equal(&ret->asked, &ret->granted))
-            return 0;
         ret->asked = ret->granted;
     }
     return -EIO;
 }
 
 /*
- * A driver rounds, and does so each time alike; a frame with settings that went wrong is
+ * A driver rounds, and does so each time alike; a frame whose settings went wrong is
  * another matter: what it carried must not become the setting of the whole run. So
- * a grant that differs from the request counts only if the same request brings it again.
+ * what is not just as asked for counts only if it comes out alike several times.
  */
 static int lock_steady(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
                        struct ttf_locked *ret)
 {
-    struct ttf_exposure first;
-    struct ttf_exposure again;
+    struct ttf_exposure before = {0};
+    int alike = 0;
 
-    for (int try = 0; try < LOCK_TRIES; try++) {
-        int r = converge(shooter, asked, ret, &first);
+    for (int try = 0; try < LOCK_TRIES && alike < LOCK_ALIKE; try++) {
+        int r = converge(shooter, asked, ret);
 
-        if (r == -EIO && !ends_run(shooter, r))
-            continue;
-        if (r < 0 || ttf_exposure_equal(asked, &ret->asked))
+        if (r < 0 && (r != -EIO || ends_run(shooter, r)))
             return r;
-        again = first;
-        for (int i = 0; r == 0 && i < LOCK_CONFIRMS && ttf_exposure_equal(&first, &again); i++)
-            r = probe_hard(shooter, asked, &again);
-        if (r < 0 || ttf_exposure_equal(&first, &again))
-            return r;
+        if (r == 0 && ttf_exposure_equal(asked, &ret->granted))
+            return 0;
+        alike = r < 0 ? 0 : ttf_exposure_equal(&before, &ret->granted) ? alike + 1 : 1;
+        before = ret->granted;
     }
-    return -EIO;
+    return alike < LOCK_ALIKE ? -EIO : 0;
 }
 
 int ttf_shooter_lock(struct ttf_shooter *shooter, const struct ttf_exposure *asked,

@@ -67,6 +67,7 @@ static void at_end(struct sim_run *run)
 
     snprintf(boot->id, sizeof(boot->id), "%s", ttf_clock_boot_id(run->box->clock));
     boot->power_on_ns = run->config.power_on_ns;
+    boot->ended_ns = run->ended_ns;
     for (unsigned i = 0; run->box->lamps && i < ttf_lamps_count(run->box->lamps); i++) {
         struct ttf_lamp_state state;
 
@@ -88,6 +89,9 @@ static void check_length(struct chaos *c)
     const struct sim_run *run = &c->run;
     int64_t work = run->config.cost_commit_ns + 12 * run->config.cost_develop_ns;
     int64_t most = (run->plan.count + 2) * (run->plan.interval_ns + work) + TTF_NS_PER_H;
+
+    if (run->plan.start_utc_ns > 0) /* by a clock that may have been stepped before */
+        most += run->plan.start_utc_ns - run->config.start_utc_ns + 4000 * TTF_NS_PER_S;
 
     if (run->ended_ns - run->config.power_on_ns > most)
         chaos_fail(c, "the run took %.1f s of virtual time",

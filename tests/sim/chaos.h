@@ -16,7 +16,7 @@
 /* One boot of the box. */
 struct chaos_boot {
     char id[37];
-    int64_t power_on_ns; /* since the first power-on */
+    int64_t power_on_ns, ended_ns; /* since the first power-on */
 };
 
 struct chaos {

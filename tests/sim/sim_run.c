@@ -61,12 +61,16 @@ static int disk_space(struct ttf_io *io, const char *path, struct ttf_io_space *
 /* What a file operation meets in this box, at this moment. */
 static int storage_fault(void *ctx, const char *op, const char *path)
 {
-    const struct sim_run *run = ctx;
+    struct sim_run *run = ctx;
 
     (void)op;
     (void)path;
     if (!run->box)
         return 0;
+    if (run->failing > 0) {
+        run->failing--;
+        return EIO;
+    }
     if (ttf_sim_storage_fault(run->box, TTF_FAULT_DISK_FULL))
         return ENOSPC;
     return ttf_sim_storage_fault(run->box, TTF_FAULT_IO_ERROR) ? EIO : 0;
@@ -185,8 +189,8 @@ int64_t sim_run_due_ns(const struct sim_run *run, int64_t k)
 
     assert_int_equal(ttf_reader_segment(reader, 0, &segment), 0);
     ttf_reader_close(reader);
-    /* The boot clock of a box stands at 1 s when it is powered on. */
-    return segment.origin_ns - TTF_NS_PER_S + k * segment.interval_ns;
+    /* The boot clock of the first boot begins at the first power-on. */
+    return segment.origin_ns + k * segment.interval_ns;
 }
 
 void sim_run_record(const struct sim_run *run, int64_t index, struct ttf_slot_record *ret)

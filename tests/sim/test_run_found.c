@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What captures at random (chaos.c) have found, each as a capture of its own. */
+#include "cmocka_includes.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim_run.h"
+
+/* Runs it again from the first power-on, into another folder: the same instants. */
+static void again(struct sim_run *run)
+{
+    snprintf(run->path, sizeof(run->path), "%s/again", run->folder);
+}
+
+static void a_frame_gone_wrong_while_arming_does_not_set_the_exposure_of_the_run(void **state)
+{
+    (void)state;
+    for (int64_t at = 0; at < 8; at++) {
+        struct ttf_slot_record record;
+        struct sim_run run;
+
+        sim_run_init(&run);
+        /* A frame of those that the exposure is locked by. */
+        sim_run_fault(&run, TTF_FAULT_WRONG_SETTINGS, TTF_NS_PER_S + at * 40 * TTF_NS_PER_MS);
+        assert_int_equal(sim_run_boot(&run), 0);
+        sim_run_expect(&run, "cccccc");
+        sim_run_record(&run, 5, &record);
+        assert_int_equal(record.images[0].shots[0].granted.exposure_ns, 20 * TTF_NS_PER_MS);
+        assert_string_equal(record.images[0].flags, "");
+        ttf_slot_record_free(&record);
+        sim_run_finish(&run);
+    }
+}
+
+static void a_door_open_for_a_part_of_an_exposure_is_flagged(void **state)
+{
+    struct ttf_slot_record record;
+    struct sim_run run;
+    struct ttf_fault *door;
+    int64_t due;
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.lamps = TTF_LAMPS_NONE;
+    run.plan.shots[0].n_levels = 0;
+    run.plan.shots[0].exposure.exposure_ns = TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    due = sim_run_due_ns(&run, 2);
+    again(&run);
+    /* Opened and closed again before the frame is read out. */
+    door = sim_run_fault(&run, TTF_FAULT_DOOR_OPEN, due - 100 * TTF_NS_PER_MS);
+    door->duration_ns = 200 * TTF_NS_PER_MS;
+    /* Open when slot 4's frame comes, not when its exposure was begun. */
+    door = sim_run_fault(&run, TTF_FAULT_DOOR_OPEN, due + 2 * TTF_NS_PER_MIN);
+    door->duration_ns = 10 * TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "cccccc");
+    for (int64_t k = 0; k < 6; k++) {
+        sim_run_record(&run, k, &record);
+        assert_int_equal(strstr(record.images[0].flags, "door-open") != NULL, k == 2 || k == 4);
+        ttf_slot_record_free(&record);
+    }
+    assert_int_equal(sim_run_events(&run, "door", "opened"), 2);
+    assert_int_equal(sim_run_events(&run, "door", "closed"), 2);
+    sim_run_finish(&run);
+}
+
+static void a_clock_that_was_set_is_no_outage_at_the_next_power_cut(void **state)
+{
+    static const int64_t steps_s[] = {3600, -3600};
+
+    (void)state;
+    for (unsigned i = 0; i < 2; i++) {
+        struct sim_run run;
+
+        sim_run_init(&run);
+        run.plan.count = 12;
+        sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, 2 * TTF_NS_PER_MIN)->amount = steps_s[i];
+        sim_run_fault(&run, TTF_FAULT_POWER_CUT, 3 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S)->amount =
+            130;
+        assert_int_equal(sim_run_through_cuts(&run), 0);
+        sim_run_expect(&run, "ccccwwcccccc");
+        sim_run_expect_whole(&run, true);
+        sim_run_finish(&run);
+    }
+}
+
+static void a_last_record_that_must_wait_is_waited_for(void **state)
+{
+    struct sim_run run;
+    int64_t due;
+
+    (void)state;
+    sim_run_init(&run);
+    assert_int_equal(sim_run_boot(&run), 0);
+    due = sim_run_due_ns(&run, 5);
+    again(&run);
+    sim_run_fault(&run, TTF_FAULT_IO_ERROR, due)->duration_ns = 20 * TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_true(run.result.sealed);
+    sim_run_expect(&run, "cccccf");
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+static void a_last_record_that_cannot_be_written_is_no_success(void **state)
+{
+    struct sim_run run;
+    int64_t due;
+
+    (void)state;
+    sim_run_init(&run);
+    assert_int_equal(sim_run_boot(&run), 0);
+    due = sim_run_due_ns(&run, 5);
+    again(&run);
+    sim_run_fault(&run, TTF_FAULT_IO_ERROR, due)->duration_ns = TTF_NS_PER_DAY;
+    assert_int_equal(sim_run_boot(&run), -EIO);
+    assert_false(run.result.sealed);
+    sim_run_expect(&run, "ccccc");
+    run.config.n_faults = 0;
+    run.config.power_on_ns = run.ended_ns + TTF_NS_PER_MIN;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "cccccw");
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+static void fail_after_the_last(struct sim_run *run, const struct ttf_progress *progress)
+{
+    if (progress->kind == TTF_PROGRESS_SLOT && progress->index == run->plan.count - 1)
+        run->failing = 12;
+}
+
+static void a_seal_that_fails_is_tried_again(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    run.on_progress = fail_after_the_last;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(run.failing, 0);
+    assert_true(run.result.sealed);
+    assert_int_equal(run.result.slots, 6);
+    assert_int_equal(strlen(run.result.digest), 64);
+    sim_run_expect(&run, "cccccc");
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+static void a_local_day_is_gone_on_with_after_two_cuts_without_a_clock(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    run.config.rtc = false;
+    run.plan.count = 12;
+    run.plan.lamps = TTF_LAMPS_PHOTOPERIOD;
+    run.plan.photoperiod_local = true;
+    run.plan.period_ns = TTF_NS_PER_DAY;
+    run.plan.day_ns = 12 * TTF_NS_PER_H;
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 3 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S);
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 9 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S);
+    assert_int_equal(sim_run_through_cuts(&run), 0);
+    sim_run_expect(&run, "cccccccccccc");
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_frame_gone_wrong_while_arming_does_not_set_the_exposure_of_the_run),
+        cmocka_unit_test(a_door_open_for_a_part_of_an_exposure_is_flagged),
+        cmocka_unit_test(a_clock_that_was_set_is_no_outage_at_the_next_power_cut),
+        cmocka_unit_test(a_last_record_that_must_wait_is_waited_for),
+        cmocka_unit_test(a_last_record_that_cannot_be_written_is_no_success),
+        cmocka_unit_test(a_seal_that_fails_is_tried_again),
+        cmocka_unit_test(a_local_day_is_gone_on_with_after_two_cuts_without_a_clock),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
