@@ -82,6 +82,12 @@ TTF_MUST_USE int export_file_put(struct export_file *file, const void *data, siz
                                  struct ttf_err *err);
 void export_file_close(struct export_file *file);
 
+/* What a file says of itself where its format has a place for it; NULL: nothing. */
+static inline const char *export_mark(const struct export_job *job)
+{
+    return job->config->simulated ? "SIMULATED" : NULL;
+}
+
 /* A row of linear RGB as 8-bit sRGB. */
 static inline void export_display_row(const struct export_job *job, const uint16_t *rgb16,
                                       uint32_t width, uint8_t *ret)

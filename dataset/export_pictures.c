@@ -24,10 +24,14 @@ struct produce_ctx {
 static int produce(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
 {
     const struct produce_ctx *p = ctx;
-    struct ttf_tiff_spec spec = {.icc = TTF_ICC_LINEAR, .times = {.start_utc_ns = TTF_NS_UNKNOWN}};
+    struct ttf_tiff_spec spec = {.icc =
+                                     p->job->config->camera_colours ? TTF_ICC_NONE : TTF_ICC_LINEAR,
+                                 .times = {.start_utc_ns = TTF_NS_UNKNOWN},
+                                 .description = export_mark(p->job)};
 
     if (p->job->config->kind == TTF_EXPORT_PNG)
-        return ttf_png_write(io, file, p->pixels, TTF_TRANSFER_SRGB, PNG_LEVEL, err);
+        return ttf_png_write(io, file, p->pixels, TTF_TRANSFER_SRGB, PNG_LEVEL, export_mark(p->job),
+                             err);
     return ttf_tiff_write(io, file, p->pixels, &spec, err);
 }
 

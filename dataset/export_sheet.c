@@ -76,7 +76,8 @@ static int produce(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
 {
     const struct sheet_sink *sink = ctx;
 
-    return ttf_png_write(io, file, &sink->sheet, TTF_TRANSFER_SRGB, SHEET_LEVEL, err);
+    return ttf_png_write(io, file, &sink->sheet, TTF_TRANSFER_SRGB, SHEET_LEVEL,
+                         export_mark(sink->base.job), err);
 }
 
 static int sheet_finish(struct export_sink *base, struct ttf_err *err)

@@ -64,6 +64,7 @@ int export_sidecar(const struct export_job *job, char **ret_text, size_t *ret_by
     ttf_json_init(&json, true);
     ttf_json_object(&json);
     ttf_json_kstring(&json, "kind", ttf_export_kind_name(config->kind));
+    ttf_json_kbool(&json, "simulated", config->simulated);
     ttf_json_kint(&json, "frames", job->n);
     ttf_json_kint(&json, "width", job->width);
     ttf_json_kint(&json, "height", job->height);

@@ -11,6 +11,7 @@
 
 #define PALETTE_FRAMES 32 /* frames that a gif's colours are chosen from */
 #define ARGUMENTS_MAX  48
+#define SIMULATED      "SIMULATED"
 #define TO_YUV420P \
     "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_inp,format=yuv420p"
 
@@ -20,7 +21,33 @@ struct video_sink {
     uint32_t width, height; /* as handed over */
     uint32_t step;          /* only each step-th frame goes in */
     uint8_t *row;
+    bool gif_whole; /* this pass writes the gif itself */
 };
+
+/* ffmpeg writes no comments into a gif: one goes before its last byte, the trailer (GIF89a, 24, 27). */
+static int mark_gif(struct export_job *job, struct ttf_err *err)
+{
+    static const char comment[] = "\x21\xfe\x09" SIMULATED "\0\x3b";
+    struct ttf_io *io = job->io;
+    const char *path = job->staging.temp;
+    int file = io->ops->open(io, path, TTF_IO_APPEND);
+    int64_t size = 0;
+    char last = 0;
+    int code = file < 0 ? file : io->ops->size(io, file, &size);
+
+    if (!code && (size < 1 || io->ops->pread(io, file, &last, 1, size - 1) != 1 || last != '\x3b'))
+        code = -EPROTO;
+    if (!code)
+        code = io->ops->truncate(io, file, size - 1);
+    if (!code)
+        code = ttf_io_append_all(io, file, comment, sizeof(comment) - 1);
+    if (file >= 0)
+        io->ops->close(io, file);
+    if (code)
+        return ttf_err_set(err, code, path, "cannot be marked as simulated: %s",
+                           strerrordesc_np(-code));
+    return 0;
+}
 
 static int video_frame(struct export_sink *base, uint32_t k, const struct ttf_pixbuf *rgb16,
                        struct ttf_err *err)
@@ -47,7 +74,11 @@ static int video_finish(struct export_sink *base, struct ttf_err *err)
 {
     struct video_sink *sink = (struct video_sink *)base;
 
-    return video_child_finish(&sink->child, err);
+    int code = video_child_finish(&sink->child, err);
+
+    if (!code && sink->gif_whole && export_mark(base->job))
+        code = mark_gif(base->job, err);
+    return code;
 }
 
 static void video_destroy(struct export_sink *base)
@@ -80,6 +111,9 @@ static void put_all(struct arguments *arguments, const char *const list[])
 static void put_output(struct arguments *arguments, const struct export_job *job, unsigned pass,
                        const char *palette, const char *output)
 {
+    if (job->config->kind == TTF_EXPORT_MP4 && export_mark(job))
+        put_all(arguments, (const char *const[]){"-metadata", "comment=" SIMULATED, "-metadata",
+                                                 "title=" SIMULATED, NULL});
     if (job->config->kind == TTF_EXPORT_MP4)
         put_all(arguments, (const char *const[]){"-vf",
                                                  TO_YUV420P,
@@ -158,6 +192,7 @@ int export_video_open(struct export_job *job, unsigned pass, struct export_sink 
     sink->height = gif ? job->height : (job->height + 1) / 2 * 2;
     sink->step = gif && pass == 0 ? (job->n + PALETTE_FRAMES - 1) / PALETTE_FRAMES : 1;
     sink->row = malloc((size_t)sink->width * 3);
+    sink->gif_whole = gif && pass == 1;
     if (gif && !job->side_file)
         job->side_file = ttf_path_format("%s.palette", job->staging.temp);
     if (!sink->row || (gif && !job->side_file))

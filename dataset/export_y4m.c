@@ -107,11 +107,12 @@ static const struct export_sink_ops y4m_ops = {
 static int put_header(struct y4m_sink *sink, struct ttf_err *err)
 {
     const struct export_job *job = sink->base.job;
-    char header[128];
+    char header[160];
     int n = snprintf(header, sizeof(header),
-                     "YUV4MPEG2 W%u H%u F%u:%u Ip A1:1 C%s XCOLORRANGE=LIMITED\n", job->width,
+                     "YUV4MPEG2 W%u H%u F%u:%u Ip A1:1 C%s XCOLORRANGE=LIMITED%s%s\n", job->width,
                      job->height, job->config->fps_num, job->config->fps_den,
-                     job->config->chroma == 420 ? "420jpeg" : "444");
+                     job->config->chroma == 420 ? "420jpeg" : "444", export_mark(job) ? " X" : "",
+                     export_mark(job) ? export_mark(job) : "");
 
     return export_file_put(&sink->file, header, (size_t)n, err);
 }

@@ -11,6 +11,7 @@
 #include "export_staging.h"
 #include "image_file_codecs.h"
 #include "import_source.h"
+#include "manifest_rules.h"
 #include "ttf/dataset/writer.h"
 
 struct import_run {
@@ -396,12 +397,35 @@ static int import_run(struct import_run *run, struct ttf_err *err)
     return code;
 }
 
+/* Asked here because it is made under another name, which nobody typed. */
+static bool good_name(const char *path)
+{
+    char name[66];
+    size_t n = strlen(path);
+    const char *at;
+
+    while (n > 1 && path[n - 1] == '/')
+        n--;
+    for (at = path + n; at > path && at[-1] != '/';)
+        at--;
+    if ((size_t)(path + n - at) >= sizeof(name))
+        return false;
+    memcpy(name, at, (size_t)(path + n - at));
+    name[path + n - at] = '\0';
+    return ttf_name_ok(name);
+}
+
 int ttf_import(struct ttf_io *io, const struct ttf_import_config *config,
                struct ttf_import_result *ret, struct ttf_err *err)
 {
     struct import_run *run;
     int code;
 
+    if (!config->output || !good_name(config->output)) {
+        ttf_err_set(err, -EINVAL, config->output, "is no name of a dataset");
+        ttf_err_hint(err, "a dataset's name is 1 to 64 of A-Z a-z 0-9 . _ and -");
+        return -EINVAL;
+    }
     if (config->interval_ns < 0)
         return ttf_err_set(err, -EINVAL, NULL, "the interval is negative");
     run = calloc(1, sizeof(*run));

@@ -163,7 +163,7 @@ static int write_piece(spng_ctx *ctx, void *user, void *data, size_t n)
 }
 
 static int encode(spng_ctx *ctx, struct png_target *target, const struct ttf_pixbuf *pixels,
-                  enum ttf_transfer transfer, int level)
+                  enum ttf_transfer transfer, int level, const char *comment)
 {
     static const uint8_t colour_type[5] = {
         0, SPNG_COLOR_TYPE_GRAYSCALE, SPNG_COLOR_TYPE_GRAYSCALE_ALPHA, SPNG_COLOR_TYPE_TRUECOLOR,
@@ -182,6 +182,15 @@ static int encode(spng_ctx *ctx, struct png_target *target, const struct ttf_pix
     if (!error)
         error = transfer == TTF_TRANSFER_LINEAR ? spng_set_gama_int(ctx, 100000)
                                                 : spng_set_srgb(ctx, 0);
+    if (!error && comment) {
+        /* The library only reads both texts. */
+        struct spng_text text = {.text = (char *)comment,
+                                 .length = strlen(comment),
+                                 .type = SPNG_TEXT,
+                                 .keyword = "Comment"};
+
+        error = spng_set_text(ctx, &text, 1);
+    }
     if (!error)
         error = spng_encode_image(ctx, NULL, 0, SPNG_FMT_PNG,
                                   SPNG_ENCODE_PROGRESSIVE | SPNG_ENCODE_FINALIZE);
@@ -191,7 +200,7 @@ static int encode(spng_ctx *ctx, struct png_target *target, const struct ttf_pix
 }
 
 int ttf_png_write(struct ttf_io *io, int file, const struct ttf_pixbuf *pixels,
-                  enum ttf_transfer transfer, int level, struct ttf_err *err)
+                  enum ttf_transfer transfer, int level, const char *comment, struct ttf_err *err)
 {
     struct png_target target = {.io = io, .file = file};
     spng_ctx *ctx;
@@ -203,7 +212,7 @@ int ttf_png_write(struct ttf_io *io, int file, const struct ttf_pixbuf *pixels,
     ctx = spng_ctx_new(SPNG_CTX_ENCODER);
     if (!ctx)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory to write a PNG");
-    error = encode(ctx, &target, pixels, transfer, level);
+    error = encode(ctx, &target, pixels, transfer, level, comment);
     spng_ctx_free(ctx);
     if (target.error)
         return ttf_err_set(err, target.error, NULL, "writing a PNG failed");

@@ -86,6 +86,15 @@ static void say(struct cli *cli, const struct ttf_export_config *config,
     ttf_json_kint(&cli->out, "height", result->height);
 }
 
+/* It is there: the sequence is made of it. */
+static const struct ttf_stream *stream_of(const struct cli *cli, const struct ttf_reader *reader)
+{
+    const struct ttf_manifest *manifest = ttf_reader_manifest(reader);
+
+    return cli->opt.stream ? ttf_manifest_stream(manifest, cli->opt.stream)
+                           : ttf_manifest_primary(manifest);
+}
+
 int cmd_export(struct cli *cli)
 {
     struct cli_progress bar;
@@ -104,6 +113,10 @@ int cmd_export(struct cli *cli)
     if (r == 0)
         r = ttf_sequence_of_dataset(reader, cli->opt.stream, &sequence, &cli->err);
     if (r == 0) {
+        const struct ttf_stream *stream = stream_of(cli, reader);
+
+        config.simulated = ttf_reader_manifest(reader)->simulated;
+        config.camera_colours = strcmp(stream->colour_space, "linear-srgb") != 0;
         cli_stop_catch();
         cli_progress_begin(&bar, cli, "exporting");
         r = ttf_export(sequence, cli->io, &config, &result, &cli->err);

@@ -113,6 +113,7 @@ static int run(struct synth *s)
     cli_stop_catch();
     cli_progress_begin(&s->bar, cli, "quilting");
     r = ttf_quilt_run(&s->config, s->input, s->pool, &sink, &s->report, &s->map, &cli->err);
+    s->report.simulated = s->reader && ttf_reader_manifest(s->reader)->simulated;
     if (r == 0)
         r = quilt_sink_finish(s->sink, &s->report, &cli->err);
     if (r == 0 && cli->opt.check)
@@ -126,7 +127,7 @@ static void say(struct synth *s)
     const struct ttf_quilt_report *p = &s->report;
     struct cli *cli = s->cli;
     struct ttf_json *j = &cli->out;
-    bool simulated = s->reader && ttf_reader_manifest(s->reader)->simulated;
+    bool simulated = p->simulated;
 
     cli_say(cli, "%s%-17s %s", simulated ? "SIMULATED\n" : "", quilt_sink_name(s->sink),
             cli->opt.output ? cli->opt.output : "(nothing kept)");

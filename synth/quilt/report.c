@@ -151,6 +151,7 @@ void ttf_quilt_report_json(const struct ttf_quilt_report *report, struct ttf_jso
 {
     ttf_json_object(json);
     ttf_json_kstring(json, "synthesis", "quilt");
+    ttf_json_kbool(json, "simulated", report->simulated);
     put_parameters(report, json);
     put_size(json, "source_size", report->source_width, report->source_height);
     ttf_json_kint(json, "frames", report->frames);

@@ -114,7 +114,7 @@ static int write_png(const struct bench *bench, uint32_t t, const uint16_t *code
     remove(path);
     file = io->ops->open(io, path, TTF_IO_CREATE_NEW);
     r = file < 0 ? ttf_err_set(err, file, path, "cannot be created")
-                 : ttf_png_write(io, file, &picture, TTF_TRANSFER_SRGB, 1, err);
+                 : ttf_png_write(io, file, &picture, TTF_TRANSFER_SRGB, 1, NULL, err);
     if (file >= 0)
         io->ops->close(io, file);
     ttf_pixbuf_free(&picture);

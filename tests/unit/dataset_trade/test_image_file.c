@@ -336,7 +336,7 @@ static void a_full_disk_is_told_when_writing(void **state)
     struct ttf_err err = {0};
 
     assert_true(file >= 0);
-    assert_int_equal(ttf_png_write(io, file, &pixels, TTF_TRANSFER_SRGB, 6, &err), -ENOSPC);
+    assert_int_equal(ttf_png_write(io, file, &pixels, TTF_TRANSFER_SRGB, 6, NULL, &err), -ENOSPC);
     assert_int_equal(ttf_jpeg_write(io, file, &pixels, 80, &err), -ENOSPC);
     io->ops->close(io, file);
     ttf_io_faulty_destroy(io);

@@ -160,7 +160,7 @@ void save_png(const char *path, const struct ttf_pixbuf *pixels)
     struct ttf_io *io = ttf_io_posix();
     int file = create(path);
 
-    assert_int_equal(ttf_png_write(io, file, pixels, TTF_TRANSFER_SRGB, 1, NULL), 0);
+    assert_int_equal(ttf_png_write(io, file, pixels, TTF_TRANSFER_SRGB, 1, NULL, NULL), 0);
     io->ops->close(io, file);
 }
 

@@ -5,6 +5,7 @@
 #ifndef TTF_DATASET_EXPORT_H
 #define TTF_DATASET_EXPORT_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "ttf/base/attr.h"
@@ -62,6 +63,8 @@ struct ttf_export_config {
     unsigned sheet_frames;  /* 0: 12 */
     unsigned sheet_columns; /* 0: as near to 4:3 as the frames allow */
     uint32_t sheet_cell;    /* longest side of a cell in pixels; 0: 256 */
+    bool simulated;         /* says SIMULATED in the sidecar and, where it can, in the file */
+    bool camera_colours;    /* tiff: no profile, as the colours are a camera's own */
     const char *ffmpeg;     /* program; NULL: of this name on PATH */
     ttf_trade_progress_fn *progress; /* may be NULL */
     void *progress_ctx;

@@ -96,11 +96,12 @@ TTF_MUST_USE int ttf_image_read_linear(struct ttf_io *io, const char *path, stru
 
 /*
  * Writes a PNG at a handle from offset 0: U8 or U16, 1 to 4 samples, said to be sRGB
- * (transfer SRGB) or of gamma 1 (LINEAR). level: of compression, 0..9. The same
- * pixels give the same bits.
+ * (transfer SRGB) or of gamma 1 (LINEAR). level: of compression, 0..9. comment: a tEXt
+ * chunk of that keyword; NULL: none. The same pixels give the same bits.
  */
 TTF_MUST_USE int ttf_png_write(struct ttf_io *io, int file, const struct ttf_pixbuf *pixels,
-                               enum ttf_transfer transfer, int level, struct ttf_err *err);
+                               enum ttf_transfer transfer, int level, const char *comment,
+                               struct ttf_err *err);
 
 /* Writes a JPEG: U8, 1 or 3 samples, sRGB-encoded. quality 1..100; from 90 on without chroma subsampling. */
 TTF_MUST_USE int ttf_jpeg_write(struct ttf_io *io, int file, const struct ttf_pixbuf *pixels,

@@ -7,6 +7,7 @@
 #ifndef TTF_SYNTH_REPORT_H
 #define TTF_SYNTH_REPORT_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "ttf/base/attr.h"
@@ -16,6 +17,7 @@
 
 struct ttf_quilt_report {
     struct ttf_quilt_config config; /* as given; its pointers are not for the reader */
+    bool simulated;                 /* the input was: set by who knows it, after the run */
     uint32_t overlap_x, overlap_y;  /* as used */
     uint32_t source_width, source_height, frames;
     unsigned threads;
