@@ -7,6 +7,7 @@
 
 #include "cli.h"
 #include "ttf/hal/clock.h"
+#include "ttf/hal/sim.h"
 
 /* A box's own configuration would name another default; without one it is the simulated box. */
 #define DEFAULT_BOARD "sim"
@@ -19,7 +20,18 @@ const char *const *cli_board_folders(void)
     return FOLDERS;
 }
 
-/* --scene: a dataset, a folder of pictures, or a procedural sample's name. */
+static bool is_procedural(const char *scene)
+{
+    for (unsigned i = 0; ttf_scene_name(i); i++)
+        if (strcmp(ttf_scene_name(i), scene) == 0)
+            return true;
+    return false;
+}
+
+/*
+ * --scene: a procedural sample's name, a folder of pictures or a dataset. Names come first: what
+ * `--scene copper` means must not change when the run makes a folder called copper.
+ */
 static int override_scene(struct cli *cli, struct ttf_board *board)
 {
     const char *scene = cli->opt.scene;
@@ -35,7 +47,7 @@ static int override_scene(struct cli *cli, struct ttf_board *board)
     memset(board->scene.name, 0, sizeof board->scene.name);
     board->scene.images[0] = '\0';
     board->scene.dataset[0] = '\0';
-    if (cli->io->ops->stat(cli->io, scene, &st) < 0 || !st.is_dir) {
+    if (is_procedural(scene) || cli->io->ops->stat(cli->io, scene, &st) < 0 || !st.is_dir) {
         if (strchr(scene, '/') || strlen(scene) >= sizeof board->scene.name)
             return ttf_err_set(&cli->err, -ENOENT, scene, "there is no such folder to look at");
         memcpy(board->scene.name, scene, strlen(scene) + 1);

@@ -35,16 +35,23 @@ match in 8 96 64
 expect 0 "$TTFBOX" capture p.yaml --board sim-small --set sim.sensor.width=96px \
     --set sim.sensor.height=64px --scene ref -o from-dataset --json
 is captured 8
+# A sample's name stays one, also beside a folder of that name: run again, it goes on with the same sample.
+plan cracks.yaml "interval: 1h" "count: 4" "lamps: {mode: continuous}" \
+    "shots: [{lamps: {left: 100%, right: 100%}, exposure: 20ms}]" "keep: both"
+for out in paint again; do
+    expect 0 "$TTFBOX" capture cracks.yaml "${TINY[@]}" --scene paint --set sim.scene.span=4h -o $out
+done
+cmp paint/raw/main/000003.dng again/raw/main/000003.dng || fail "--scene paint looked at the folder paint"
 mkdir empty
 expect 2 "$TTFBOX" capture p.yaml --board sim-small --scene empty -o none
 said err "no picture"
 
 if [ -d "$DATA/timelapse/copper" ]; then
-    mkdir copper
+    mkdir metal
     for i in 000 020 040 060 080 099; do
-        cp "$DATA/timelapse/copper/$i.png" copper/
+        cp "$DATA/timelapse/copper/$i.png" metal/
     done
-    match copper 6 256 256
+    match metal 6 256 256
 else
     echo "$DATA/timelapse/copper is not there: the real sequence was not looked at"
 fi
