@@ -344,6 +344,12 @@ static int write_chunks(const struct develop_run *run, struct workspace *space,
     return r;
 }
 
+/* Without a flat the colours are the camera's own, which no profile of ours names. */
+static enum ttf_icc profile_of(const struct ttf_calibration *calibration)
+{
+    return calibration && calibration->has_flat ? TTF_ICC_LINEAR : TTF_ICC_NONE;
+}
+
 int ttf_develop_tiff(struct ttf_develop *develop, const struct ttf_raw_sum *raw,
                      struct ttf_pool *pool, const struct ttf_tiff_times *times, struct ttf_io *io,
                      int file, struct ttf_image_figures *ret_figures, struct ttf_err *err)
@@ -353,7 +359,7 @@ int ttf_develop_tiff(struct ttf_develop *develop, const struct ttf_raw_sum *raw,
                                  .height = region->height,
                                  .samples = 3,
                                  .format = TTF_SAMPLE_U16,
-                                 .icc = TTF_ICC_LINEAR,
+                                 .icc = profile_of(develop->config.calibration),
                                  .times = {.start_utc_ns = TTF_NS_UNKNOWN},
                                  .software = "ttfbox"};
     uint32_t rows = CHUNK_STRIPS * STRIP_ROWS;

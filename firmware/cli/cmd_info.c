@@ -60,6 +60,7 @@ static void put_streams(struct cli *cli, const struct ttf_manifest *m)
         ttf_json_kstring(j, "camera", s->camera);
         ttf_json_kstring(j, "channel", s->channel);
         ttf_json_kstring(j, "quantity", s->quantity);
+        ttf_json_kstring(j, "colour_space", s->colour_space);
         ttf_json_kint(j, "width", s->width);
         ttf_json_kint(j, "height", s->height);
         ttf_json_kint(j, "samples", s->samples);

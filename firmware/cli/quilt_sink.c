@@ -22,6 +22,7 @@ struct quilt_sink {
     /* dataset */
     struct ttf_writer *writer;
     enum ttf_tiff_compression compression;
+    enum ttf_icc icc;
     int64_t frame; /* commits count */
     /* raw */
     int file; /* -1: none */
@@ -47,7 +48,7 @@ const char *quilt_sink_digest(const struct quilt_sink *sink)
     return sink->digest;
 }
 
-/* One output stream, encoded as the input's. */
+/* One output stream. Its pixels are the input's, so it means what the input's means. */
 static void describe_stream(const struct quilt_sink *s, struct ttf_reader *parent,
                             const char *stream, struct ttf_manifest *m)
 {
@@ -62,7 +63,8 @@ static void describe_stream(const struct quilt_sink *s, struct ttf_reader *paren
     (void)snprintf(out->id, sizeof out->id, "main");
     (void)snprintf(out->quantity, sizeof out->quantity, "%s", in ? in->quantity : "reflectance");
     (void)snprintf(out->unit, sizeof out->unit, "%s", in ? in->unit : "1");
-    (void)snprintf(out->colour_space, sizeof out->colour_space, "linear-srgb");
+    (void)snprintf(out->colour_space, sizeof out->colour_space, "%s",
+                   in ? in->colour_space : "linear-srgb");
     out->width = s->config->width;
     out->height = s->config->height;
     out->samples = 3;
@@ -106,6 +108,9 @@ static int create_dataset(struct cli *cli, struct quilt_sink *s, struct ttf_read
         m->derived_seed = (int64_t)s->config->seed;
         m->has_derived_seed = parent != NULL;
         describe_stream(s, parent, cli->opt.stream, m);
+        /* A camera's own colours, or none, have no primaries that a profile could name. */
+        s->icc =
+            strcmp(m->streams[0].colour_space, "linear-srgb") == 0 ? TTF_ICC_LINEAR : TTF_ICC_NONE;
         r = ttf_writer_create(s->io, s->path, m, NULL, NULL, &s->writer, &cli->err);
     }
     if (r == 0)
@@ -172,7 +177,7 @@ static int produce(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
                                       .stride = (size_t)p->sink->config->width * 6,
                                       .data = (void *)p->codes};
     const struct ttf_tiff_spec spec = {.compression = p->sink->compression,
-                                       .icc = TTF_ICC_LINEAR,
+                                       .icc = p->sink->icc,
                                        .times = {.start_utc_ns = TTF_NS_UNKNOWN},
                                        .software = "ttfbox " TTFBOX_VERSION};
 

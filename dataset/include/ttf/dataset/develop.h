@@ -63,7 +63,10 @@ TTF_MUST_USE int ttf_develop_run(struct ttf_develop *develop, const struct ttf_r
                                  struct ttf_pool *pool, struct ttf_pixbuf *dst,
                                  struct ttf_image_figures *ret_figures, struct ttf_err *err);
 
-/* The same into a 16-bit linear TIFF at a file handle, by strips: bounded memory. */
+/*
+ * The same into a 16-bit linear TIFF at a file handle, by strips: bounded memory. With a
+ * flat it carries the profile of linear sRGB; without, its colours are the camera's: none.
+ */
 TTF_MUST_USE int ttf_develop_tiff(struct ttf_develop *develop, const struct ttf_raw_sum *raw,
                                   struct ttf_pool *pool, const struct ttf_tiff_times *times,
                                   struct ttf_io *io, int file,
