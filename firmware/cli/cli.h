@@ -75,6 +75,12 @@ int cli_need(struct cli *cli, const char *value, const char *option, const char 
 /* -EEXIST if there is something at path (other than an empty folder): it is never overwritten. */
 int cli_refuse_existing(struct cli *cli, const char *path);
 
+/*
+ * -EINVAL if path lies inside of a dataset: a sealed one would no longer be what its digest says,
+ * and one that grows would be taken for damaged. The dataset's own folder is not inside.
+ */
+int cli_refuse_inside_dataset(struct cli *cli, const char *path);
+
 /* The folders in which boards are looked for, NULL-ended; texts live as long as the program. */
 const char *const *cli_board_folders(void);
 

@@ -23,7 +23,8 @@ struct capture {
     struct ttf_session_result result;
     struct cli_progress bar;
     unsigned events, boots;
-    bool resuming;
+    bool resuming, exists;
+    char digest[65]; /* of what was sealed before; empty if nothing was */
 };
 
 static void on_progress(void *ctx, const struct ttf_progress *p)
@@ -61,6 +62,9 @@ static int one_boot(struct capture *c, int64_t *ret_back_ns)
         goto out;
     ttf_clock_utc(box.clock, &utc);
     r = ttf_plan_file_resolve(c->file, utc.utc_ns, &cli->err);
+    /* What has begun may go on long after its start, and a rehearsal does not wait for it. */
+    if (r == 0 && c->boots == 1 && !c->exists && !cli->opt.rehearse)
+        r = ttf_plan_file_check_start(c->file, &utc, &cli->err);
     if (r == 0)
         r = ttf_plan_check(ttf_plan_file_plan(c->file), &box, &figures, &cli->err);
     if (r < 0) {
@@ -114,6 +118,9 @@ static int look_at_output(struct capture *c)
     r = ttf_reader_open(cli->io, cli->opt.output, &reader, &cli->err);
     if (r < 0)
         return r;
+    c->exists = true;
+    if (ttf_reader_digest(reader, c->digest, NULL) < 0)
+        c->digest[0] = '\0';
     if (*ttf_reader_manifest(reader)->source || *ttf_reader_manifest(reader)->derived_uuid) {
         r = ttf_err_set(&cli->err, -EEXIST, cli->opt.output, "is no capture: it was %s",
                         *ttf_reader_manifest(reader)->source ? "imported" : "derived");
@@ -145,6 +152,12 @@ static void say_rehearsal(struct capture *c)
     cli_say(c->cli, "size              %.2f MB a slot", (double)s->slot_bytes / 1e6);
 }
 
+/* The same seal as before: this run added nothing. */
+static bool was_complete(const struct capture *c)
+{
+    return c->result.sealed && strcmp(c->digest, c->result.digest) == 0;
+}
+
 static void say(struct capture *c)
 {
     const struct ttf_session_result *s = &c->result;
@@ -161,6 +174,8 @@ static void say(struct capture *c)
                 (double)s->error_p99_ns / 1e6, (double)s->error_max_ns / 1e6);
     if (cli->opt.rehearse)
         say_rehearsal(c);
+    if (was_complete(c))
+        cli_say(cli, "complete          already: nothing was left to do");
     if (s->sealed)
         cli_say(cli, "sealed            digest %s", s->digest);
     else if (!cli->opt.rehearse)
@@ -188,6 +203,7 @@ static void put_json(struct capture *c)
     ttf_json_kint(j, "events", c->events);
     ttf_json_kint(j, "boots", c->boots);
     ttf_json_kbool(j, "resumed", s->resumed || c->boots > 1);
+    ttf_json_kbool(j, "already_complete", was_complete(c));
     ttf_json_kbool(j, "sealed", s->sealed);
     if (s->sealed)
         ttf_json_kstring(j, "digest", s->digest);

@@ -157,6 +157,8 @@ static int check(struct cli *cli, struct check *c, const struct ttf_board *board
     c->now_utc_ns = utc.utc_ns;
     r = ttf_plan_file_resolve(c->file, utc.utc_ns, &cli->err);
     if (r == 0)
+        r = ttf_plan_file_check_start(c->file, &utc, &cli->err);
+    if (r == 0)
         r = ttf_plan_check(plan, &c->box, &c->figures, &cli->err);
     if (r == 0 && cli->opt.output) {
         c->clock = ttf_clock_real_create();

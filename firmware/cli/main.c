@@ -132,6 +132,9 @@ static int run(struct cli *cli, int code)
 
     ttf_json_init(&cli->out, false);
     ttf_json_object(&cli->out);
+    /* Every command's -o is where it writes. */
+    if (code == 0 && cli->opt.output)
+        code = cli_refuse_inside_dataset(cli, cli->opt.output);
     if (code == 0)
         code = cli->command->run(cli);
     if (code < 0) {

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* support.c: how commands speak and end; see cli.h. */
 #include <errno.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -89,6 +91,38 @@ int cli_need(struct cli *cli, const char *value, const char *option, const char 
     ttf_err_set(&cli->err, -EINVAL, option, "is missing");
     ttf_err_hint(&cli->err, "%s", hint);
     return -EINVAL;
+}
+
+int cli_refuse_inside_dataset(struct cli *cli, const char *path)
+{
+    char folder[PATH_MAX], real[PATH_MAX], manifest[PATH_MAX + 16];
+    struct ttf_io_stat st;
+    char *slash;
+
+    if (strlen(path) >= sizeof folder - 2)
+        return ttf_err_set(&cli->err, -ENAMETOOLONG, "-o", "the path is too long");
+    (void)snprintf(folder, sizeof folder, "%s%s", strchr(path, '/') ? "" : "./", path);
+    /* From the folder above up to the first that exists: where it really lies, links followed. */
+    do {
+        for (size_t n = strlen(folder); n > 1 && folder[n - 1] == '/'; n--)
+            folder[n - 1] = '\0';
+        slash = strrchr(folder, '/');
+        if (!slash)
+            (void)snprintf(folder, sizeof folder, ".");
+        else
+            slash[slash == folder] = '\0';
+    } while (!realpath(folder, real) && slash);
+    for (;;) {
+        (void)snprintf(manifest, sizeof manifest, "%s/dataset.json", real);
+        if (cli->io->ops->stat(cli->io, manifest, &st) == 0) {
+            ttf_err_set(&cli->err, -EINVAL, path, "lies inside of the dataset %s", real);
+            return ttf_err_hint(&cli->err, "give an -o outside of it"), -EINVAL;
+        }
+        slash = strrchr(real, '/');
+        if (!slash || real[1] == '\0')
+            return 0;
+        slash[slash == real] = '\0';
+    }
 }
 
 /* Stops at the first entry: the folder is not empty. */

@@ -258,11 +258,14 @@ int ttf_board_locate(const char *name, const char *const *folders, char *ret_pat
             snprintf(ret_path, size, "%s", path);
             return 0;
         }
-        snprintf(tried + strlen(tried), sizeof tried - strlen(tried), "%s%s", *tried ? ", " : "",
-                 *folders);
+        /* Where the program was built or installed says nothing to whoever runs it. */
+        if (**folders != '/')
+            snprintf(tried + strlen(tried), sizeof tried - strlen(tried), " in %s/ or", *folders);
     }
     ttf_err_set(err, -ENOENT, name, "there is no such board");
-    ttf_err_hint(err, "give a board.yaml, or a name found in %s",
-                 *tried ? tried : "the boards' folders");
+    ttf_err_hint(err,
+                 "give a board.yaml, or a name found%s among the boards that came with "
+                 "the program",
+                 tried);
     return -ENOENT;
 }

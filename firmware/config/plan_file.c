@@ -360,3 +360,23 @@ void ttf_plan_file_place(const struct ttf_plan_file *file, struct ttf_err *err)
     snprintf(err->where, sizeof err->where, "%.200s:%u:%u", node->file, node->line, node->col);
     ttf_err_prefix(err, "%s", field);
 }
+
+int ttf_plan_file_check_start(const struct ttf_plan_file *file, const struct ttf_utc *now,
+                              struct ttf_err *err)
+{
+    int64_t start = file->plan.start_utc_ns, late = now->utc_ns - start;
+    char begin[64], clock[64];
+
+    if (start == 0 || now->trust == TTF_TRUST_NONE)
+        return 0;
+    if (now->uncertainty_ns != TTF_NS_UNKNOWN)
+        late -= now->uncertainty_ns;
+    if (late <= 0)
+        return 0;
+    ttf_err_set(err, -EINVAL, "start", "%s has passed: the box's clock says %s",
+                ttf_utc_format(start, begin, sizeof begin),
+                ttf_utc_format(now->utc_ns, clock, sizeof clock));
+    ttf_err_hint(err, "give a time to come, or leave start out to begin as soon as it is ready");
+    ttf_plan_file_place(file, err);
+    return -EINVAL;
+}

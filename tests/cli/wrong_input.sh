@@ -54,6 +54,7 @@ said err "nowhere.yaml"
 expect 2 "$TTFBOX" plan check .
 expect 2 "$TTFBOX" plan check ok.yaml --board nonsense
 said err "nonsense: there is no such board"
+grep -qF "$SOURCE" "$WORK/err" && fail "a path of whoever built the program"
 expect 2 "$TTFBOX" plan check ok.yaml --set sim.sed=5
 said err "did you mean 'seed'?"
 expect 2 "$TTFBOX" plan check ok.yaml --set sim.seed
@@ -72,6 +73,10 @@ expect 2 "$TTFBOX" calibrate report nowhere
 expect 2 "$TTFBOX" import -o d
 expect 2 "$TTFBOX" import nothing.png -o d --interval 1min
 expect 2 "$TTFBOX" import ok.yaml -o d --interval 1min
+expect 2 "$TTFBOX" import in.png -o "a b" --interval 1min
+said err "a b: is no name of a dataset"
+said err "A-Z a-z 0-9 . _ and -"
+grep -q part- "$WORK/err" && fail "an internal name"
 expect 2 "$TTFBOX" info nowhere
 expect 2 "$TTFBOX" info .
 expect 2 "$TTFBOX" verify nowhere
@@ -93,6 +98,47 @@ expect 2 "$TTFBOX" synth quilt d -o q --sink tape
 expect 2 "$TTFBOX" synth quilt d -o q --compress lzma
 expect 2 "$TTFBOX" synth quilt d -o q --sink raw --check
 [ -e q ] && fail "a refused synthesis left something"
+
+# ---- a start that has passed by the box's clock: nothing would begin in time ----
+plan past.yaml "interval: 10min" "count: 3" "start: 2025-12-31T23:00:00Z"
+for command in "plan check" "capture -o never" ; do
+    # shellcheck disable=SC2086
+    expect 2 "$TTFBOX" $command past.yaml "${TINY[@]}"
+    said err "past.yaml:3:8: start"
+    said err "the box's clock says 2026-03-01T08:00"
+done
+[ -e never ] && fail "a start in the past made a dataset"
+plan soon.yaml "interval: 10min" "count: 3" "start: 2026-03-01T09:00:00Z"
+expect 0 "$TTFBOX" plan check soon.yaml "${TINY[@]}"
+expect 0 "$TTFBOX" capture soon.yaml "${TINY[@]}" -o soon --json
+is captured 3
+is already_complete false
+expect 0 "$TTFBOX" capture soon.yaml "${TINY[@]}" -o soon --json
+is already_complete true
+expect 0 "$TTFBOX" capture soon.yaml "${TINY[@]}" -o soon
+said out "complete          already"
+grep -q timing "$WORK/out" && fail "the timing of nothing"
+
+# ---- nothing is written into a dataset, by whatever way the path leads there ----
+digest=$(sha256sum d/SHA256SUMS)
+mkdir elsewhere && ln -s ../d elsewhere/link
+for there in d/in d/frames/main/in d/new/in ./d//in/ elsewhere/link/in elsewhere/../d/in; do
+    expect 2 "$TTFBOX" synth quilt d --block 16x16 --size 64x64 -o "$there"
+    said err "inside of the dataset"
+    expect 2 "$TTFBOX" capture ok.yaml "${TINY[@]}" -o "$there"
+    said err "inside of the dataset"
+done
+(cd d && expect 2 "$TTFBOX" export . --to sheet -o in.png && said err "inside of the dataset") || exit 1
+expect 2 "$TTFBOX" export d -o d/in.npy
+said err "inside of the dataset"
+expect 2 "$TTFBOX" develop d -o d/in
+said err "inside of the dataset"
+expect 2 "$TTFBOX" import in.png --interval 1min -o d/in
+said err "inside of the dataset"
+expect 2 "$TTFBOX" calibrate dark "${TINY[@]}" -o d/in
+said err "inside of the dataset"
+[ "$digest" = "$(sha256sum d/SHA256SUMS)" ] || fail "the seal changed"
+expect 0 "$TTFBOX" verify d
 
 # ---- nothing is overwritten ----
 mkdir full && echo mine >full/file && echo mine >file

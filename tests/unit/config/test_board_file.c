@@ -257,7 +257,7 @@ static void any_cut_of_a_board_is_read_or_refused_with_its_place(void **state)
 static void boards_are_found_by_name_in_the_first_folder_that_has_them(void **state)
 {
     char base[] = "/tmp/boards-XXXXXX", one[64], two[64], path[128], found[256];
-    const char *folders[] = {one, two, NULL};
+    const char *folders[] = {one, two, NULL}, *near[] = {"near", one, NULL};
     struct ttf_err err = {0};
     FILE *f;
 
@@ -277,7 +277,10 @@ static void boards_are_found_by_name_in_the_first_folder_that_has_them(void **st
     assert_int_equal(ttf_board_locate(path, folders, found, sizeof found, &err), 0);
     assert_string_equal(found, path);
     assert_int_equal(ttf_board_locate("yours", folders, found, sizeof found, &err), -ENOENT);
-    assert_non_null(strstr(err.hint, "two"));
+    assert_null(strstr(err.hint, base)); /* of whoever built the program */
+    assert_non_null(strstr(err.hint, "came with the program"));
+    assert_int_equal(ttf_board_locate("yours", near, found, sizeof found, &err), -ENOENT);
+    assert_non_null(strstr(err.hint, "in near/ or"));
     unlink(path);
     snprintf(path, sizeof path, "%s/my", two);
     rmdir(path);

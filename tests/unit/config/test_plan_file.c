@@ -119,6 +119,30 @@ static void until_counts_the_slots_before_it(void **state)
 
 #define P "interval: 10min\ncount: 10\n"
 
+static void a_start_that_has_passed_is_refused_with_its_line(void **state)
+{
+    struct ttf_plan_file *file = parse(P "start: 2026-03-01T08:00:00Z\n");
+    struct ttf_utc now = {.trust = TTF_TRUST_RTC, .uncertainty_ns = TTF_NS_PER_S};
+    struct ttf_err err = {0};
+
+    (void)state;
+    now.utc_ns = ttf_plan_file_plan(file)->start_utc_ns - TTF_NS_PER_S;
+    assert_int_equal(ttf_plan_file_check_start(file, &now, &err), 0);
+    now.utc_ns += 2 * TTF_NS_PER_S; /* may still be before it, for all the clock knows */
+    assert_int_equal(ttf_plan_file_check_start(file, &now, &err), 0);
+    now.utc_ns += 1;
+    assert_int_equal(ttf_plan_file_check_start(file, &now, &err), -EINVAL);
+    assert_string_equal(err.where, "p.yaml:3:8");
+    assert_non_null(strstr(err.what, "2026-03-01"));
+    now.trust = TTF_TRUST_NONE;
+    assert_int_equal(ttf_plan_file_check_start(file, &now, &err), 0);
+    ttf_plan_file_free(file);
+    file = parse(P);
+    now.trust = TTF_TRUST_RTC;
+    assert_int_equal(ttf_plan_file_check_start(file, &now, &err), 0);
+    ttf_plan_file_free(file);
+}
+
 /* Each wrong plan: where it is said to be wrong, and words of what and of the hint. */
 static const struct {
     const char *text, *where, *what, *hint;
@@ -380,6 +404,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_key_reaches_its_field),
         cmocka_unit_test(until_counts_the_slots_before_it),
+        cmocka_unit_test(a_start_that_has_passed_is_refused_with_its_line),
         cmocka_unit_test(what_is_wrong_is_named_with_line_column_and_what_was_meant),
         cmocka_unit_test(a_bomb_of_aliases_is_refused_at_once),
         cmocka_unit_test(deep_and_long_texts_are_bounded),

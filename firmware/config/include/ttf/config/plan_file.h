@@ -15,6 +15,7 @@
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
 #include "ttf/capture/plan.h"
+#include "ttf/hal/clock.h"
 
 struct ttf_plan_file;
 
@@ -38,6 +39,14 @@ const char *ttf_plan_file_text(const struct ttf_plan_file *file);
  */
 TTF_MUST_USE int ttf_plan_file_resolve(struct ttf_plan_file *file, int64_t now_utc_ns,
                                        struct ttf_err *err);
+
+/*
+ * -EINVAL, placed, if the plan's start has passed by that clock, for a plan that is to begin:
+ * its first slots would be missed at once. A clock that nobody vouches for (trust none)
+ * refuses nothing.
+ */
+TTF_MUST_USE int ttf_plan_file_check_start(const struct ttf_plan_file *file,
+                                           const struct ttf_utc *now, struct ttf_err *err);
 
 /*
  * err->where names a field of the plan ("shots[1].exposure"): puts the file,
