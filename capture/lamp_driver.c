@@ -111,8 +111,6 @@ static bool far_off(const struct ttf_lamp_driver *driver, unsigned i,
 {
     int wanted = (int)driver->wanted[i];
 
-    if (state->measured_permille < 0 || state->trip != TTF_TRIP_NONE)
-        return false;
     return state->measured_permille * LEVEL_LOW_SHARE < wanted ||
            state->measured_permille > wanted + LEVEL_HIGH_ABOVE;
 }
@@ -145,6 +143,8 @@ unsigned ttf_lamp_driver_sample(struct ttf_lamp_driver *driver, int64_t settle_n
             marks |= TTF_LAMP_MARK_TRIPPED;
         if (driver->wanted[i] > 0 && unsettled(&state, settle_ns, shot->start_ns))
             marks |= TTF_LAMP_MARK_UNSETTLED;
+        if (state.measured_permille < 0 || state.trip != TTF_TRIP_NONE)
+            continue; /* nobody measures, or dark on purpose: that tells nothing of the lamp */
         off = far_off(driver, i, &state);
         if (off)
             marks |= TTF_LAMP_MARK_LEVEL;
