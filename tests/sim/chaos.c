@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Whole captures at random, each in a process of its own:
+ * Whole captures at random, each boot in a process of its own, which may be killed:
  *
  *   chaos [-v] FIRST_SEED COUNT     so many seeds, one after another
  *   chaos                           the fixed ones, as a test
@@ -10,10 +10,12 @@
 #include "chaos.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -54,20 +56,47 @@ static void progress(struct sim_run *run, const struct ttf_progress *p)
         c->stopped_ns = p->now_ns;
         __atomic_store_n(&run->stop, 1, __ATOMIC_RELAXED);
     }
+    if (p->index == c->fail_at) {
+        c->fail_at = -1;
+        run->failing = c->fail_count;
+    }
     if (run->plan.reserve_bytes > 0)
         run->free_bytes =
             p->index >= c->full_from && p->index < c->full_until ? 1 << 20 : (int64_t)1 << 32;
+}
+
+static void note_boot(struct chaos *c)
+{
+    struct chaos_boot *boot = &c->boots[c->n_boots];
+
+    snprintf(boot->id, sizeof(boot->id), "%s", ttf_clock_boot_id(c->run.box->clock));
+    boot->power_on_ns = c->run.config.power_on_ns;
+    boot->ended_ns = c->run.ended_ns;
+}
+
+/* Kills the process between two file operations, when its time has come. */
+static void maybe_kill(struct sim_run *run)
+{
+    struct chaos *c = (struct chaos *)run;
+
+    if (c->kill_at < -1 || c->told < c->kill_at || c->kill_after-- > 0)
+        return;
+    c->kill_at = -2;
+    c->killed = true;
+    run->ended_ns = ttf_sim_elapsed_ns(run->box, ttf_clock_now_ns(run->box->clock));
+    run->code = 0;
+    run->result.sealed = false;
+    note_boot(c);
+    fflush(stdout);
+    _exit(0);
 }
 
 /* The session has ended, the box is still there. */
 static void at_end(struct sim_run *run)
 {
     struct chaos *c = (struct chaos *)run;
-    struct chaos_boot *boot = &c->boots[c->n_boots];
 
-    snprintf(boot->id, sizeof(boot->id), "%s", ttf_clock_boot_id(run->box->clock));
-    boot->power_on_ns = run->config.power_on_ns;
-    boot->ended_ns = run->ended_ns;
+    note_boot(c);
     for (unsigned i = 0; run->box->lamps && i < ttf_lamps_count(run->box->lamps); i++) {
         struct ttf_lamp_state state;
 
@@ -129,6 +158,30 @@ static bool make_fit(struct chaos *c)
     return false;
 }
 
+/* One boot in a process of its own, since it may be killed. */
+static bool boot_apart(struct chaos *c)
+{
+    int status = 0;
+    pid_t child;
+
+    fflush(stdout);
+    child = fork();
+    if (child == 0) {
+        alarm(HANG_S);
+        (void)sim_run_boot(&c->run);
+        exit(0); /* what it leaks is told, and is a failure */
+    }
+    while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR)
+        ;
+    if (child > 0 && status == 0)
+        return true;
+    if (child > 0 && WIFSIGNALED(status))
+        chaos_fail(c, "%s", WTERMSIG(status) == SIGALRM ? "HANGS" : strsignal(WTERMSIG(status)));
+    else
+        chaos_fail(c, "its process ended with %d", WEXITSTATUS(status));
+    return false;
+}
+
 /* 1: go on; 0: done, or no use. */
 static int one_run(struct chaos *c)
 {
@@ -137,12 +190,15 @@ static int one_run(struct chaos *c)
 
     c->stopped_ns = TTF_NS_UNKNOWN;
     __atomic_store_n(&run->stop, 0, __ATOMIC_RELAXED);
-    code = sim_run_boot(run);
+    c->killed = false;
+    if (!boot_apart(c))
+        return 0;
+    code = run->code;
     if (c->verbose)
         printf("  run %u from %.3f s to %.3f s: %d %s: %s (told %lld)\n", c->n_boots,
                (double)run->config.power_on_ns / 1e9, (double)run->ended_ns / 1e9, code,
                run->err.where, run->err.what, (long long)c->told);
-    if (code == -EINVAL && !c->records && make_fit(c))
+    if (code == -EINVAL && !c->kept->records && make_fit(c))
         return 1;
     c->n_boots++;
     if (!documented(code))
@@ -153,7 +209,7 @@ static int one_run(struct chaos *c)
     chaos_check_boot(c);
     if (code == 0 && run->result.sealed)
         return 0;
-    if (code == 0 && c->stopped_ns == TTF_NS_UNKNOWN)
+    if (code == 0 && c->stopped_ns == TTF_NS_UNKNOWN && !c->killed)
         chaos_fail(c, "neither sealed nor stopped");
     run->config.power_on_ns =
         code == -ESHUTDOWN
@@ -165,56 +221,39 @@ static int one_run(struct chaos *c)
 
 static unsigned campaign(uint64_t seed, bool verbose)
 {
-    static struct chaos c;
-    bool done;
+    /* Shared with the processes of its boots. */
+    struct chaos *c =
+        mmap(NULL, sizeof(*c), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    struct chaos_kept kept = {NULL, NULL};
+    unsigned failures;
     int tries = 0;
 
-    memset(&c, 0, sizeof(c));
-    c.seed = seed;
-    c.verbose = verbose;
-    c.told = -1;
-    chaos_draw(&c);
-    c.run.on_progress = progress;
-    c.run.at_end = at_end;
-    if (verbose)
-        chaos_describe(&c);
-    while (one_run(&c) == 1 && ++tries < CHAOS_RUNS_MAX)
-        ;
-    done = c.run.code == 0 && c.run.result.sealed;
-    chaos_check_end(&c, done);
-    if (c.failures > 0 && !verbose)
-        chaos_describe(&c);
-    free(c.records);
-    free(c.events);
-    if (c.failures > 0 && verbose)
-        printf("  left in %s\n", c.run.path);
-    else
-        sim_run_finish(&c.run);
-    return c.failures;
-}
-
-/* In a process of its own, so that a hang or a crash is one seed's. 0: all held. */
-static int apart(uint64_t seed, bool verbose)
-{
-    int status = 0;
-    pid_t child;
-
-    fflush(stdout);
-    child = fork();
-    if (child < 0)
+    if (c == MAP_FAILED)
         return 1;
-    if (child == 0) {
-        alarm(HANG_S);
-        exit(campaign(seed, verbose) > 0);
-    }
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR)
+    c->seed = seed;
+    c->verbose = verbose;
+    c->told = -1;
+    c->kept = &kept;
+    chaos_draw(c);
+    c->run.on_progress = progress;
+    c->run.on_file = maybe_kill;
+    c->run.at_end = at_end;
+    if (verbose)
+        chaos_describe(c);
+    while (one_run(c) == 1 && ++tries < CHAOS_RUNS_MAX)
         ;
-    if (WIFSIGNALED(status))
-        printf("seed %llu: %s\n", (unsigned long long)seed,
-               WTERMSIG(status) == SIGALRM ? "HANGS" : strsignal(WTERMSIG(status)));
-    else if (WEXITSTATUS(status) > 1)
-        printf("seed %llu: exit %d\n", (unsigned long long)seed, WEXITSTATUS(status));
-    return status != 0;
+    chaos_check_end(c, c->run.code == 0 && c->run.result.sealed);
+    if (c->failures > 0 && !verbose)
+        chaos_describe(c);
+    if (c->failures > 0 && verbose)
+        printf("  left in %s\n", c->run.path);
+    else
+        sim_run_finish(&c->run);
+    failures = c->failures;
+    free(kept.records);
+    free(kept.events);
+    munmap(c, sizeof(*c));
+    return failures;
 }
 
 int main(int argc, char **argv)
@@ -233,7 +272,7 @@ int main(int argc, char **argv)
     for (uint64_t i = 0; i < count; i++) {
         uint64_t seed = argc == 3 ? first + i : fixed[i];
 
-        bad += apart(seed, verbose) != 0;
+        bad += campaign(seed, verbose) > 0;
     }
     printf("%llu seeds, %u bad\n", (unsigned long long)count, bad);
     return bad > 0;

@@ -19,20 +19,30 @@ struct chaos_boot {
     int64_t power_on_ns, ended_ns; /* since the first power-on */
 };
 
+/* The files as they were after the last boot; NULL. Where a process of a boot finds them to be no leak. */
+struct chaos_kept {
+    char *records, *events;
+};
+
 struct chaos {
     struct sim_run run; /* first: its callbacks are given this */
     uint64_t seed, state;
     bool verbose;
     unsigned failures;
     /* what else happens */
-    int64_t stop_at[3];            /* a person stops the run once this slot is told; -1: not */
+    int64_t stop_at[3];  /* a person stops the run once this slot is told; -1: not */
+    int64_t fail_at;     /* once this slot is told, some file operations fail; -1: never */
+    unsigned fail_count; /* so many */
+    int64_t kill_at;     /* once this slot is told, the process is killed; -1: never */
+    int kill_after;      /* so many file operations later */
     int64_t full_from, full_until; /* slots between which the disk has little room; -1: never */
     /* what happened */
     struct chaos_boot boots[CHAOS_RUNS_MAX];
     unsigned n_boots;
-    int64_t told;           /* highest slot told to be committed; -1 */
-    int64_t stopped_ns;     /* boot clock when the stop was asked for; TTF_NS_UNKNOWN */
-    char *records, *events; /* the files as they were after the last boot; NULL */
+    bool killed;
+    int64_t told;       /* highest slot told to be committed; -1 */
+    int64_t stopped_ns; /* boot clock when the stop was asked for; TTF_NS_UNKNOWN */
+    struct chaos_kept *kept;
 };
 
 /* The plan, the board and the faults of a seed. */

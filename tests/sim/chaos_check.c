@@ -84,12 +84,12 @@ void chaos_check_boot(struct chaos *c)
     struct ttf_err err = {0};
 
     if (!has_dataset(c)) {
-        if (c->told >= 0 || c->records)
+        if (c->told >= 0 || c->kept->records)
             chaos_fail(c, "the dataset is gone");
         return;
     }
-    check_grown(c, "records.jsonl", &c->records);
-    check_grown(c, "events.jsonl", &c->events);
+    check_grown(c, "records.jsonl", &c->kept->records);
+    check_grown(c, "events.jsonl", &c->kept->events);
     check_verify(c, false);
     if (ttf_reader_open(ttf_io_posix(), c->run.path, &reader, &err) < 0) {
         chaos_fail(c, "reader: %s: %s", err.where, err.what);
@@ -116,7 +116,9 @@ struct walk {
     struct ttf_segment segment;
     int64_t power_on_ns; /* of the record's boot; TTF_NS_UNKNOWN */
     int64_t last_due_ns; /* since the first power-on, of the slot before */
-    int64_t last_end_ns; /* the same, of the exposure before */
+    double first[TTF_PLAN_SHOTS_MAX][TTF_PLAN_BRACKETS_MAX]; /* mean of the first image of a kind */
+    bool dimmed;                                             /* light may change without a flag */
+    int64_t last_end_ns;                                     /* the same, of the exposure before */
 };
 
 static bool flagged(const struct ttf_image *image, const char *flag)
@@ -264,6 +266,18 @@ static void check_level(struct walk *w, const struct ttf_image *image,
                    (long long)w->record.index, image->stream, image->mean_level);
 }
 
+/* The chart does not change: images of a kind are about equally bright, or say why not. */
+static void check_like(struct walk *w, const struct ttf_image *image, double *first)
+{
+    if (image->flags[0] != '\0' || !(image->mean_level > 0.01) || w->dimmed)
+        return;
+    if (*first == 0)
+        *first = image->mean_level;
+    if (image->mean_level < *first * 0.75 || image->mean_level > *first * 1.33)
+        chaos_fail(w->c, "slot %lld, %s: mean %.3f, the first was %.3f, no flag",
+                   (long long)w->record.index, image->stream, image->mean_level, *first);
+}
+
 static void check_files(struct walk *w, const struct ttf_image *image)
 {
     enum ttf_keep keep = w->c->run.plan.keep;
@@ -316,6 +330,7 @@ static void check_image(struct walk *w, const struct ttf_image *image, unsigned 
     if (image->lacking[0] != '\0')
         return;
     check_level(w, image, &plan->shots[s]);
+    check_like(w, image, &w->first[s][bracket]);
     if (good != image->n_averaged || good == 0)
         chaos_fail(w->c, "slot %lld: %u good shots, %u averaged", (long long)w->record.index, good,
                    image->n_averaged);
@@ -413,6 +428,13 @@ void chaos_check_end(struct chaos *c, bool done)
     struct walk w = {.c = c, .last_due_ns = INT64_MIN / 2, .last_end_ns = INT64_MIN / 2};
     int64_t slots;
 
+    for (unsigned i = 0; i < c->run.config.n_faults; i++) {
+        enum ttf_fault_kind kind = c->run.config.faults[i].kind;
+
+        w.dimmed |= kind == TTF_FAULT_LAMP_DEAD || kind == TTF_FAULT_LAMP_FADING ||
+                    kind == TTF_FAULT_LAMP_STUCK ||
+                    (kind == TTF_FAULT_DOOR_OPEN && !c->run.config.door_switch);
+    }
     if (!has_dataset(c)) {
         if (done)
             chaos_fail(c, "done without a dataset");

@@ -239,6 +239,10 @@ void chaos_draw(struct chaos *c)
     for (unsigned i = 0; i < TTF_COUNT_OF(c->stop_at); i++)
         c->stop_at[i] =
             chaos_percent(c, 20) ? (int64_t)chaos_below(c, (uint64_t)c->run.plan.count) : -1;
+    c->fail_at = chaos_percent(c, 30) ? chaos_between(c, 0, c->run.plan.count - 1) : -1;
+    c->fail_count = (unsigned)chaos_between(c, 1, chaos_percent(c, 50) ? 6 : 60);
+    c->kill_at = chaos_percent(c, 40) ? chaos_between(c, -1, c->run.plan.count - 1) : -2;
+    c->kill_after = (int)chaos_between(c, 1, 80);
     c->full_from = c->full_until = -1;
     if (c->run.plan.reserve_bytes > 0 && chaos_percent(c, 60)) {
         c->full_from = (int64_t)chaos_below(c, (uint64_t)c->run.plan.count);
@@ -281,7 +285,9 @@ void chaos_describe(const struct chaos *c)
                ttf_fault_name(b->faults[i].kind), (double)b->faults[i].at_ns / 1e9,
                (double)b->faults[i].duration_ns / 1e9, b->faults[i].rate_per_million,
                (long long)b->faults[i].amount, b->faults[i].target);
-    printf("  stops %lld %lld %lld, little room %lld to %lld\n", (long long)c->stop_at[0],
-           (long long)c->stop_at[1], (long long)c->stop_at[2], (long long)c->full_from,
-           (long long)c->full_until);
+    printf("  stops %lld %lld %lld, little room %lld to %lld, %u failures at %lld, "
+           "killed %d operations after %lld\n",
+           (long long)c->stop_at[0], (long long)c->stop_at[1], (long long)c->stop_at[2],
+           (long long)c->full_from, (long long)c->full_until, c->fail_count, (long long)c->fail_at,
+           c->kill_after, (long long)c->kill_at);
 }

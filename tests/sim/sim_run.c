@@ -67,6 +67,8 @@ static int storage_fault(void *ctx, const char *op, const char *path)
     (void)path;
     if (!run->box)
         return 0;
+    if (run->on_file)
+        run->on_file(run);
     if (run->failing > 0) {
         run->failing--;
         return EIO;
