@@ -14,7 +14,7 @@
 #include "fuzz.h"
 
 #define CUTS      24
-#define MUTATIONS 150
+#define MUTATIONS 800
 #define SEED_MAX  (1 << 20)
 
 /* xorshift64: Marsaglia, "Xorshift RNGs" (2003), section 3. */
