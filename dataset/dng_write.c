@@ -119,9 +119,11 @@ static bool set_names(TIFF *tiff, const struct ttf_raw_sum *raw, const struct tt
 {
     static const uint8_t version[4] = {1, 4, 0, 0}, oldest_reader[4] = {1, 1, 0, 0};
     char model[sizeof(info->model) + 16], description[DNG_DESCRIPTION_SIZE];
+    /* The simulated camera's own name says it already. */
+    bool say = info->simulated && !strstr(info->model, DNG_SIMULATED);
 
     snprintf(model, sizeof(model), "%s%s", info->model[0] ? info->model : "camera",
-             info->simulated ? " " DNG_SIMULATED : "");
+             say ? " " DNG_SIMULATED : "");
     dng_describe(raw, info->simulated, description);
     return TIFFSetField(tiff, TIFFTAG_DNGVERSION, version) == 1 &&
            TIFFSetField(tiff, TIFFTAG_DNGBACKWARDVERSION, oldest_reader) == 1 &&
