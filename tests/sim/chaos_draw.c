@@ -44,7 +44,7 @@ static void draw_levels(struct chaos *c, struct ttf_lamp_level *levels, unsigned
     static const char *const names[] = {"left", "right"};
 
     *n = 0;
-    for (unsigned i = 0; i < lamps; i++) {
+    for (unsigned i = 0; i < lamps && i < TTF_COUNT_OF(names); i++) {
         if (chaos_percent(c, 30))
             continue;
         snprintf(levels[*n].lamp, sizeof(levels[*n].lamp), "%s", names[i]);
@@ -55,13 +55,13 @@ static void draw_levels(struct chaos *c, struct ttf_lamp_level *levels, unsigned
 
 static void draw_shot(struct chaos *c, unsigned i)
 {
-    static const char *const streams[] = {"main", "raking", "hdr"};
+    static const char *const streams[3] = {"main", "raking", "hdr"};
     static const int64_t exposures_ms[] = {1, 10, 20, 20, 20, 30, 100, 500};
     struct ttf_plan *plan = &c->run.plan;
     struct ttf_plan_shot *shot = &plan->shots[i];
 
     *shot = plan->shots[0];
-    snprintf(shot->stream, sizeof(shot->stream), "%s", streams[i]);
+    snprintf(shot->stream, sizeof(shot->stream), "%s", streams[i % 3]);
     snprintf(shot->channel, sizeof(shot->channel), "light-%u", i);
     shot->n_levels = 0;
     if (plan->lamps != TTF_LAMPS_NONE)
@@ -215,9 +215,11 @@ static void draw_fault(struct chaos *c, int64_t span_ns)
     fault->amount = draw_amount(c, kind);
     if (kind == TTF_FAULT_LAMP_DEAD || kind == TTF_FAULT_LAMP_FADING ||
         kind == TTF_FAULT_LAMP_STUCK)
-        strcpy(fault->target, chaos_percent(c, 50) ? "left" : "right");
+        snprintf(fault->target, sizeof(fault->target), "%s",
+                 chaos_percent(c, 50) ? "left" : "right");
     if (kind == TTF_FAULT_SENSOR_GONE)
-        strcpy(fault->target, chaos_percent(c, 50) ? "box-temp" : "box-humidity");
+        snprintf(fault->target, sizeof(fault->target), "%s",
+                 chaos_percent(c, 50) ? "box-temp" : "box-humidity");
 }
 
 void chaos_draw(struct chaos *c)
