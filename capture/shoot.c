@@ -22,6 +22,9 @@
 #define LOCK_ALIKE 3
 #define LOCK_TRIES 8
 
+/* Of the first grant: how far the later ones may be from it. */
+#define LOCK_WANDER_SHARE 20
+
 /* What came of one submitted set. */
 struct attempt {
     unsigned delivered;  /* buffers of any kind */
@@ -374,12 +377,23 @@ static int probe_hard(struct ttf_shooter *shooter, const struct ttf_exposure *as
 static int converge(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
                     struct ttf_locked *ret)
 {
+    int64_t first_ns = 0;
+
     ret->asked = *asked;
     for (int round = 0; round < LOCK_ROUNDS; round++) {
         int r = probe_hard(shooter, &ret->asked, &ret->granted);
+        int64_t off_ns;
 
-        if (r < 0 || ttf_exposure_equal(&ret->asked, &ret->granted))
+        if (r < 0)
             return r;
+        if (round == 0)
+            first_ns = ret->granted.exposure_ns;
+        /* What was rounded is rounded no further: a grant that wanders off is none. */
+        off_ns = ret->granted.exposure_ns - first_ns;
+        if (off_ns > first_ns / LOCK_WANDER_SHARE || -off_ns > first_ns / LOCK_WANDER_SHARE)
+            return -EIO;
+        if (ttf_exposure_equal(&ret->asked, &ret->granted))
+            return 0;
         ret->asked = ret->granted;
     }
     return -EIO;

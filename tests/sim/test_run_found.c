@@ -34,6 +34,21 @@ static void a_frame_gone_wrong_while_arming_does_not_set_the_exposure_of_the_run
     }
 }
 
+static void
+a_camera_that_exposes_ever_longer_while_arming_is_not_locked_at_its_longest(void **state)
+{
+    struct sim_run run;
+    struct ttf_fault *wrong;
+
+    (void)state;
+    sim_run_init(&run);
+    wrong = sim_run_fault(&run, TTF_FAULT_WRONG_SETTINGS, 0);
+    wrong->duration_ns = TTF_NS_PER_H;
+    wrong->amount = 20000;
+    assert_int_equal(sim_run_boot(&run), -EIO);
+    sim_run_finish(&run);
+}
+
 static void a_door_open_for_a_part_of_an_exposure_is_flagged(void **state)
 {
     struct ttf_slot_record record;
@@ -174,6 +189,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_gone_wrong_while_arming_does_not_set_the_exposure_of_the_run),
+        cmocka_unit_test(
+            a_camera_that_exposes_ever_longer_while_arming_is_not_locked_at_its_longest),
         cmocka_unit_test(a_door_open_for_a_part_of_an_exposure_is_flagged),
         cmocka_unit_test(a_clock_that_was_set_is_no_outage_at_the_next_power_cut),
         cmocka_unit_test(a_last_record_that_must_wait_is_waited_for),
