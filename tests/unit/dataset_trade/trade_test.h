@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "ttf/base/attr.h"
 #include "ttf/dataset/image_file.h"
 #include "ttf/dataset/io.h"
 #include "ttf/dataset/pixbuf.h"
@@ -30,7 +31,7 @@ int folder_setup(void **state);
 int folder_teardown(void **state);
 
 /* "FOLDER/...", good until teardown. */
-const char *in_folder(void **state, const char *fmt, ...);
+const char *in_folder(void **state, const char *fmt, ...) TTF_PRINTF(2, 3);
 
 bool exists(const char *path);
 /* Entries of a folder without . and .., -1 if there is none. */
