@@ -144,7 +144,8 @@ static bool unseen_step(const struct chaos *c)
         if (f->kind != TTF_FAULT_CLOCK_STEP)
             continue;
         for (unsigned b = 0; b < c->n_boots; b++)
-            seen |= f->at_ns > c->boots[b].power_on_ns && f->at_ns < c->boots[b].ended_ns - SEEN_NS;
+            seen |= f->at_ns > c->boots[b].power_on_ns + SEEN_NS &&
+                    f->at_ns < c->boots[b].ended_ns - SEEN_NS;
         if (!seen || f->rate_per_million > 0)
             return true;
     }
