@@ -12,7 +12,15 @@
 enum ttf_purpose {
     TTF_PURPOSE_BLOCK = 1, /* the pick among a block's candidates */
     TTF_PURPOSE_FRAME = 2, /* the seed of one frame quilted alone */
-    TTF_PURPOSE_BASIS = 3  /* start of the iteration that finds a basis */
+    TTF_PURPOSE_BASIS = 3, /* start of the iteration that finds a basis */
+
+    /* figures: 20..29 */
+    TTF_PURPOSE_COLOUR_DIRECTION = 20, /* directions through RGB */
+    TTF_PURPOSE_COLOUR_PIXEL = 21,     /* pixels of a picture too large to look at all */
+    TTF_PURPOSE_SYNCHRONY_PARTNER = 22,
+    TTF_PURPOSE_SYNCHRONY_PAIR = 23,
+    TTF_PURPOSE_PATCH_DIRECTION = 24, /* directions through the space of patches */
+    TTF_PURPOSE_PATCH = 25            /* patches whose nearest one is looked for */
 };
 
 /* A bijection of 64-bit words whose output bits all depend on all input bits. */
