@@ -28,14 +28,17 @@ synth() {
     "$box" export "$scratch/grass" --to png -o "$scratch/png" -q >>"$scratch/log"
     build/tests/bench_quilt "$scratch/png" --block 64x128
 }
+# Quilting of single pictures beside another program's synthesis; not part of all, which needs only this project.
+gmic() { python3 tests/bench/against_gmic.py "$box" build/tests/bench_patches "$@"; }
 
 case ${1:-all} in
 week) week ;;
 schedule) shift; schedule "$@" ;;
 synth) shift; synth "$@" ;;
+gmic) shift; gmic "$@" ;;
 all) week; schedule; synth ;;
 *)
-    echo "bench: there is no '$1': week, schedule, synth" >&2
+    echo "bench: there is no '$1': week, schedule, synth, gmic" >&2
     exit 2
     ;;
 esac

@@ -37,7 +37,8 @@ static uint8_t *make_texture(uint64_t seed, uint32_t width, uint32_t height)
     uint8_t *rgb = allocate(width, height);
 
     for (size_t i = 0; i < (size_t)width * height * 3; i++) {
-        double x = (double)(i / 3 % width), y = (double)(i / 3 / width);
+        size_t column = i / 3 % width, row = i / 3 / width;
+        double x = (double)column, y = (double)row;
         double wave = sin(0.7 * x + 0.1 * y + 2.0 * (double)seed) + sin(0.6 * y - 0.05 * x);
 
         rgb[i] = (uint8_t)(120.0 + 40.0 * wave + 5.0 * (double)(i % 3) +
@@ -146,6 +147,19 @@ static void the_nearest_patch_is_that_of_brute_force(void **state)
     }
 }
 
+static void every_patch_of_a_picture_finds_itself(void **state)
+{
+    uint8_t *a = make_texture(1, 600, 12);
+    struct ttf_patches p;
+    double found;
+
+    assert_int_equal(ttf_patches_of_picture(a, 600, 12, &p), 0);
+    assert_int_equal(ttf_patches_nearest(&p, &p, 600 * 12, NULL, &found), 0);
+    assert_true(found == 0.0);
+    ttf_patches_free(&p);
+    free(a);
+}
+
 static void black_and_white_are_255_apart(void **state)
 {
     uint8_t *black = allocate(W, H), *white = allocate(W, H);
@@ -221,10 +235,11 @@ static double *sorted_projections(const struct ttf_patches *p, const int16_t *di
 
     assert_non_null(ret);
     for (uint32_t k = 0; k < p->patches_x * p->patches_y; k++) {
-        for (uint32_t i = 0; i < TTF_PATCH_NUMBERS; i++)
-            ret[k] +=
-                direction[i] / 16384.0 *
-                ttf_patch_at(p, k % p->patches_x + i / 3 % 7, k / p->patches_x + i / 21)[i % 3];
+        for (uint32_t i = 0; i < TTF_PATCH_NUMBERS; i++) {
+            uint32_t x = k % p->patches_x + i / 3 % 7, y = k / p->patches_x + i / 21;
+
+            ret[k] += direction[i] / 16384.0 * ttf_patch_at(p, x, y)[i % 3];
+        }
     }
     qsort(ret, (size_t)p->patches_x * p->patches_y, sizeof(*ret), by_size);
     return ret;
@@ -269,11 +284,11 @@ static void half_size_is_the_mean_of_four(void **state)
     assert_true(half.width == 14 && half.height == 15 && half.patches_x == 8);
     for (uint32_t i = 0; i < 14 * 15 * 3; i++) {
         uint32_t x = i / 3 % 14, y = i / 3 / 14, c = i % 3;
-        double sum = 0.0;
+        uint32_t sum = 0;
 
         for (uint32_t k = 0; k < 4; k++)
             sum += a[((2 * y + k / 2) * 29 + 2 * x + k % 2) * 3 + c];
-        assert_int_equal(ttf_patch_at(&half, x, y)[c], (int)floor(sum / 4.0 + 0.5));
+        assert_int_equal(ttf_patch_at(&half, x, y)[c], lrint(floor(sum / 4.0 + 0.5)));
     }
     ttf_patches_free(&p);
     ttf_patches_free(&half);
@@ -315,6 +330,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_nearest_patch_is_that_of_brute_force),
+        cmocka_unit_test(every_patch_of_a_picture_finds_itself),
         cmocka_unit_test(black_and_white_are_255_apart),
         cmocka_unit_test(identical_pictures_are_at_no_distance),
         cmocka_unit_test(

@@ -176,6 +176,29 @@ static void pairs_are_of_one_source_and_as_many_as_asked_for(void **state)
     }
 }
 
+static void sampled_pairs_are_from_all_over_the_source(void **state)
+{
+    uint32_t source[2 * 100];
+    struct ttf_synchrony *synchrony;
+    struct ttf_synchrony_figures figures;
+
+    for (uint32_t i = 0; i < 200; i++)
+        source[i] = i % 100;
+    synchrony = ttf_synchrony_create(source, 200, 10, 1, &encoding);
+    assert_non_null(synchrony);
+    /* a half of the source moves, and so do half of the pairs */
+    for (uint32_t t = 0; t < 10; t++) {
+        uint16_t frame[200 * 3] = {0};
+
+        for (size_t i = 0; i < (size_t)200 * 3; i++)
+            frame[i] = source[i / 3] < 50 ? 0 : (uint16_t)random_below(t, 65536);
+        ttf_synchrony_add(synchrony, frame);
+    }
+    ttf_synchrony_figures(synchrony, &figures);
+    assert_int_equal(figures.pairs, 5);
+    ttf_synchrony_destroy(synchrony);
+}
+
 static void a_picture_without_repetition_has_no_figure(void **state)
 {
     static const uint32_t source[3] = {2, 1, 0};
@@ -200,6 +223,7 @@ int main(void)
         cmocka_unit_test(the_figure_is_what_its_definition_says),
         cmocka_unit_test(what_has_no_moment_does_not_count),
         cmocka_unit_test(pairs_are_of_one_source_and_as_many_as_asked_for),
+        cmocka_unit_test(sampled_pairs_are_from_all_over_the_source),
         cmocka_unit_test(a_picture_without_repetition_has_no_figure),
     };
 

@@ -1,0 +1,170 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Quilting of single pictures beside G'MIC's syntexturize_matchpatch (package gmic).
+
+Crops 256 x 256 pixels of each picture, lets both programs make 512 x 512 of it
+with two threads and their default arguments, takes the median of five whole
+processes in turn, and compares the patches of both results to the crop's. Where
+the picture is large enough, another crop of it says what the real thing scores.
+Figures, not a verdict: a table, then JSON.
+
+Without pictures: those of TTFBOX_TEST_DATA (unset: ../shared/data).
+
+usage: against_gmic.py TTFBOX BENCH_PATCHES [PICTURE...]
+"""
+import argparse
+import json
+import os
+import re
+import shutil
+import statistics
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import zlib
+
+SIDE, OUT, THREADS = 256, 512, 2
+DATA = ["textures/skimage/grass.png", "textures/skimage/gravel.png", "textures/skimage/brick.png",
+        "textures/godot/rock_albedo.jpg", "timelapse/copper/050.png", "timelapse/clay/050.png"]
+
+
+def skip(why):
+    print(f"against_gmic: skipped: {why}")
+    sys.exit(0)
+
+
+def find_pictures(given):
+    if given:
+        return given
+    data = os.environ.get("TTFBOX_TEST_DATA")
+    if data is None:
+        data = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../shared/data")
+    found = [path for path in (os.path.join(data, name) for name in DATA) if os.path.exists(path)]
+    if not found:
+        skip(f"no pictures given, and none in {data} (TTFBOX_TEST_DATA)")
+    return found
+
+
+def run(command):
+    environment = dict(os.environ, OMP_NUM_THREADS=str(THREADS))
+    done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"against_gmic: {' '.join(command)}: status {done.returncode}\n{done.stdout}")
+    return done.stdout
+
+
+def size_of(picture):
+    """G'MIC reads all kinds, and says what it has read."""
+    said = re.search(r"\(1 image (\d+)x(\d+)x1x\d+\)", run(["gmic", picture]))
+    if not said:
+        sys.exit(f"against_gmic: {picture}: gmic finds no single picture there")
+    return int(said.group(1)), int(said.group(2))
+
+
+def crop(picture, x, y, path):
+    run(["gmic", picture, "crop", f"{x},{y},{x + SIDE - 1},{y + SIDE - 1}", "to_rgb", "-o", path])
+
+
+def png_of_raw(raw, path):
+    """One frame of 8-bit RGB as a PNG without compression."""
+    with open(raw, "rb") as f:
+        pixels = f.read()
+    if len(pixels) != OUT * OUT * 3:
+        sys.exit(f"against_gmic: {raw} has {len(pixels)} bytes")
+    rows = b"".join(b"\0" + pixels[y * OUT * 3:(y + 1) * OUT * 3] for y in range(OUT))
+
+    def chunk(name, body):
+        return struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+
+    with open(path, "wb") as f:
+        f.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", OUT, OUT, 8, 2, 0, 0, 0)) +
+                chunk(b"IDAT", zlib.compress(rows, 0)) + chunk(b"IEND", b""))
+
+
+def timed(command):
+    begin = time.monotonic()
+    run(command)
+    return time.monotonic() - begin
+
+
+def measure(args, picture, tmp):
+    still, raw = os.path.join(tmp, "still.png"), os.path.join(tmp, "quilt.raw")
+    ours, theirs = os.path.join(tmp, "quilt.png"), os.path.join(tmp, "gmic.png")
+    elsewhere = os.path.join(tmp, "elsewhere.png")
+    width, height = size_of(picture)
+    if width < SIDE or height < SIDE:
+        print(f"against_gmic: {picture}: skipped: smaller than {SIDE} x {SIDE}")
+        return None
+    crop(picture, 0, 0, still)
+    quilt = [args.ttfbox, "synth", "quilt", still, "--size", f"{OUT}x{OUT}", "--threads", str(THREADS),
+             "--sink", "raw", "-q", "-o", raw]
+    gmic = ["gmic", still, "syntexturize_matchpatch", f"{OUT},{OUT}", "-o", theirs]
+    times = {"quilt": [], "gmic": []}
+    for _ in range(args.runs):  # in turn, so that what else the machine does hits both
+        if os.path.exists(raw):
+            os.remove(raw)
+        times["quilt"].append(timed(quilt))
+        times["gmic"].append(timed(gmic))
+    png_of_raw(raw, ours)
+    results = [("quilt", ours), ("gmic", theirs)]
+    if width >= 2 * SIDE and height >= 2 * SIDE:
+        crop(picture, width - SIDE, height - SIDE, elsewhere)
+        results.append(("elsewhere", elsewhere))
+    figures = json.loads(run([args.bench_patches, "--threads", str(THREADS), still] +
+                             [path for _, path in results]))["outputs"]
+    rows = []
+    for (name, path), row in zip(results, figures):
+        seconds = times.get(name)
+        rows.append({"by": name, "seconds": statistics.median(seconds) if seconds else None,
+                     "runs": seconds, "sliced": row["sliced"], "to_input": row["to_input"],
+                     "from_input": row["from_input"]})
+        if args.keep:
+            os.makedirs(args.keep, exist_ok=True)
+            shutil.copy(path, os.path.join(args.keep, label(picture).replace("/", "-") + f"-{name}.png"))
+    return {"picture": label(picture), "results": rows}
+
+
+def label(picture):
+    return "/".join(os.path.splitext(picture)[0].split(os.sep)[-2:])
+
+
+def print_table(all_figures):
+    print(f"{'picture':22} {'by':10} {'seconds':>8} {'sliced':>7} {'1/2':>7} {'1/4':>7} "
+          f"{'to input':>9} {'from input':>11}")
+    for picture in all_figures:
+        for row in picture["results"]:
+            seconds = "" if row["seconds"] is None else f"{row['seconds']:.2f}"
+            sliced = " ".join(f"{x:7.2f}" for x in row["sliced"])
+            print(f"{picture['picture']:22} {row['by']:10} {seconds:>8} {sliced} "
+                  f"{row['to_input']:9.2f} {row['from_input']:11.2f}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("ttfbox")
+    parser.add_argument("bench_patches")
+    parser.add_argument("pictures", nargs="*")
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--keep", metavar="FOLDER", help="keep the pictures of the last runs there")
+    args = parser.parse_args()
+    if not shutil.which("gmic"):
+        skip("gmic is not installed (package gmic)")
+    for program in (args.ttfbox, args.bench_patches):
+        if not os.access(program, os.X_OK):
+            skip(f"{program} is not there: build it first")
+    all_figures = []
+    for picture in find_pictures(args.pictures):
+        with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as tmp:
+            figures = measure(args, picture, tmp)
+            if figures:
+                all_figures.append(figures)
+    print_table(all_figures)
+    print(json.dumps({"side": SIDE, "out": OUT, "threads": THREADS, "pictures": all_figures}))
+
+
+if __name__ == "__main__":
+    main()
