@@ -96,8 +96,8 @@ static int check(struct synth *s)
     if (r == 0)
         r = ttf_sequence_of_dataset(reader, NULL, &output, &cli->err);
     if (r == 0)
-        r = ttf_quilt_verify(s->input, output, s->config.per_frame ? NULL : &s->map, &s->check,
-                             &cli->err);
+        r = ttf_quilt_verify(&s->config, s->input, output, s->config.per_frame ? NULL : &s->map,
+                             &s->check, &cli->err);
     s->checked = r == 0;
     ttf_sequence_destroy(output);
     ttf_reader_close(reader);

@@ -8,7 +8,8 @@
 /* Was `block` taken from where `neighbour` was, moved as in the output? */
 static bool continues(const struct ttf_quilt_block *block, const struct ttf_quilt_block *neighbour)
 {
-    return block->src_x - neighbour->src_x == block->out_x - neighbour->out_x &&
+    return block->input == neighbour->input && block->turn == neighbour->turn &&
+           block->src_x - neighbour->src_x == block->out_x - neighbour->out_x &&
            block->src_y - neighbour->src_y == block->out_y - neighbour->out_y;
 }
 
@@ -30,7 +31,7 @@ static double verbatim_share(const struct ttf_quilt_map *map)
 
 int ttf_repetition_of_map(const struct ttf_quilt_map *map, struct ttf_repetition_figures *ret)
 {
-    size_t source_pixels = (size_t)map->source_width * map->source_height;
+    size_t source_pixels = map->source_pixels;
     size_t pixels = (size_t)map->width * map->height, used = 0;
     uint32_t *uses = calloc(source_pixels, sizeof(*uses));
     uint32_t most = 0;

@@ -13,10 +13,14 @@ struct ttf_seams {
     uint32_t frames;
 };
 
-/* Are two output pixels, `step` apart in the source if they belong together, on different sides of a seam? */
-static bool is_seam(const struct ttf_quilt_map *map, size_t at, size_t other, uint32_t step)
+/* Is an output pixel's neighbour (right, or down) not what its own block has there? */
+static bool is_seam(const struct ttf_quilt_map *map, size_t at, size_t other, bool down)
 {
-    return map->source[other] != map->source[at] + step;
+    unsigned turn = map->blocks[map->owner[at]].turn;
+    uint32_t next;
+
+    return !ttf_quilt_neighbour(map, map->source[at], turn, !down, down, &next) ||
+           map->source[other] != next;
 }
 
 struct ttf_seams *ttf_seams_create(const struct ttf_quilt_map *map,
@@ -33,9 +37,9 @@ struct ttf_seams *ttf_seams_create(const struct ttf_quilt_map *map,
             size_t at = y * map->width + x;
 
             if (x + 1 < map->width)
-                seams->pairs += is_seam(map, at, at + 1, 1);
+                seams->pairs += is_seam(map, at, at + 1, false);
             if (y + 1 < map->height)
-                seams->pairs += is_seam(map, at, at + map->width, map->source_width);
+                seams->pairs += is_seam(map, at, at + map->width, true);
         }
     }
     return seams;
@@ -58,38 +62,38 @@ static unsigned step_between(const struct ttf_seams *seams, const uint16_t *a, c
     return sum;
 }
 
-/* The step across one seam, and those that its two pixels made in the source to the neighbours they lost. */
+/* The step that an output pixel made in the source to the neighbour it lost. */
+static void add_lost(struct ttf_seams *seams, const uint16_t *source, size_t at, int dx, int dy)
+{
+    const struct ttf_quilt_map *map = seams->map;
+    uint32_t id = map->source[at], lost;
+
+    if (!ttf_quilt_neighbour(map, id, map->blocks[map->owner[at]].turn, dx, dy, &lost))
+        return;
+    seams->source += step_between(seams, source + 3 * (size_t)id, source + 3 * (size_t)lost);
+    seams->n_source++;
+}
+
+/* The step across one seam, and those of its two pixels. */
 static void add_pair(struct ttf_seams *seams, const uint16_t *source, const uint16_t *output,
                      size_t at, bool down)
 {
-    const struct ttf_quilt_map *map = seams->map;
-    size_t other = at + (down ? map->width : 1);
-    uint32_t step = down ? map->source_width : 1;
-    uint32_t p = map->source[at], q = map->source[other];
-    bool p_has = down ? p / map->source_width + 1 < map->source_height
-                      : p % map->source_width + 1 < map->source_width;
-    bool q_has = down ? q >= map->source_width : q % map->source_width > 0;
+    size_t other = at + (down ? seams->map->width : 1);
 
-    if (!is_seam(map, at, other, step))
+    if (!is_seam(seams->map, at, other, down))
         return;
     seams->seam += step_between(seams, output + 3 * at, output + 3 * other);
     seams->n_seam++;
-    if (p_has) {
-        seams->source +=
-            step_between(seams, source + 3 * (size_t)p, source + 3 * (size_t)(p + step));
-        seams->n_source++;
-    }
-    if (q_has) {
-        seams->source +=
-            step_between(seams, source + 3 * (size_t)q, source + 3 * (size_t)(q - step));
-        seams->n_source++;
-    }
+    add_lost(seams, source, at, !down, down);
+    add_lost(seams, source, other, -!down, -down);
 }
 
-static void add_input(struct ttf_seams *seams, const uint16_t *source)
+static void add_input(struct ttf_seams *seams, const struct ttf_quilt_input *input,
+                      const uint16_t *source)
 {
-    size_t width = seams->map->source_width, height = seams->map->source_height;
+    size_t width = input->width, height = input->height;
 
+    source += (size_t)input->first * 3;
     for (size_t y = 0; y < height; y++) {
         for (size_t x = 0; x < width; x++) {
             const uint16_t *at = source + 3 * (y * width + x);
@@ -120,7 +124,8 @@ void ttf_seams_add(struct ttf_seams *seams, const uint16_t *source, const uint16
                 add_pair(seams, source, output, at, true);
         }
     }
-    add_input(seams, source);
+    for (unsigned i = 0; i < map->n_inputs; i++)
+        add_input(seams, &map->inputs[i], source);
     seams->frames++;
 }
 

@@ -5,6 +5,9 @@
 
 #include "quilt/placement.h"
 #include "search/features.h"
+#include "search/matching.h"
+#include "search/rank_kernels.h"
+#include "search/sources.h"
 #include "ttf/synth/quilt.h"
 
 #define SIDE_MAX  32768u
@@ -34,16 +37,36 @@ void ttf_quilt_defaults(struct ttf_quilt_config *config)
                                         .block_height = 64,
                                         .tolerance = 0.1,
                                         .seed = 1,
+                                        .rank = 15,
+                                        .measure = true,
                                         .metric = TTF_METRIC_DISPLAY};
 }
 
-size_t ttf_quilt_matching_bytes(uint32_t width, uint32_t height, uint32_t n)
+size_t ttf_quilt_matching_bytes(const struct ttf_quilt_config *config, uint32_t pixels, uint32_t n)
 {
-    /* trajectories, features, and 24 bytes of search workspace per position */
-    double per_pixel = 3.0 * n + (double)ttf_features_bytes_per_pixel(n) + 24.0;
-    double bytes = per_pixel * width * height;
+    unsigned rank = config->rank_error > 0.0 ? TTF_QUILT_RANK_MAX : config->rank;
+    unsigned turns = (config->flips ? 3 : 1) * (config->rotations ? 3 : 1);
+    double per_pixel, bytes;
 
+    if (rank == TTF_QUILT_RANK_FULL) {
+        /* trajectories, features, and 24 bytes of search workspace per position */
+        per_pixel = 3.0 * n + (double)ttf_features_bytes_per_pixel(n) + 24.0;
+    } else {
+        /* coefficients of each view, its cells and positions */
+        per_pixel = (double)ttf_matching_bytes(1, rank, config->per_channel) +
+                    turns * (2.0 * rank + 2.0 * TTF_CELL_DIMS + sizeof(uint32_t));
+    }
+    bytes = per_pixel * pixels;
     return bytes < 1e18 ? (size_t)bytes : (size_t)1e18;
+}
+
+int ttf_quilt_output_frames(const struct ttf_quilt_config *config, uint32_t n, uint32_t *ret,
+                            struct ttf_err *err)
+{
+    if (config->rate)
+        return ttf_rate_map_frames(config->rate, n, ret, err);
+    *ret = n;
+    return 0;
 }
 
 static int validate_sizes(const struct ttf_quilt_config *config, struct ttf_err *err)
@@ -81,11 +104,74 @@ static int validate_blocks(const struct ttf_quilt_config *config, const struct t
     return 0;
 }
 
-int ttf_quilt_validate(const struct ttf_quilt_config *config, const struct ttf_sequence *input,
+static int validate_rank(const struct ttf_quilt_config *config, struct ttf_err *err)
+{
+    bool full = config->rank == TTF_QUILT_RANK_FULL && !(config->rank_error > 0.0);
+
+    if (config->rank > TTF_QUILT_RANK_MAX)
+        return ttf_err_set(err, -EINVAL, "rank", "%u is more than %u", config->rank,
+                           TTF_QUILT_RANK_MAX);
+    if (!isfinite(config->rank_error) || config->rank_error < 0.0 || config->rank_error > 1.0)
+        return ttf_err_set(err, -EINVAL, "rank_error", "%g is not within 0 and 1",
+                           config->rank_error);
+    if (full && (config->n_more > 0 || config->flips || config->rotations || config->tileable ||
+                 config->avoid_px > 0 || config->known.bytes)) {
+        ttf_err_set(err, -EINVAL, "rank",
+                    "the search over all frames takes one input as it is and does nothing more");
+        ttf_err_hint(err, "give a rank for further sources, turned blocks, tileable output, "
+                          "avoided repetition or known factors");
+        return -EINVAL;
+    }
+    return 0;
+}
+
+static int validate_time(const struct ttf_quilt_config *config, struct ttf_err *err)
+{
+    if (config->jitter_frames > 1u << 20)
+        return ttf_err_set(err, -EINVAL, "jitter", "%u frames are more than %u",
+                           config->jitter_frames, 1u << 20);
+    if (config->per_frame && (config->jitter_frames > 0 || config->rate || config->n_more > 0))
+        return ttf_err_set(err, -EINVAL, "per_frame",
+                           "frames quilted alone have no time of their own and one source");
+    if (config->rate &&
+        (config->rate->width != config->width || config->rate->height != config->height))
+        return ttf_err_set(err, -EINVAL, "rate map",
+                           "it is of %u x %u pixels, the output of %u x %u", config->rate->width,
+                           config->rate->height, config->width, config->height);
+    return 0;
+}
+
+static int validate_tiles(const struct ttf_quilt_config *config, struct ttf_err *err)
+{
+    if (!config->tileable ||
+        (config->width >= config->block_width && config->height >= config->block_height))
+        return 0;
+    ttf_err_set(err, -EINVAL, "tileable", "an output of %u x %u is smaller than a block of %u x %u",
+                config->width, config->height, config->block_width, config->block_height);
+    ttf_err_hint(err, "choose smaller blocks, so that the last ones can meet the first");
+    return -EINVAL;
+}
+
+static int validate_memory(const struct ttf_quilt_config *config, uint32_t pixels, uint32_t frames,
+                           struct ttf_err *err)
+{
+    size_t bytes = ttf_quilt_matching_bytes(config, pixels, frames);
+
+    if (config->memory_bytes == 0 || bytes <= config->memory_bytes)
+        return 0;
+    ttf_err_set(err, -EFBIG, NULL,
+                "matching %u frames of %u pixels needs %zu MiB of memory, %zu MiB are allowed",
+                frames, pixels, (bytes >> 20) + 1, config->memory_bytes >> 20);
+    ttf_err_hint(err, config->rank == TTF_QUILT_RANK_FULL
+                          ? "give a rank, use fewer frames, or a smaller crop"
+                          : "use a smaller crop, a lower rank, or a machine with more memory");
+    return -EFBIG;
+}
+
+int ttf_quilt_validate(const struct ttf_quilt_config *config, struct ttf_sequence *input,
                        struct ttf_err *err)
 {
-    uint32_t frames = config->per_frame ? 1 : input->n;
-    size_t bytes = ttf_quilt_matching_bytes(input->width, input->height, frames);
+    struct ttf_sources sources;
     int r = validate_sizes(config, err);
 
     if (r == 0)
@@ -97,16 +183,14 @@ int ttf_quilt_validate(const struct ttf_quilt_config *config, const struct ttf_s
                            config->tolerance);
     if ((unsigned)config->metric >= TTF_METRIC_COUNT)
         return ttf_err_set(err, -EINVAL, "metric", "there is no metric %d", (int)config->metric);
-    if ((uint64_t)input->width * input->height > UINT32_MAX / 2)
-        return ttf_err_set(err, -EINVAL, NULL, "an input of %u x %u pixels is too large",
-                           input->width, input->height);
-    if (config->memory_bytes > 0 && bytes > config->memory_bytes) {
-        ttf_err_set(err, -EFBIG, NULL,
-                    "matching %u frames of %u x %u needs %zu MiB of memory, %zu MiB are allowed",
-                    frames, input->width, input->height, (bytes >> 20) + 1,
-                    config->memory_bytes >> 20);
-        ttf_err_hint(err, "use fewer frames, a smaller crop, or a machine with more memory");
-        return -EFBIG;
-    }
-    return 0;
+    r = validate_rank(config, err);
+    if (r == 0)
+        r = validate_time(config, err);
+    if (r == 0)
+        r = validate_tiles(config, err);
+    if (r == 0)
+        r = ttf_sources_of(config, input, &sources, err);
+    if (r == 0)
+        r = validate_memory(config, sources.pixels, config->per_frame ? 1 : input->n, err);
+    return r;
 }

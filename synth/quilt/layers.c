@@ -18,7 +18,8 @@ void ttf_layers_free(struct ttf_layers *layers)
     memset(layers, 0, sizeof(*layers));
 }
 
-static int push(struct ttf_layers *layers, uint32_t pixel, uint32_t source, uint32_t weight)
+static int push(struct ttf_layers *layers, uint32_t pixel, uint32_t source, uint32_t block,
+                uint32_t weight)
 {
     if (layers->n == layers->room) {
         size_t room = layers->room ? 2 * layers->room : 1024;
@@ -29,12 +30,12 @@ static int push(struct ttf_layers *layers, uint32_t pixel, uint32_t source, uint
         layers->list = list;
         layers->room = room;
     }
-    layers->list[layers->n++] = (struct ttf_quilt_layer){pixel, source, weight};
+    layers->list[layers->n++] = (struct ttf_quilt_layer){pixel, source, weight, block};
     return 0;
 }
 
-int ttf_layers_add(struct ttf_layers *layers, uint32_t pixel, uint32_t before, uint32_t source,
-                   uint32_t weight)
+int ttf_layers_add(struct ttf_layers *layers, uint32_t pixel, uint32_t before,
+                   uint32_t before_block, uint32_t source, uint32_t block, uint32_t weight)
 {
     int r;
 
@@ -42,11 +43,11 @@ int ttf_layers_add(struct ttf_layers *layers, uint32_t pixel, uint32_t before, u
         return 0;
     if (!layers->layered[pixel]) {
         layers->layered[pixel] = 1;
-        r = push(layers, pixel, before, 65536);
+        r = push(layers, pixel, before, before_block, 65536);
         if (r < 0)
             return r;
     }
-    return push(layers, pixel, source, weight);
+    return push(layers, pixel, source, block, weight);
 }
 
 uint32_t ttf_layers_weight(uint32_t index, uint32_t cut, uint32_t width, uint32_t feather)

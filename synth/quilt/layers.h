@@ -18,9 +18,10 @@ struct ttf_layers {
 TTF_MUST_USE int ttf_layers_begin(struct ttf_layers *layers, size_t pixels);
 void ttf_layers_free(struct ttf_layers *layers);
 
-/* Lays `source` over a pixel that showed `before`. weight 0..65536: 65536 hides all below. */
+/* Lays `source` (of `block`) over a pixel that showed `before` (of `before_block`). weight 0..65536: 65536 hides all below. */
 TTF_MUST_USE int ttf_layers_add(struct ttf_layers *layers, uint32_t pixel, uint32_t before,
-                                uint32_t source, uint32_t weight);
+                                uint32_t before_block, uint32_t source, uint32_t block,
+                                uint32_t weight);
 
 /*
  * Weight of the new block, 0..65536, for a pixel whose centre is at index + 1/2

@@ -1,16 +1,30 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "quilt/map_of_sources.h"
 #include "search/hash.h"
 #include "ttf/synth/quilt.h"
 
 void ttf_quilt_map_free(struct ttf_quilt_map *map)
 {
     free(map->source);
+    free(map->owner);
     free(map->blocks);
+    free(map->cuts);
     free(map->layers);
+    free(map->times);
     memset(map, 0, sizeof(*map));
+}
+
+void ttf_quilt_map_of_sources(const struct ttf_sources *sources, struct ttf_quilt_map *map)
+{
+    map->n_inputs = sources->n;
+    map->source_pixels = sources->pixels;
+    for (unsigned i = 0; i < sources->n; i++)
+        map->inputs[i] = (struct ttf_quilt_input){sources->list[i]->width, sources->list[i]->height,
+                                                  sources->first[i]};
 }
 
 uint64_t ttf_quilt_map_digest(const struct ttf_quilt_map *map)
@@ -18,7 +32,8 @@ uint64_t ttf_quilt_map_digest(const struct ttf_quilt_map *map)
     size_t pixels = (size_t)map->width * map->height;
     uint64_t h = ttf_mix64(((uint64_t)map->width << 32) + map->height);
 
-    h = ttf_mix64(h ^ (((uint64_t)map->source_width << 32) + map->source_height));
+    for (unsigned i = 0; i < map->n_inputs; i++)
+        h = ttf_mix64(h ^ (((uint64_t)map->inputs[i].width << 32) + map->inputs[i].height));
     for (size_t i = 0; i < pixels; i++)
         h = ttf_mix64(h + map->source[i]);
     for (size_t i = 0; i < map->n_layers; i++) {
@@ -26,5 +41,61 @@ uint64_t ttf_quilt_map_digest(const struct ttf_quilt_map *map)
         h = ttf_mix64(h + map->layers[i].source);
         h = ttf_mix64(h + map->layers[i].weight);
     }
+    for (size_t i = 0; map->times && i < (size_t)map->n_blocks * map->n_times; i++)
+        h = ttf_mix64(h + map->times[i]);
     return h;
+}
+
+bool ttf_quilt_neighbour(const struct ttf_quilt_map *map, uint32_t id, unsigned turn, int dx,
+                         int dy, uint32_t *ret)
+{
+    const struct ttf_quilt_input *input = map->inputs;
+    int64_t x, y;
+
+    while (input + 1 < map->inputs + map->n_inputs && id >= input[1].first)
+        input++;
+    /* the output's step as one over the input (quilt.h, turns) */
+    if (turn & 1)
+        dx = -dx;
+    if (turn & 2)
+        dy = -dy;
+    x = (int64_t)((id - input->first) % input->width) + (turn & 4 ? dy : dx);
+    y = (int64_t)((id - input->first) / input->width) + (turn & 4 ? dx : dy);
+    if (x < 0 || y < 0 || x >= input->width || y >= input->height)
+        return false;
+    *ret = input->first + (uint32_t)y * input->width + (uint32_t)x;
+    return true;
+}
+
+/* n elements of `size` bytes, copied; NULL of nothing. */
+static void *copy_of(const void *from, size_t n, size_t size, bool *failed)
+{
+    void *copy = from && n > 0 ? malloc(n * size) : NULL;
+
+    if (copy)
+        memcpy(copy, from, n * size);
+    else if (from && n > 0)
+        *failed = true;
+    return copy;
+}
+
+int ttf_quilt_map_copy(const struct ttf_quilt_map *map, struct ttf_quilt_map *ret)
+{
+    size_t pixels = (size_t)map->width * map->height;
+    struct ttf_quilt_map out = *map;
+    bool failed = false;
+
+    out.source = copy_of(map->source, pixels, sizeof(*map->source), &failed);
+    out.owner = copy_of(map->owner, pixels, sizeof(*map->owner), &failed);
+    out.blocks = copy_of(map->blocks, map->n_blocks, sizeof(*map->blocks), &failed);
+    out.cuts = copy_of(map->cuts, map->n_cuts, sizeof(*map->cuts), &failed);
+    out.layers = copy_of(map->layers, map->n_layers, sizeof(*map->layers), &failed);
+    out.times =
+        copy_of(map->times, (size_t)map->n_blocks * map->n_times, sizeof(*map->times), &failed);
+    if (failed) {
+        ttf_quilt_map_free(&out);
+        return -ENOMEM;
+    }
+    *ret = out;
+    return 0;
 }

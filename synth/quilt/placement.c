@@ -22,6 +22,11 @@ void ttf_placement_make(const struct ttf_quilt_config *config, struct ttf_placem
     ret->overlap_y = ttf_placement_overlap(config->overlap_y, config->block_height);
     ret->step_x = config->block_width - ret->overlap_x;
     ret->step_y = config->block_height - ret->overlap_y;
+    if (config->tileable) {
+        ret->columns = (config->width + ret->step_x - 1) / ret->step_x;
+        ret->rows = (config->height + ret->step_y - 1) / ret->step_y;
+        return;
+    }
     ret->columns = count(config->width, config->block_width, ret->step_x);
     ret->rows = count(config->height, config->block_height, ret->step_y);
 }
@@ -32,12 +37,38 @@ static uint32_t clipped(uint32_t at, uint32_t block, uint32_t size)
     return size - at < block ? size - at : block;
 }
 
+/* One axis of a tileable output: blocks at i * size / n, each reaching into the next. */
+static void around(uint32_t i, uint32_t n, uint32_t size, uint32_t block, uint32_t *ret_at,
+                   uint16_t *ret_before, uint16_t *ret_behind)
+{
+    uint32_t at = (uint32_t)((uint64_t)i * size / n);
+    uint32_t before = i > 0 ? (uint32_t)((uint64_t)(i - 1) * size / n) : 0;
+
+    *ret_at = at;
+    *ret_before = (uint16_t)(i > 0 ? before + block - at : 0);
+    *ret_behind = (uint16_t)(i + 1 == n ? at + block - size : 0);
+}
+
 void ttf_placement_block(const struct ttf_placement *placement,
                          const struct ttf_quilt_config *config, unsigned i,
                          struct ttf_quilt_block *ret)
 {
-    ret->out_x = (i % placement->columns) * placement->step_x;
-    ret->out_y = (i / placement->columns) * placement->step_y;
+    uint32_t column = i % placement->columns, row = i / placement->columns;
+
+    if (config->tileable) {
+        ret->width = config->block_width;
+        ret->height = config->block_height;
+        around(column, placement->columns, config->width, ret->width, &ret->out_x, &ret->left,
+               &ret->right);
+        around(row, placement->rows, config->height, ret->height, &ret->out_y, &ret->top,
+               &ret->bottom);
+        return;
+    }
+    ret->out_x = column * placement->step_x;
+    ret->out_y = row * placement->step_y;
     ret->width = clipped(ret->out_x, config->block_width, config->width);
     ret->height = clipped(ret->out_y, config->block_height, config->height);
+    ret->left = (uint16_t)(column > 0 ? placement->overlap_x : 0);
+    ret->top = (uint16_t)(row > 0 ? placement->overlap_y : 0);
+    ret->right = ret->bottom = 0;
 }

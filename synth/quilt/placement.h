@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* placement.h: where blocks lie in the output: a grid in raster order whose last blocks are clipped. */
+/*
+ * placement.h: where blocks lie in the output: a grid in raster order. Its last blocks are clipped;
+ * those of a tileable output are spread evenly instead, and the last of a row and column
+ * reach around to the first.
+ */
 #ifndef TTF_SYNTH_QUILT_PLACEMENT_H
 #define TTF_SYNTH_QUILT_PLACEMENT_H
 
@@ -19,7 +23,7 @@ uint32_t ttf_placement_overlap(uint32_t asked, uint32_t block);
 /* config has been validated. */
 void ttf_placement_make(const struct ttf_quilt_config *config, struct ttf_placement *ret);
 
-/* Fills out_x, out_y, width and height of block i. */
+/* Fills place, size and overlaps of block i. */
 void ttf_placement_block(const struct ttf_placement *placement,
                          const struct ttf_quilt_config *config, unsigned i,
                          struct ttf_quilt_block *ret);

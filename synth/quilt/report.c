@@ -37,6 +37,15 @@ static void put_parameters(const struct ttf_quilt_report *report, struct ttf_jso
     ttf_json_kstring(json, "metric", ttf_metric_name(config->metric));
     ttf_json_kbool(json, "per_frame", config->per_frame);
     ttf_json_kint(json, "feather_px", config->feather_px);
+    ttf_json_kint(json, "jitter_frames", config->jitter_frames);
+    if (config->jitter_frames > 0)
+        ttf_json_kstring(json, "jitter", config->jitter_round ? "rounded" : "interpolated");
+    ttf_json_kbool(json, "rate_map", config->rate != NULL);
+    ttf_json_kbool(json, "flips", config->flips);
+    ttf_json_kbool(json, "rotations", config->rotations);
+    ttf_json_kbool(json, "tileable", config->tileable);
+    ttf_json_kint(json, "avoid_px", config->avoid_px);
+    ttf_json_kint(json, "inputs", report->inputs);
     ttf_json_kint(json, "threads", report->threads);
     ttf_json_object_end(json);
 }
@@ -56,20 +65,128 @@ static void put_activity(struct ttf_json *json, const char *key,
     ttf_json_object_end(json);
 }
 
+/* A number, or null where it says nothing. */
+static void put_figure(struct ttf_json *json, const char *key, bool known, double value)
+{
+    ttf_json_key(json, key);
+    if (known)
+        ttf_json_double(json, value);
+    else
+        ttf_json_null(json);
+}
+
 static void put_coherence(const struct ttf_quilt_report *report, struct ttf_json *json)
 {
+    bool copied = !report->config.per_frame && !report->config.rate;
+
     ttf_json_key(json, "temporal_coherence");
     ttf_json_object(json);
     ttf_json_kdouble(json, "difference_ratio", report->coherence);
-    if (report->config.per_frame) {
-        ttf_json_key(json, "difference_ratio_copied");
-        ttf_json_null(json);
-    } else {
-        ttf_json_kdouble(json, "difference_ratio_copied", report->coherence_copied);
-    }
+    ttf_json_kdouble(json, "difference_ratio_noise_subtracted", report->coherence_noise_free);
+    put_figure(json, "difference_ratio_copied", copied, report->coherence_copied);
     ttf_json_kdouble(json, "second_difference_ratio", report->flicker);
+    put_figure(json, "second_difference_ratio_copied", copied, report->flicker_copied);
     put_activity(json, "input", &report->input);
     put_activity(json, "output", &report->output);
+    ttf_json_object_end(json);
+    ttf_json_key(json, "synchrony");
+    ttf_json_object(json);
+    ttf_json_kint(json, "pairs", report->synchrony_pairs);
+    put_figure(json, "correlation", report->synchrony_pairs > 0, report->synchrony);
+    ttf_json_object_end(json);
+}
+
+static void put_colours(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    ttf_json_key(json, "colour_distance");
+    ttf_json_object(json);
+    ttf_json_kstring(json, "measure", "sliced Wasserstein-1 of RGB, display codes");
+    put_figure(json, "mean", report->n_colour > 0, report->colour.mean);
+    put_figure(json, "largest", report->n_colour > 0, report->colour.largest);
+    ttf_json_key(json, "frames");
+    ttf_json_array(json);
+    for (unsigned i = 0; i < report->n_colour; i++)
+        ttf_json_int(json, report->colour_at[i]);
+    ttf_json_array_end(json);
+    ttf_json_key(json, "distances");
+    ttf_json_array(json);
+    for (unsigned i = 0; i < report->n_colour; i++)
+        ttf_json_double(json, report->colour_distance[i]);
+    ttf_json_array_end(json);
+    ttf_json_object_end(json);
+}
+
+static void put_rank(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    const struct ttf_quilt_rank_figures *rank = &report->rank;
+    const struct ttf_agreement *agreement = &report->agreement;
+
+    ttf_json_key(json, "compression");
+    ttf_json_object(json);
+    if (rank->rank == TTF_QUILT_RANK_FULL)
+        ttf_json_kstring(json, "rank", "full");
+    else
+        ttf_json_kint(json, "rank", rank->rank);
+    ttf_json_kstring(json, "of", report->config.per_channel ? "each channel" : "all channels");
+    ttf_json_kint(json, "numbers_per_pixel", rank->numbers);
+    ttf_json_kdouble(json, "error", rank->error);
+    ttf_json_kdouble(json, "rms_over_full_scale", rank->rms);
+    ttf_json_kint(json, "frames_known_before", rank->known_frames);
+    ttf_json_key(json, "errors_by_rank");
+    ttf_json_array(json);
+    for (unsigned k = 0; k < rank->n_errors; k++)
+        ttf_json_double(json, rank->errors[k]);
+    ttf_json_array_end(json);
+    ttf_json_object_end(json);
+    ttf_json_key(json, "agreement_with_full_time_search");
+    ttf_json_object(json);
+    ttf_json_kint(json, "queries", agreement->queries);
+    put_figure(json, "best_block", agreement->queries > 0, agreement->best);
+    put_figure(json, "extra_cost", agreement->queries > 0, agreement->extra_cost);
+    put_figure(json, "candidates_jaccard", agreement->queries > 0, agreement->jaccard);
+    ttf_json_kint(json, "jumps", agreement->jumps);
+    put_figure(json, "jumps_best_block", agreement->jumps > 0, agreement->jump_best);
+    put_figure(json, "jumps_extra_cost", agreement->jumps > 0, agreement->jump_extra_cost);
+    ttf_json_object_end(json);
+}
+
+static void put_prepared(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    const struct ttf_report_prepared *p = &report->prepared;
+
+    ttf_json_key(json, "prepared");
+    ttf_json_object(json);
+    ttf_json_kbool(json, "gradient_removed", p->flattened);
+    if (p->flattened) {
+        ttf_json_kbool(json, "gradient_applied_again", p->gradient_reapplied);
+        ttf_json_kdouble(json, "gradient_least", (double)p->gradient_least);
+        ttf_json_kdouble(json, "gradient_most", (double)p->gradient_most);
+    }
+    ttf_json_kbool(json, "deflickered", p->deflickered);
+    if (p->deflickered) {
+        ttf_json_kdouble(json, "smallest_gain", p->deflicker.smallest_gain);
+        ttf_json_kdouble(json, "largest_gain", p->deflicker.largest_gain);
+        ttf_json_kdouble(json, "flicker_before", p->deflicker.before);
+        ttf_json_kdouble(json, "flicker_after", p->deflicker.after);
+    }
+    ttf_json_kbool(json, "stabilised", p->stabilised);
+    if (p->stabilised) {
+        ttf_json_kdouble(json, "largest_shift_px", p->stabilise.largest_shift_px);
+        ttf_json_kint(json, "frames_moved", p->stabilise.moved);
+        put_size(json, "cropped_px", p->stabilise.crop_x, p->stabilise.crop_y);
+    }
+    ttf_json_kbool(json, "reduced", p->reduced);
+    if (p->reduced) {
+        ttf_json_kint(json, "shrunk_by", p->shrink);
+        ttf_json_kint(json, "frame_step", p->step);
+    }
+    ttf_json_kbool(json, "block_from_features", p->auto_block);
+    if (p->auto_block) {
+        ttf_json_kdouble(json, "correlation_x_px", p->feature.correlation_x_px);
+        ttf_json_kdouble(json, "correlation_y_px", p->feature.correlation_y_px);
+        ttf_json_kdouble(json, "period_x_px", p->feature.period_x_px);
+        ttf_json_kdouble(json, "period_y_px", p->feature.period_y_px);
+    }
     ttf_json_object_end(json);
 }
 
@@ -131,6 +248,8 @@ static void put_cost(const struct ttf_quilt_report *report, struct ttf_json *jso
     ttf_json_object(json);
     ttf_json_kint(json, "matching", (int64_t)report->search.matching_bytes);
     ttf_json_kint(json, "frames", (int64_t)report->frame_bytes);
+    if (report->peak_bytes > 0)
+        ttf_json_kint(json, "peak_resident", (int64_t)report->peak_bytes);
     ttf_json_object_end(json);
     if (!report->config.now_ns)
         return;
@@ -155,9 +274,16 @@ void ttf_quilt_report_json(const struct ttf_quilt_report *report, struct ttf_jso
     put_parameters(report, json);
     put_size(json, "source_size", report->source_width, report->source_height);
     ttf_json_kint(json, "frames", report->frames);
+    ttf_json_kint(json, "output_frames", report->out_frames);
     put_hex(json, "map_digest", report->map_digest);
-    put_coherence(report, json);
-    put_seams(report, json);
+    put_prepared(report, json);
+    put_rank(report, json);
+    ttf_json_kbool(json, "measured", report->measured);
+    if (report->measured) {
+        put_coherence(report, json);
+        put_colours(report, json);
+        put_seams(report, json);
+    }
     put_blocks(report, json);
     put_search(report, json);
     put_cost(report, json);

@@ -6,12 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "metrics/activity.h"
-#include "quilt/compose.h"
+#include "quilt/map_of_sources.h"
+#include "quilt/render.h"
 #include "search/hash.h"
-
-/* Frames that seams are measured on, evenly spread. */
-#define SEAM_FRAMES 16u
 
 /* Share of the progress bar that finding the map gets. */
 #define PLAN_SHARE 0.6
@@ -19,13 +16,12 @@
 struct run {
     const struct ttf_quilt_config *config; /* the caller's */
     struct ttf_quilt_config inner;         /* with progress of its own */
-    struct ttf_sequence *input;
+    struct ttf_sources sources;
     struct ttf_pool *pool;
     const struct ttf_quilt_sink *sink;
     struct ttf_quilt_map map;
-    struct ttf_activity *in, *out;
-    struct ttf_seams *seams;
-    uint16_t *source, *frame;
+    struct ttf_figures *figures; /* NULL: nothing is measured */
+    uint32_t frames;             /* of the output */
     struct ttf_quilt_report report;
 };
 
@@ -34,56 +30,43 @@ static int64_t now_ns(const struct run *run)
     return run->config->now_ns ? run->config->now_ns(run->config->now_ctx) : 0;
 }
 
-static void show_progress(const struct run *run, double done)
-{
-    if (run->config->progress)
-        run->config->progress(run->config->progress_ctx, done);
-}
-
 static void plan_progress(void *ctx, double done)
 {
     const struct run *run = ctx;
 
-    show_progress(run, PLAN_SHARE * done);
+    if (run->config->progress)
+        run->config->progress(run->config->progress_ctx, PLAN_SHARE * done);
 }
 
 static int start(struct run *run, struct ttf_err *err)
 {
     const struct ttf_quilt_config *config = run->config;
-    const struct ttf_sequence *input = run->input;
-    size_t in_bytes = (size_t)input->width * input->height * 3 * sizeof(uint16_t);
-    size_t out_bytes = (size_t)config->width * config->height * 3 * sizeof(uint16_t);
+    int r = ttf_quilt_output_frames(config, run->sources.frames, &run->frames, err);
 
-    run->source = malloc(in_bytes);
-    run->frame = malloc(out_bytes);
-    run->in = ttf_activity_create(input->width, input->height, &input->encoding);
-    run->out = ttf_activity_create(config->width, config->height, &input->encoding);
-    if (!run->source || !run->frame || !run->in || !run->out ||
-        ttf_activity_keep_pixels(run->in) < 0)
-        return ttf_err_set(err, -ENOMEM, NULL, "no memory for frames of %u x %u", config->width,
-                           config->height);
-    run->report = (struct ttf_quilt_report){
-        .config = *config,
-        .source_width = input->width,
-        .source_height = input->height,
-        .frames = input->n,
-        .threads = ttf_pool_threads(run->pool),
-        /* a frame of each, half of it again as display codes, and per pixel sums */
-        .frame_bytes = in_bytes + in_bytes / 2 + in_bytes / 3 * 2 + out_bytes + out_bytes / 2};
+    if (r < 0)
+        return r;
+    run->report = (struct ttf_quilt_report){.config = *config,
+                                            .measured = config->measure,
+                                            .inputs = run->sources.n,
+                                            .source_width = run->sources.list[0]->width,
+                                            .source_height = run->sources.list[0]->height,
+                                            .frames = run->sources.frames,
+                                            .out_frames = run->frames,
+                                            .threads = ttf_pool_threads(run->pool)};
+    if (config->measure &&
+        ttf_figures_create(config, &run->sources, run->frames, &run->figures) < 0)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory for the figures of %u x %u pixels",
+                           config->width, config->height);
     return 0;
 }
 
 static void finish(struct run *run)
 {
     ttf_quilt_map_free(&run->map);
-    ttf_activity_destroy(run->in);
-    ttf_activity_destroy(run->out);
-    ttf_seams_destroy(run->seams);
-    free(run->source);
-    free(run->frame);
+    ttf_figures_destroy(run->figures);
 }
 
-/* Puts a map that has just been found into the report's sums and opens its seams. */
+/* Puts a map that has just been found into the report's sums and under the figures' eyes. */
 static int take_map(struct run *run, struct ttf_err *err)
 {
     const struct ttf_quilt_search_figures *from = &run->map.figures;
@@ -99,94 +82,90 @@ static int take_map(struct run *run, struct ttf_err *err)
     to->cut_ns += from->cut_ns;
     to->noise_variance = from->noise_variance;
     to->matching_bytes = from->matching_bytes;
+    run->report.rank = run->map.rank;
     run->report.map_digest = ttf_mix64(run->report.map_digest) ^ ttf_quilt_map_digest(&run->map);
-    ttf_seams_destroy(run->seams);
-    run->seams = ttf_seams_create(&run->map, &run->input->encoding);
-    if (!run->seams)
+    if (run->figures && ttf_figures_map(run->figures, &run->map) < 0)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory for the seams' figures");
     return 0;
 }
 
-/* Each of the first frames of SEAM_FRAMES equal parts. */
-static bool measures_seams(const struct run *run, uint32_t t)
-{
-    uint32_t n = run->input->n < SEAM_FRAMES ? run->input->n : SEAM_FRAMES;
+/* ---- the baseline ---- */
 
-    return t == 0 || (uint64_t)t * n / run->input->n != (uint64_t)(t - 1) * n / run->input->n;
-}
-
-static int one_frame(struct run *run, uint32_t t, struct ttf_err *err)
-{
-    int64_t start_ns = now_ns(run), rendered_ns, measured_ns;
-    int r = ttf_sequence_read_rows(run->input, t, 0, run->input->height, run->source, err);
-
-    if (r < 0)
-        return r;
-    ttf_compose_frame(&run->map, run->pool, run->source, run->frame);
-    rendered_ns = now_ns(run);
-    ttf_activity_add(run->in, run->pool, run->source);
-    ttf_activity_add(run->out, run->pool, run->frame);
-    if (measures_seams(run, t))
-        ttf_seams_add(run->seams, run->source, run->frame);
-    measured_ns = now_ns(run);
-    r = run->sink->frame(run->sink->ctx, t, run->frame, err);
-    run->report.render_ns += rendered_ns - start_ns;
-    run->report.metrics_ns += measured_ns - rendered_ns;
-    run->report.sink_ns += now_ns(run) - measured_ns;
-    return r < 0 ? r : 0;
-}
-
-static int map_of_frame(struct run *run, uint32_t t, struct ttf_err *err)
+static int one_alone(struct run *run, struct ttf_render *render, uint32_t t, struct ttf_err *err)
 {
     int r;
 
     ttf_quilt_map_free(&run->map);
-    r = ttf_quilt_frame_map(&run->inner, run->input, t, run->pool, &run->map, err);
-    return r < 0 ? r : take_map(run, err);
+    r = ttf_quilt_frame_map(&run->inner, run->sources.list[0], t, run->pool, &run->map, err);
+    if (r == 0)
+        r = take_map(run, err);
+    return r < 0 ? r : ttf_render_one(render, t, err);
 }
 
-static int all_frames(struct run *run, struct ttf_quilt_map *ret_first, struct ttf_err *err)
+static int all_alone(struct run *run, struct ttf_render *render, struct ttf_quilt_map *ret_first,
+                     struct ttf_err *err)
 {
     const struct ttf_quilt_config *config = run->config;
-    double from = config->per_frame ? 0.0 : PLAN_SHARE;
-    int r = 0;
 
-    for (uint32_t t = 0; t < run->input->n && r == 0; t++) {
-        if (config->cancel && *config->cancel)
-            return ttf_err_set(err, -ECANCELED, NULL, "cancelled");
-        if (config->per_frame)
-            r = map_of_frame(run, t, err);
-        if (r == 0)
-            r = one_frame(run, t, err);
-        if (r == 0 && config->per_frame && measures_seams(run, t))
-            ttf_seams_figures(run->seams, &run->report.seams);
-        show_progress(run, from + (1.0 - from) * (t + 1.0) / run->input->n);
-        if (r == 0 && config->per_frame && t == 0 && ret_first) {
-            ttf_seams_destroy(run->seams);
-            run->seams = NULL;
+    for (uint32_t t = 0; t < run->frames; t++) {
+        int r = config->cancel && *config->cancel ? ttf_err_set(err, -ECANCELED, NULL, "cancelled")
+                                                  : one_alone(run, render, t, err);
+
+        if (r < 0)
+            return r;
+        if (config->progress)
+            config->progress(config->progress_ctx, (t + 1.0) / run->frames);
+        if (t == 0) {
+            /* the next frame's map must not free this one, which is reported on */
             *ret_first = run->map;
             memset(&run->map, 0, sizeof(run->map));
         }
     }
-    return r;
+    return 0;
 }
 
-static double ratio(double a, double b)
+/* ---- one map ---- */
+
+/* A copy of a map that was kept, for these sources. */
+static int replay(struct run *run, const struct ttf_quilt_map *kept, struct ttf_err *err)
 {
-    return b > 0.0 ? a / b : 0.0;
+    struct ttf_quilt_map own = {0};
+
+    ttf_quilt_map_of_sources(&run->sources, &own);
+    if (own.n_inputs != kept->n_inputs ||
+        memcmp(own.inputs, kept->inputs, own.n_inputs * sizeof(own.inputs[0])) != 0) {
+        ttf_err_set(err, -EINVAL, "map", "it is of %u input%s, the first of %u x %u pixels",
+                    kept->n_inputs, kept->n_inputs == 1 ? "" : "s", kept->inputs[0].width,
+                    kept->inputs[0].height);
+        ttf_err_hint(err, "a map is replayed on inputs of the sizes that it was found on");
+        return -EINVAL;
+    }
+    if (kept->width != run->config->width || kept->height != run->config->height)
+        return ttf_err_set(err, -EINVAL, "map", "it is of %u x %u pixels, not %u x %u", kept->width,
+                           kept->height, run->config->width, run->config->height);
+    if (kept->times && kept->n_times < run->sources.frames)
+        return ttf_err_set(err, -EINVAL, "map", "its times are of %u frames, the input has %u",
+                           kept->n_times, run->sources.frames);
+    return ttf_quilt_map_copy(kept, &run->map) < 0
+               ? ttf_err_set(err, -ENOMEM, NULL, "no memory for a map of %u x %u pixels",
+                             kept->width, kept->height)
+               : 0;
 }
 
-/* Activity of the source pixels, each counted as often as it was copied, over all frames. */
-static double copied_difference(const struct run *run)
+static int find_map(struct run *run, struct ttf_err *err)
 {
-    const uint32_t *sums = ttf_activity_pixels(run->in);
-    size_t pixels = (size_t)run->map.width * run->map.height;
-    uint64_t sum = 0;
+    const struct ttf_quilt_config *config = run->config;
+    int r = config->replay
+                ? replay(run, config->replay, err)
+                : ttf_quilt_plan(&run->inner, run->sources.list[0], run->pool, &run->map, err);
 
-    for (size_t i = 0; i < pixels; i++)
-        sum += sums[run->map.source[i]];
-    return run->input->n < 2 ? 0.0 : (double)sum / (3.0 * (double)pixels * (run->input->n - 1));
+    if (r == 0 && config->agreement_queries > 0)
+        r = ttf_quilt_agreement(config, run->sources.list[0], &run->map, config->agreement_queries,
+                                run->pool, &run->report.agreement, err);
+    return r < 0 ? r : take_map(run, err);
 }
+
+/* ---- the report ---- */
 
 static void sum_up_blocks(const struct ttf_quilt_map *map, uint32_t frames,
                           struct ttf_quilt_report *report)
@@ -209,22 +188,43 @@ static void sum_up_blocks(const struct ttf_quilt_map *map, uint32_t frames,
     report->mean_rms_error = map->n_blocks > 1 ? rms / (map->n_blocks - 1) : 0.0;
 }
 
-static int sum_up(struct run *run, const struct ttf_quilt_map *map, struct ttf_err *err)
+static int sum_up(struct run *run, const struct ttf_quilt_map *map, struct ttf_render *render,
+                  struct ttf_err *err)
 {
     struct ttf_quilt_report *report = &run->report;
 
-    ttf_activity_figures(run->in, &report->input);
-    ttf_activity_figures(run->out, &report->output);
-    report->coherence = ratio(report->output.mean_difference, report->input.mean_difference);
-    report->flicker = ratio(report->output.second_difference, report->input.second_difference);
-    if (!run->config->per_frame)
-        report->coherence_copied = ratio(report->output.mean_difference, copied_difference(run));
-    if (!run->config->per_frame)
-        ttf_seams_figures(run->seams, &report->seams);
-    sum_up_blocks(map, run->config->per_frame ? 1 : run->input->n, report);
-    if (ttf_repetition_of_map(map, &report->repetition) < 0)
+    sum_up_blocks(map, run->config->per_frame ? 1 : run->sources.frames, report);
+    ttf_render_costs(render, report);
+    if (run->figures)
+        report->frame_bytes += ttf_figures_bytes(run->figures);
+    if ((run->figures ? ttf_figures_finish(run->figures, map, report)
+                      : ttf_repetition_of_map(map, &report->repetition)) < 0)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory for the figures of repetition");
     return 0;
+}
+
+static int render_all(struct run *run, struct ttf_quilt_map *ret_first, struct ttf_err *err)
+{
+    const struct ttf_render_job job = {.config = run->config,
+                                       .sources = &run->sources,
+                                       .map = &run->map,
+                                       .figures = run->figures,
+                                       .sink = run->sink,
+                                       .pool = run->pool,
+                                       .frames = run->frames,
+                                       .progress_from = PLAN_SHARE};
+    struct ttf_render *render;
+    int r = ttf_render_create(&job, &render);
+
+    if (r < 0)
+        return ttf_err_set(err, r, NULL, "no memory for frames of %u x %u", run->config->width,
+                           run->config->height);
+    r = run->config->per_frame ? all_alone(run, render, ret_first, err)
+                               : ttf_render_all(render, err);
+    if (r == 0)
+        r = sum_up(run, ret_first->source ? ret_first : &run->map, render, err);
+    ttf_render_destroy(render);
+    return r;
 }
 
 int ttf_quilt_run(const struct ttf_quilt_config *config, struct ttf_sequence *input,
@@ -232,26 +232,22 @@ int ttf_quilt_run(const struct ttf_quilt_config *config, struct ttf_sequence *in
                   struct ttf_quilt_report *ret_report, struct ttf_quilt_map *ret_map,
                   struct ttf_err *err)
 {
-    struct run run = {
-        .config = config, .inner = *config, .input = input, .pool = pool, .sink = sink};
+    struct run run = {.config = config, .inner = *config, .pool = pool, .sink = sink};
     struct ttf_quilt_map first = {0};
     int64_t start_ns = now_ns(&run);
     int r = ttf_quilt_validate(config, input, err);
 
+    if (r == 0)
+        r = ttf_sources_of(config, input, &run.sources, err);
     if (r < 0)
         return r;
     run.inner.progress = config->per_frame ? NULL : plan_progress;
     run.inner.progress_ctx = &run;
     r = start(&run, err);
-    if (r == 0 && !config->per_frame) {
-        r = ttf_quilt_plan(&run.inner, input, pool, &run.map, err);
-        if (r == 0)
-            r = take_map(&run, err);
-    }
+    if (r == 0 && !config->per_frame)
+        r = find_map(&run, err);
     if (r == 0)
-        r = all_frames(&run, &first, err);
-    if (r == 0)
-        r = sum_up(&run, first.source ? &first : &run.map, err);
+        r = render_all(&run, &first, err);
     run.report.total_ns = now_ns(&run) - start_ns;
     if (r == 0 && ret_report)
         *ret_report = run.report;

@@ -8,7 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "quilt/map_of_sources.h"
 #include "search/hash.h"
+#include "search/sources.h"
 #include "ttf/synth/run.h"
 
 #define NOBODY UINT32_MAX
@@ -19,7 +21,8 @@ struct entry {
 };
 
 struct verify {
-    struct ttf_sequence *source, *output;
+    struct ttf_sources sources;
+    struct ttf_sequence *output;
     size_t source_pixels, output_pixels;
     uint16_t *source_frame, *output_frame;
     struct entry *entries; /* of source pixels, then sorted */
@@ -29,7 +32,7 @@ struct verify {
 
 static int read_frames(struct verify *v, uint32_t t, struct ttf_err *err)
 {
-    int r = ttf_sequence_read_rows(v->source, t, 0, v->source->height, v->source_frame, err);
+    int r = ttf_sources_read(&v->sources, t, v->source_frame, err);
 
     if (r < 0)
         return r;
@@ -47,7 +50,7 @@ static int hash_all(struct verify *v, struct ttf_err *err)
         v->entries[i] = (struct entry){1, (uint32_t)i};
     for (size_t i = 0; i < v->output_pixels; i++)
         v->hashes[i] = 1;
-    for (uint32_t t = 0; t < v->source->n; t++) {
+    for (uint32_t t = 0; t < v->sources.frames; t++) {
         int r = read_frames(v, t, err);
 
         if (r < 0)
@@ -82,7 +85,7 @@ static void look_up(struct verify *v)
 
 static int compare_all(struct verify *v, struct ttf_err *err)
 {
-    for (uint32_t t = 0; t < v->source->n; t++) {
+    for (uint32_t t = 0; t < v->sources.frames; t++) {
         int r = read_frames(v, t, err);
 
         if (r < 0)
@@ -110,33 +113,36 @@ static void sum_up(const struct verify *v, struct ttf_quilt_check *ret)
     }
 }
 
-static int check_sizes(const struct ttf_sequence *source, const struct ttf_sequence *output,
-                       const struct ttf_quilt_map *map, struct ttf_err *err)
+static int check_sizes(const struct verify *v, const struct ttf_quilt_map *map, struct ttf_err *err)
 {
-    if (source->n != output->n)
-        return ttf_err_set(err, -EINVAL, NULL, "the output has %u frames, the source %u", output->n,
-                           source->n);
-    if (map && (map->width != output->width || map->height != output->height ||
-                map->source_width != source->width || map->source_height != source->height))
+    struct ttf_quilt_map own = {0};
+
+    ttf_quilt_map_of_sources(&v->sources, &own);
+    if (v->sources.frames != v->output->n)
+        return ttf_err_set(err, -EINVAL, NULL, "the output has %u frames, the source %u",
+                           v->output->n, v->sources.frames);
+    if (map && (map->width != v->output->width || map->height != v->output->height ||
+                map->n_inputs != own.n_inputs ||
+                memcmp(map->inputs, own.inputs, own.n_inputs * sizeof(own.inputs[0])) != 0))
         return ttf_err_set(err, -EINVAL, NULL,
-                           "a map of %u x %u from %u x %u does not suit %u x %u from %u x %u",
-                           map->width, map->height, map->source_width, map->source_height,
-                           output->width, output->height, source->width, source->height);
+                           "a map of %u x %u from %u pixels does not suit %u x %u from %u",
+                           map->width, map->height, map->source_pixels, v->output->width,
+                           v->output->height, own.source_pixels);
     return 0;
 }
 
-int ttf_quilt_verify(struct ttf_sequence *source, struct ttf_sequence *output,
-                     const struct ttf_quilt_map *map, struct ttf_quilt_check *ret,
-                     struct ttf_err *err)
+int ttf_quilt_verify(const struct ttf_quilt_config *config, struct ttf_sequence *source,
+                     struct ttf_sequence *output, const struct ttf_quilt_map *map,
+                     struct ttf_quilt_check *ret, struct ttf_err *err)
 {
-    struct verify v = {.source = source,
-                       .output = output,
-                       .source_pixels = (size_t)source->width * source->height,
-                       .output_pixels = (size_t)output->width * output->height};
-    int r = check_sizes(source, output, map, err);
+    struct verify v = {.output = output, .output_pixels = (size_t)output->width * output->height};
+    int r = ttf_sources_of(config, source, &v.sources, err);
 
+    if (r == 0)
+        r = check_sizes(&v, map, err);
     if (r < 0)
         return r;
+    v.source_pixels = v.sources.pixels;
     v.source_frame = malloc(v.source_pixels * 3 * sizeof(uint16_t));
     v.output_frame = malloc(v.output_pixels * 3 * sizeof(uint16_t));
     v.entries = malloc((map ? 1 : v.source_pixels) * sizeof(*v.entries));

@@ -10,9 +10,11 @@
 
 /* What a random number is for. Values are part of what a seed means: never renumber. */
 enum ttf_purpose {
-    TTF_PURPOSE_BLOCK = 1, /* the pick among a block's candidates */
-    TTF_PURPOSE_FRAME = 2, /* the seed of one frame quilted alone */
-    TTF_PURPOSE_BASIS = 3, /* start of the iteration that finds a basis */
+    TTF_PURPOSE_BLOCK = 1,  /* the pick among a block's candidates */
+    TTF_PURPOSE_FRAME = 2,  /* the seed of one frame quilted alone */
+    TTF_PURPOSE_BASIS = 3,  /* start of the iteration that finds a basis */
+    TTF_PURPOSE_JITTER = 4, /* steps of a block's time */
+    TTF_PURPOSE_QUERY = 5,  /* queries that two searches are compared by */
 
     /* figures: 20..29 */
     TTF_PURPOSE_COLOUR_DIRECTION = 20, /* directions through RGB */

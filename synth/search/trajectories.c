@@ -66,9 +66,8 @@ static void load_tile(void *ctx, unsigned tile, unsigned worker)
     }
 }
 
-/* 16-bit codes to what the metric compares. */
-static void fill_table(enum ttf_metric metric, const struct ttf_encoding *encoding,
-                       uint8_t table[65536])
+void ttf_metric_table(enum ttf_metric metric, const struct ttf_encoding *encoding,
+                      uint8_t table[65536])
 {
     if (metric == TTF_METRIC_DISPLAY) {
         ttf_display8_table(encoding, table);
@@ -137,7 +136,7 @@ int ttf_trajectories_load(struct ttf_sequence *input, uint32_t first, uint32_t f
     out.codes = malloc(bytes);
     if (!table || !out.codes)
         goto out_of_memory;
-    fill_table(metric, &input->encoding, table);
+    ttf_metric_table(metric, &input->encoding, table);
     load.table = table;
     r = load_all(&load, pool, err);
     if (r == -ENOMEM)

@@ -30,6 +30,10 @@ static inline const uint8_t *ttf_trajectory(const struct ttf_trajectories *t, si
     return t->codes + pixel * t->dims;
 }
 
+/* 16-bit codes to the 8-bit ones that the metric compares. */
+void ttf_metric_table(enum ttf_metric metric, const struct ttf_encoding *encoding,
+                      uint8_t table[65536]);
+
 /*
  * Reads frames first .. first+frames-1. cancel: may be NULL. Free with
  * ttf_trajectories_free. -ENOMEM, -ECANCELED, the sequence's errors.

@@ -185,7 +185,7 @@ static int parse(struct bench *bench, int argc, char **argv)
 
 static int run(struct bench *bench, struct ttf_quilt_report *ret, struct ttf_err *err)
 {
-    const struct ttf_quilt_sink sink = {take_frame, bench};
+    const struct ttf_quilt_sink sink = {.frame = take_frame, .ctx = bench};
     const struct ttf_encoding encoding = {0.0, 65535.0};
     struct ttf_clock *clock = ttf_clock_real_create();
     struct ttf_pool *pool = ttf_pool_create(bench->threads);

@@ -11,8 +11,9 @@
 #include "reference.h"
 #include "search/hash.h"
 
-static uint64_t pixel_error(const struct ttf_trajectories *trajectories, size_t p, size_t q)
+static uint64_t full_time_error(const void *ctx, size_t p, size_t q)
 {
+    const struct ttf_trajectories *trajectories = ctx;
     uint64_t sum = 0;
 
     for (size_t i = 0; i < trajectories->dims; i++) {
@@ -24,27 +25,60 @@ static uint64_t pixel_error(const struct ttf_trajectories *trajectories, size_t 
     return sum;
 }
 
-uint64_t reference_error(const struct ttf_trajectories *trajectories,
-                         const struct ttf_overlap *overlap, uint32_t x, uint32_t y)
+struct reference reference_of_trajectories(const struct ttf_trajectories *trajectories,
+                                           double noise)
+{
+    return (struct reference){trajectories->width, trajectories->height, full_time_error,
+                              trajectories, 2.0 * noise * (double)trajectories->dims};
+}
+
+static uint64_t rank_error(const void *ctx, size_t p, size_t q)
+{
+    const struct ttf_matching *matching = ctx;
+    uint64_t sum = 0;
+
+    for (size_t i = 0; i < matching->k; i++) {
+        int64_t d =
+            matching->coefs[p * matching->stride + i] - matching->coefs[q * matching->stride + i];
+
+        sum += (uint64_t)(d * d);
+    }
+    return sum;
+}
+
+struct reference reference_of_matching(const struct ttf_matching *matching, uint32_t width)
+{
+    return (struct reference){width, (uint32_t)(matching->pixels / width), rank_error, matching,
+                              2.0 * matching->noise * matching->k * matching->scale *
+                                  matching->scale};
+}
+
+static uint64_t pixel_error(const struct reference *reference, size_t p, size_t q)
+{
+    return reference->error(reference->ctx, p, q);
+}
+
+uint64_t reference_error(const struct reference *reference, const struct ttf_overlap *overlap,
+                         uint32_t x, uint32_t y)
 {
     uint64_t sum = 0;
 
     for (uint32_t j = 0; j < overlap->height; j++) {
         for (uint32_t i = 0; i < overlap->width; i++) {
             if (i < overlap->left || j < overlap->top)
-                sum += pixel_error(trajectories, overlap->known[j * overlap->stride + i],
-                                   (size_t)(y + j) * trajectories->width + x + i);
+                sum += pixel_error(reference, overlap->known[j * overlap->stride + i],
+                                   (size_t)(y + j) * reference->width + x + i);
         }
     }
     return sum;
 }
 
-uint32_t reference_candidates(const struct ttf_trajectories *trajectories,
-                              const struct ttf_overlap *overlap, double tolerance, double noise,
-                              uint32_t *positions, uint64_t *errors, uint64_t *ret_best)
+uint32_t reference_candidates(const struct reference *reference, const struct ttf_overlap *overlap,
+                              double tolerance, uint32_t *positions, uint64_t *errors,
+                              uint64_t *ret_best)
 {
-    uint32_t columns = trajectories->width - overlap->width + 1;
-    uint32_t rows = trajectories->height - overlap->height + 1;
+    uint32_t columns = reference->width - overlap->width + 1;
+    uint32_t rows = reference->height - overlap->height + 1;
     uint64_t best = UINT64_MAX, pixels = 0;
     uint32_t n = 0;
     double limit;
@@ -54,10 +88,10 @@ uint32_t reference_candidates(const struct ttf_trajectories *trajectories,
             pixels += i < overlap->left || j < overlap->top;
     }
     for (uint32_t i = 0; i < columns * rows; i++) {
-        errors[i] = reference_error(trajectories, overlap, i % columns, i / columns);
+        errors[i] = reference_error(reference, overlap, i % columns, i / columns);
         best = errors[i] < best ? errors[i] : best;
     }
-    limit = 2.0 * noise * (double)(pixels * trajectories->dims);
+    limit = reference->floor * (double)pixels;
     limit = (1.0 + tolerance) * ((double)best > limit ? (double)best : limit);
     for (uint32_t i = 0; i < columns * rows; i++) {
         if ((double)errors[i] <= limit) {
@@ -105,9 +139,8 @@ struct cuts {
     uint32_t left[4096], top[4096];
 };
 
-static void find_cuts(const struct ttf_trajectories *trajectories,
-                      const struct ttf_overlap *overlap, uint32_t sx, uint32_t sy,
-                      struct cuts *cuts)
+static void find_cuts(const struct reference *reference, const struct ttf_overlap *overlap,
+                      uint32_t sx, uint32_t sy, struct cuts *cuts)
 {
     size_t room = (size_t)overlap->width * overlap->height;
     uint64_t *error = calloc(room, sizeof(*error));
@@ -116,16 +149,16 @@ static void find_cuts(const struct ttf_trajectories *trajectories,
     for (uint32_t j = 0; j < overlap->height; j++) {
         for (uint32_t i = 0; i < overlap->left; i++)
             error[j * overlap->left + i] =
-                pixel_error(trajectories, overlap->known[j * overlap->stride + i],
-                            (size_t)(sy + j) * trajectories->width + sx + i);
+                pixel_error(reference, overlap->known[j * overlap->stride + i],
+                            (size_t)(sy + j) * reference->width + sx + i);
     }
     if (overlap->left)
         plain_cut(error, overlap->height, overlap->left, cuts->left);
     for (uint32_t i = 0; i < overlap->width; i++) {
         for (uint32_t j = 0; j < overlap->top; j++)
             error[i * overlap->top + j] =
-                pixel_error(trajectories, overlap->known[j * overlap->stride + i],
-                            (size_t)(sy + j) * trajectories->width + sx + i);
+                pixel_error(reference, overlap->known[j * overlap->stride + i],
+                            (size_t)(sy + j) * reference->width + sx + i);
     }
     if (overlap->top)
         plain_cut(error, overlap->width, overlap->top, cuts->top);
@@ -138,22 +171,22 @@ struct work {
     struct cuts cuts;
 };
 
-static void place(const struct ttf_trajectories *trajectories,
-                  const struct ttf_quilt_config *config, double noise, uint32_t *map,
-                  const struct ttf_overlap *overlap, unsigned block, struct work *work)
+static void place(const struct reference *reference, const struct ttf_quilt_config *config,
+                  uint32_t *map, const struct ttf_overlap *overlap, unsigned block,
+                  struct work *work)
 {
-    uint32_t columns = trajectories->width - overlap->width + 1;
+    uint32_t columns = reference->width - overlap->width + 1;
     uint64_t random = ttf_random64(config->seed, TTF_PURPOSE_BLOCK, block);
     uint32_t position, n;
     uint64_t best;
 
     if (overlap->left || overlap->top) {
-        n = reference_candidates(trajectories, overlap, config->tolerance, noise, work->positions,
+        n = reference_candidates(reference, overlap, config->tolerance, work->positions,
                                  work->errors, &best);
         position = work->positions[ttf_pick(random, n)];
-        find_cuts(trajectories, overlap, position % columns, position / columns, &work->cuts);
+        find_cuts(reference, overlap, position % columns, position / columns, &work->cuts);
     } else {
-        n = columns * (trajectories->height - overlap->height + 1);
+        n = columns * (reference->height - overlap->height + 1);
         position = ttf_pick(random, n);
     }
     for (uint32_t j = 0; j < overlap->height; j++) {
@@ -163,7 +196,7 @@ static void place(const struct ttf_trajectories *trajectories,
 
             if (new_x && new_y)
                 map[j * config->width + i] =
-                    (position / columns + j) * trajectories->width + position % columns + i;
+                    (position / columns + j) * reference->width + position % columns + i;
         }
     }
 }
@@ -175,10 +208,9 @@ static uint32_t sixth(uint32_t block)
     return o > 2 ? o : 2;
 }
 
-uint32_t *reference_plan(const struct ttf_trajectories *trajectories,
-                         const struct ttf_quilt_config *config, double noise)
+uint32_t *reference_plan(const struct reference *reference, const struct ttf_quilt_config *config)
 {
-    size_t pixels = (size_t)trajectories->width * trajectories->height;
+    size_t pixels = (size_t)reference->width * reference->height;
     uint32_t ox = config->overlap_x ? config->overlap_x : sixth(config->block_width);
     uint32_t oy = config->overlap_y ? config->overlap_y : sixth(config->block_height);
     uint32_t *map = calloc((size_t)config->width * config->height, sizeof(*map));
@@ -202,8 +234,7 @@ uint32_t *reference_plan(const struct ttf_trajectories *trajectories,
                                           .known = map + (size_t)y * config->width + x,
                                           .stride = config->width};
 
-            place(trajectories, config, noise, map + (size_t)y * config->width + x, &overlap,
-                  block++, work);
+            place(reference, config, map + (size_t)y * config->width + x, &overlap, block++, work);
             if (last_x)
                 break;
         }

@@ -25,6 +25,7 @@ static struct ttf_quilt_config small_config(void)
     config.block_width = 18;
     config.block_height = 18;
     config.seed = 5;
+    config.rank = TTF_QUILT_RANK_FULL;
     return config;
 }
 
@@ -44,6 +45,7 @@ static void matches_reference(enum texture texture, uint32_t width, uint32_t hei
 {
     struct texture_sequence input = texture_make(texture, width, height, n);
     struct ttf_trajectories trajectories;
+    struct reference reference;
     struct ttf_quilt_map map;
     uint32_t *want;
 
@@ -51,7 +53,8 @@ static void matches_reference(enum texture texture, uint32_t width, uint32_t hei
     assert_int_equal(ttf_trajectories_load(input.sequence, 0, n, config->metric, NULL, NULL,
                                            &trajectories, NULL),
                      0);
-    want = reference_plan(&trajectories, config, map.figures.noise_variance);
+    reference = reference_of_trajectories(&trajectories, map.figures.noise_variance);
+    want = reference_plan(&reference, config);
     assert_memory_equal(map.source, want, (size_t)config->width * config->height * sizeof(*want));
     free(want);
     ttf_trajectories_free(&trajectories);
@@ -149,21 +152,18 @@ static void every_output_pixel_is_copied_bit_for_bit_through_one_map(void **stat
     struct texture_sequence input = texture_make(TEXTURE_SPOTS, 40, 36, 9);
     struct ttf_quilt_config config = small_config();
     struct ttf_quilt_map map;
-    uint16_t *scratch = malloc(40 * 36 * 3 * sizeof(*scratch));
     uint16_t *frame = malloc((size_t)config.width * config.height * 3 * sizeof(*frame));
 
     (void)state;
-    assert_true(scratch && frame);
+    assert_non_null(frame);
     plan_ok(&config, input.sequence, NULL, &map);
     for (uint32_t t = 0; t < 9; t++) {
         const uint16_t *source = input.codes + (size_t)t * 40 * 36 * 3;
 
-        assert_int_equal(ttf_quilt_frame(&config, &map, input.sequence, t, scratch, frame, NULL),
-                         0);
+        ttf_quilt_compose(&map, source, frame);
         for (uint32_t p = 0; p < config.width * config.height; p++)
             assert_memory_equal(frame + 3 * (size_t)p, source + 3 * (size_t)map.source[p], 6);
     }
-    free(scratch);
     free(frame);
     ttf_quilt_map_free(&map);
     texture_free(&input);
@@ -316,11 +316,12 @@ static void a_feather_is_a_ramp_centred_on_the_cut(void **state)
 static void layers_are_laid_one_over_the_other(void **state)
 {
     uint32_t source[2] = {0, 1};
-    struct ttf_quilt_layer layers[] = {{1, 1, 65536}, {1, 2, 16384}, {1, 0, 32768}};
+    struct ttf_quilt_layer layers[] = {{1, 1, 65536, 0}, {1, 2, 16384, 0}, {1, 0, 32768, 0}};
     const struct ttf_quilt_map map = {.width = 2,
                                       .height = 1,
-                                      .source_width = 3,
-                                      .source_height = 1,
+                                      .n_inputs = 1,
+                                      .inputs = {{3, 1, 0}},
+                                      .source_pixels = 3,
                                       .source = source,
                                       .n_layers = 3,
                                       .layers = layers};

@@ -88,13 +88,14 @@ static void quilt(struct ttf_sequence *input, bool per_frame, struct ttf_quilt_r
     taker.frame = (size_t)config.width * config.height * 3;
     taker.codes = malloc(input->n * taker.frame * sizeof(*taker.codes));
     assert_non_null(taker.codes);
-    if (ttf_quilt_run(&config, input, pool, &(struct ttf_quilt_sink){take, &taker}, report, NULL,
-                      &err) < 0)
+    if (ttf_quilt_run(&config, input, pool, &(struct ttf_quilt_sink){.frame = take, .ctx = &taker},
+                      report, NULL, &err) < 0)
         fail_msg("%s", err.what);
     assert_int_equal(ttf_sequence_of_memory(taker.codes, config.width, config.height, input->n,
                                             &encoding, &output, NULL),
                      0);
-    assert_int_equal(ttf_quilt_verify(input, output, NULL, check, NULL), 0);
+    assert_int_equal(
+        ttf_quilt_verify(&(struct ttf_quilt_config){0}, input, output, NULL, check, NULL), 0);
     ttf_sequence_destroy(output);
     ttf_pool_destroy(pool);
     free(taker.codes);

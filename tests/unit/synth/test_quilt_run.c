@@ -82,7 +82,7 @@ static struct ttf_sequence *output_of(const struct taker *taker,
 static void run_ok(const struct ttf_quilt_config *config, struct texture_sequence *input,
                    struct taker *taker, struct ttf_quilt_report *report, struct ttf_quilt_map *map)
 {
-    const struct ttf_quilt_sink sink = {take, taker};
+    const struct ttf_quilt_sink sink = {.frame = take, .ctx = taker};
     struct ttf_err err = {0};
 
     if (ttf_quilt_run(config, input->sequence, NULL, &sink, report, map, &err) < 0)
@@ -103,10 +103,14 @@ static void a_whole_run_copies_trajectories_and_keeps_coherence(void **state)
     (void)state;
     run_ok(&config, &input, &taker, &report, &map);
     output = output_of(&taker, &config);
-    assert_int_equal(ttf_quilt_verify(input.sequence, output, &map, &check, NULL), 0);
+    assert_int_equal(
+        ttf_quilt_verify(&(struct ttf_quilt_config){0}, input.sequence, output, &map, &check, NULL),
+        0);
     assert_int_equal(check.pixels, 80 * 70);
     assert_int_equal(check.unmatched, 0);
-    assert_int_equal(ttf_quilt_verify(input.sequence, output, NULL, &check, NULL), 0);
+    assert_int_equal(
+        ttf_quilt_verify(&(struct ttf_quilt_config){0}, input.sequence, output, NULL, &check, NULL),
+        0);
     assert_int_equal(check.unmatched, 0);
     assert_true(report.coherence_copied == 1.0);
     assert_true(report.coherence > 0.7 && report.coherence < 1.4);
@@ -135,9 +139,13 @@ static void frames_quilted_alone_flicker_and_fail_the_check(void **state)
     assert_true(report.coherence > 3.0);
     assert_true(report.flicker > 3.0);
     assert_true(report.seams.frames == 1 && report.seams.pairs > 0);
-    assert_int_equal(ttf_quilt_verify(input.sequence, output, NULL, &check, NULL), 0);
+    assert_int_equal(
+        ttf_quilt_verify(&(struct ttf_quilt_config){0}, input.sequence, output, NULL, &check, NULL),
+        0);
     assert_true(check.unmatched > check.pixels / 2);
-    assert_int_equal(ttf_quilt_verify(input.sequence, output, &first, &check, NULL), 0);
+    assert_int_equal(ttf_quilt_verify(&(struct ttf_quilt_config){0}, input.sequence, output, &first,
+                                      &check, NULL),
+                     0);
     assert_true(check.unmatched > check.pixels / 2);
     ttf_sequence_destroy(output);
     ttf_quilt_map_free(&first);
@@ -157,7 +165,9 @@ static void one_changed_sample_is_found_by_the_check(void **state)
     run_ok(&config, &input, &taker, NULL, NULL);
     taker.codes[17 * taker.frame + ((size_t)33 * config.width + 21) * 3 + 2] ^= 1;
     output = output_of(&taker, &config);
-    assert_int_equal(ttf_quilt_verify(input.sequence, output, NULL, &check, NULL), 0);
+    assert_int_equal(
+        ttf_quilt_verify(&(struct ttf_quilt_config){0}, input.sequence, output, NULL, &check, NULL),
+        0);
     assert_int_equal(check.unmatched, 1);
     assert_int_equal(check.first_x, 21);
     assert_int_equal(check.first_y, 33);
@@ -173,8 +183,12 @@ static void sequences_of_other_lengths_are_not_compared(void **state)
     struct ttf_quilt_check check;
 
     (void)state;
-    assert_int_equal(ttf_quilt_verify(a.sequence, b.sequence, NULL, &check, NULL), -EINVAL);
-    assert_int_equal(ttf_quilt_verify(a.sequence, a.sequence, NULL, &check, NULL), 0);
+    assert_int_equal(
+        ttf_quilt_verify(&(struct ttf_quilt_config){0}, a.sequence, b.sequence, NULL, &check, NULL),
+        -EINVAL);
+    assert_int_equal(
+        ttf_quilt_verify(&(struct ttf_quilt_config){0}, a.sequence, a.sequence, NULL, &check, NULL),
+        0);
     assert_int_equal(check.unmatched, 0);
     texture_free(&a);
     texture_free(&b);
@@ -186,7 +200,7 @@ static void threads_change_no_bit_of_the_frames_and_no_figure(void **state)
     struct ttf_quilt_config config = small_config();
     struct taker one = taker_make(&config), five = taker_make(&config);
     struct ttf_pool *pool = ttf_pool_create(5);
-    const struct ttf_quilt_sink sink = {take, &five};
+    const struct ttf_quilt_sink sink = {.frame = take, .ctx = &five};
     struct ttf_quilt_report a, b;
 
     (void)state;
@@ -210,7 +224,7 @@ static void a_failing_sink_and_a_cancel_end_the_run_at_once(void **state)
     struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
     struct ttf_quilt_config config = small_config();
     struct taker taker = taker_make(&config);
-    const struct ttf_quilt_sink sink = {take, &taker};
+    const struct ttf_quilt_sink sink = {.frame = take, .ctx = &taker};
     struct ttf_err err = {0};
 
     (void)state;
@@ -297,7 +311,7 @@ static void a_single_frame_and_a_constant_one_have_defined_figures(void **state)
     struct texture_sequence input = texture_make(TEXTURE_CONSTANT, W, H, 1);
     struct ttf_quilt_config config = small_config();
     struct taker taker = taker_make(&config);
-    const struct ttf_quilt_sink sink = {take, &taker};
+    const struct ttf_quilt_sink sink = {.frame = take, .ctx = &taker};
     struct ttf_quilt_report report;
     struct ttf_json json;
     const char *text;

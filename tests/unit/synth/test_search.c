@@ -45,8 +45,9 @@ static void compare(struct ttf_search *search, const struct ttf_trajectories *tr
     static uint64_t errors[W * H];
     struct ttf_candidates candidates;
     uint64_t best;
-    uint32_t n = reference_candidates(trajectories, &query->overlap, tolerance, noise, positions,
-                                      errors, &best);
+    struct reference reference = reference_of_trajectories(trajectories, noise);
+    uint32_t n =
+        reference_candidates(&reference, &query->overlap, tolerance, positions, errors, &best);
 
     assert_int_equal(ttf_search_run(search, &query->overlap, &candidates), 0);
     assert_int_equal(candidates.best, best);

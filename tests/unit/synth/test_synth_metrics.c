@@ -98,8 +98,18 @@ static uint32_t two_pieces[12] = {0, 1, 2, 12, 13, 14, 8, 9, 10, 20, 21, 22};
 
 static struct ttf_quilt_map map_of_two_pieces(void)
 {
-    return (struct ttf_quilt_map){
-        .width = 6, .height = 2, .source_width = 8, .source_height = 4, .source = two_pieces};
+    static uint32_t owner[12];
+    static struct ttf_quilt_block block;
+
+    return (struct ttf_quilt_map){.width = 6,
+                                  .height = 2,
+                                  .n_inputs = 1,
+                                  .inputs = {{8, 4, 0}},
+                                  .source_pixels = 32,
+                                  .source = two_pieces,
+                                  .owner = owner,
+                                  .n_blocks = 1,
+                                  .blocks = &block};
 }
 
 static void seams_are_counted_and_measured_where_the_map_jumps(void **state)

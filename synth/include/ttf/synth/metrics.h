@@ -46,7 +46,7 @@ struct ttf_seams *ttf_seams_create(const struct ttf_quilt_map *map,
                                    const struct ttf_encoding *encoding);
 void ttf_seams_destroy(struct ttf_seams *seams);
 
-/* One frame: the source's (source size) and the output's (map size). */
+/* One frame: the sources' (all inputs' pixels by id) and the output's (map size). */
 void ttf_seams_add(struct ttf_seams *seams, const uint16_t *source, const uint16_t *output);
 
 struct ttf_seams_figures {

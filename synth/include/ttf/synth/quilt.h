@@ -21,6 +21,13 @@
 #include "ttf/base/err.h"
 #include "ttf/dataset/pool.h"
 #include "ttf/dataset/sequence.h"
+#include "ttf/synth/rate_map.h"
+
+/* Factors as bytes, as keep_factors got them: opaque, of this machine's byte order; for the same input grown longer. */
+struct ttf_quilt_factors {
+    const void *bytes;
+    size_t size;
+};
 
 enum ttf_metric {
     TTF_METRIC_DISPLAY = 0, /* 8-bit display-encoded values, as the paper */
@@ -32,6 +39,11 @@ enum ttf_metric {
 const char *ttf_metric_name(enum ttf_metric metric);
 int ttf_metric_find(const char *name); /* -ENOENT */
 
+#define TTF_QUILT_INPUTS_MAX 16
+#define TTF_QUILT_RANK_MAX   64
+#define TTF_QUILT_RANK_FULL \
+    0 /* no compression: the search over all frames (one input, nothing beyond the paper) */
+
 struct ttf_quilt_config {
     uint32_t width, height;             /* of the output, pixels, 1..32768 each */
     uint32_t block_width, block_height; /* default 64 x 64; 4 .. the input's size */
@@ -40,8 +52,37 @@ struct ttf_quilt_config {
     uint64_t seed;
     size_t memory_bytes; /* refuse (-EFBIG) to hold more matching data than this; 0: no limit */
     enum ttf_metric metric;
-    bool per_frame;               /* the baseline that flickers: each frame quilted alone */
-    uint32_t feather_px;          /* width of a blend across the seam, in linear light; 0: none */
+    bool per_frame;      /* the baseline that flickers: each frame quilted alone */
+    uint32_t feather_px; /* width of a blend across the seam, in linear light; 0: none */
+
+    /* Compression for the search (section 5.2). */
+    unsigned rank; /* k: default 15; 1..64, or TTF_QUILT_RANK_FULL */
+    double
+        rank_error; /* > 0: the smallest k up to 64 whose error e_k is at most this, instead of rank */
+    bool per_channel; /* a factorisation of each channel, k of each; default: one of all three */
+    struct ttf_quilt_factors known; /* of the input's first frames: gone on with; zeroed: none */
+    int (*keep_factors)(void *ctx, const struct ttf_quilt_factors *factors); /* NULL: not kept */
+    void *keep_ctx;
+
+    /* Beyond the paper. */
+    struct ttf_sequence *const *more; /* further inputs of the same material, frames and encoding */
+    unsigned n_more;                  /* 0..15 */
+    bool flips, rotations; /* blocks also mirrored; also turned by 90, 180 and 270 degrees */
+    bool tileable;         /* the output's edges fit each other */
+    uint32_t
+        avoid_px; /* no block from within so many pixels of where one nearby was taken; 0: as it comes */
+
+    const struct ttf_quilt_map
+        *replay;  /* by ttf_quilt_run: this map instead of a search; NULL: none */
+    bool measure; /* figures of frames for the report; default true */
+    unsigned
+        agreement_queries; /* compare so many of the map's queries with the full-time search; 0: none */
+
+    /* Time (eq. 6 to 8). */
+    uint32_t jitter_frames;          /* e: each block its own time, at most so far off; 0: none */
+    bool jitter_round;               /* whole frames only; default: interpolated */
+    const struct ttf_rate_map *rate; /* M, of the output's size; NULL: 1 everywhere. Borrowed */
+
     int64_t (*now_ns)(void *ctx); /* for the report's times; NULL: no times */
     void *now_ctx;
     void (*progress)(void *ctx, double done); /* 0..1; NULL allowed */
@@ -51,13 +92,23 @@ struct ttf_quilt_config {
 
 void ttf_quilt_defaults(struct ttf_quilt_config *config);
 
+/*
+ * How a block is turned: bits 0 (mirrored left to right) and 1 (top to bottom), bit 2:
+ * rows and columns change places before that. 0: as it is.
+ */
+#define TTF_TURN_COUNT 8
+
 /* One block of a map. */
 struct ttf_quilt_block {
-    uint32_t out_x, out_y;   /* where the block lies in the output */
-    uint32_t width, height;  /* the last ones of a row or column are clipped */
-    uint32_t src_x, src_y;   /* where it was taken from */
-    double error;            /* summed squared error over the overlap, eq. 3 (an integer) */
-    double best_error;       /* of the best candidate (an integer) */
+    uint32_t out_x, out_y; /* where the block lies in the output; a tileable one may reach around */
+    uint32_t width, height; /* the last ones of a row or column are clipped */
+    uint32_t src_x, src_y;  /* where it was taken from: its corner in the input, turned */
+    uint8_t input, turn;    /* of which input, and how turned */
+    uint16_t left, top, right, bottom; /* widths of its overlaps, 0: none */
+    uint32_t
+        cuts; /* in the map's cuts: of left and right (height each), of top and bottom (width each), those there are */
+    double error;            /* summed squared error over the overlap, eq. 3, codes^2 */
+    double best_error;       /* of the best candidate */
     uint32_t overlap_pixels; /* 0 for the first block */
     uint32_t candidates;     /* within tolerance; for the first block, all positions */
 };
@@ -68,46 +119,94 @@ struct ttf_quilt_block {
  */
 struct ttf_quilt_layer {
     uint32_t pixel;  /* y * width + x of the output */
-    uint32_t source; /* y * source width + x */
+    uint32_t source; /* the source pixel's id */
     uint32_t weight; /* 1..65536 */
+    uint32_t block;  /* whose pixel it is */
+};
+
+/* The factorisation that matching was done in: section 5.2, figure 5. */
+struct ttf_quilt_rank_figures {
+    unsigned rank;                         /* k; TTF_QUILT_RANK_FULL: none */
+    unsigned numbers;                      /* per pixel: k, or 3 k */
+    double error;                          /* e_k */
+    double rms;                            /* of the reconstruction, over full scale */
+    unsigned n_errors;                     /* ranks 0 .. n_errors - 1 are in the curve */
+    double errors[TTF_QUILT_RANK_MAX + 1]; /* e_0 .. : figure 5 */
+    uint32_t known_frames;                 /* taken over from factors that were known */
 };
 
 /* What a search cost and met: for the report. */
 struct ttf_quilt_search_figures {
     uint64_t positions;      /* all blocks together */
     uint64_t survived_cells; /* not excluded by the first bound (sums over cells of pixels) */
-    uint64_t survived_rank;  /* nor by the second (few coefficients per pixel) */
-    uint64_t exact;          /* compared over the full time sequence */
+    uint64_t survived_rank;  /* full-time search: nor by the second (few coefficients per pixel) */
+    uint64_t exact;          /* compared pixel by pixel */
     double noise_variance;   /* of one 8-bit sample, codes squared */
     size_t matching_bytes;   /* memory for matching data */
     int64_t load_ns, prepare_ns, search_ns, cut_ns; /* 0 without a clock */
 };
 
-/* For each output pixel, the source pixel it was copied from: y * source width + x. One map for all frames. */
+/* No source pixel's id. */
+#define TTF_UNKNOWN_ID UINT32_MAX
+
+/* One of a map's inputs. Its pixels' ids are first + y * width + x. */
+struct ttf_quilt_input {
+    uint32_t width, height, first;
+};
+
+/*
+ * For each output pixel, the source pixel it was copied from, by id, and the block that brought
+ * it. One map for all frames.
+ */
 struct ttf_quilt_map {
     uint32_t width, height;
-    uint32_t source_width, source_height;
-    uint32_t *source; /* width x height, row by row */
+    unsigned n_inputs;
+    struct ttf_quilt_input inputs[TTF_QUILT_INPUTS_MAX];
+    uint32_t source_pixels; /* of all inputs */
+    uint32_t *source;       /* width x height ids, row by row */
+    uint32_t *owner;        /* width x height indices of blocks */
     unsigned n_blocks;
     struct ttf_quilt_block *blocks; /* raster order */
-    size_t n_layers;                /* 0 without feathering */
+    size_t n_cuts;
+    uint16_t *cuts;  /* all blocks' cuts, behind one another */
+    size_t n_layers; /* 0 without feathering */
     struct ttf_quilt_layer *layers;
-    uint32_t overlap_x, overlap_y; /* as used */
+    uint32_t overlap_x, overlap_y; /* as used; of a tileable one the least */
+    bool tileable;
+    uint32_t feather_px;
+    /* time: of jitter, one f for each block, n_times values each (frames x 65536); NULL: none */
+    uint32_t n_times;
+    uint32_t *times;
     struct ttf_quilt_search_figures figures;
+    struct ttf_quilt_rank_figures rank;
 };
+
+/* The id of a source pixel's neighbour, as the output shows it under `turn`; false: beyond the input. */
+bool ttf_quilt_neighbour(const struct ttf_quilt_map *map, uint32_t id, unsigned turn, int dx,
+                         int dy, uint32_t *ret);
 
 /* Frees what the map holds and zeroes it. A zeroed map is fine. */
 void ttf_quilt_map_free(struct ttf_quilt_map *map);
+
+/* -ENOMEM. */
+TTF_MUST_USE int ttf_quilt_map_copy(const struct ttf_quilt_map *map, struct ttf_quilt_map *ret);
 
 /* 64 bits that name what is copied from where: equal maps give equal digests. */
 uint64_t ttf_quilt_map_digest(const struct ttf_quilt_map *map);
 
 /* -EINVAL naming the field that is out of range or does not suit an input of this size; -EFBIG. */
 TTF_MUST_USE int ttf_quilt_validate(const struct ttf_quilt_config *config,
-                                    const struct ttf_sequence *input, struct ttf_err *err);
+                                    struct ttf_sequence *input, struct ttf_err *err);
 
-/* What ttf_quilt_plan will hold while it searches: about 3 n + 96 bytes per input pixel. */
-size_t ttf_quilt_matching_bytes(uint32_t width, uint32_t height, uint32_t n);
+/* Frames of the output: n, or eq. 8's where there is a rate map. -ERANGE. */
+TTF_MUST_USE int ttf_quilt_output_frames(const struct ttf_quilt_config *config, uint32_t n,
+                                         uint32_t *ret, struct ttf_err *err);
+
+/*
+ * What ttf_quilt_plan will hold while it searches `pixels` (of all inputs): in k-space whatever the
+ * number of frames; in a full-time search about 3 n + 96 bytes per pixel.
+ */
+size_t ttf_quilt_matching_bytes(const struct ttf_quilt_config *config, uint32_t pixels, uint32_t n);
 
 /*
  * Finds the map. Memory: bounded by the input's own matching data (see above),
@@ -125,15 +224,7 @@ TTF_MUST_USE int ttf_quilt_frame_map(const struct ttf_quilt_config *config,
                                      struct ttf_sequence *input, uint32_t t, struct ttf_pool *pool,
                                      struct ttf_quilt_map *ret, struct ttf_err *err);
 
-/*
- * Output frame t through the map into dst (height x width x 3 codes, tightly packed).
- * scratch: room for one input frame (source height x width x 3); holds it afterwards.
- */
-TTF_MUST_USE int ttf_quilt_frame(const struct ttf_quilt_config *config,
-                                 const struct ttf_quilt_map *map, struct ttf_sequence *input,
-                                 uint32_t t, uint16_t *scratch, uint16_t *dst, struct ttf_err *err);
-
-/* The same from a frame in memory (source height x width x 3): pure. */
+/* A frame in memory (source pixels x 3 codes, of all inputs) through the map into dst (height x width x 3 codes), at its own time: pure. */
 void ttf_quilt_compose(const struct ttf_quilt_map *map, const uint16_t *source, uint16_t *dst);
 
 #endif

@@ -12,23 +12,56 @@
 
 #include "ttf/base/attr.h"
 #include "ttf/dataset/json_writer.h"
+#include "ttf/synth/agreement.h"
+#include "ttf/synth/likeness.h"
 #include "ttf/synth/metrics.h"
+#include "ttf/synth/prepare.h"
 #include "ttf/synth/quilt.h"
+
+/* Times that the colour distance is given for, at most, evenly spread. */
+#define TTF_REPORT_TIMES 64
+
+/* What was done to the input before (prepare.h): for the report, filled in by who did it. */
+struct ttf_report_prepared {
+    bool flattened, gradient_reapplied, deflickered, stabilised, reduced, auto_block;
+    float gradient_least, gradient_most;
+    struct ttf_deflicker_figures deflicker;
+    struct ttf_stabilise_figures stabilise;
+    struct ttf_feature_size feature;
+    uint32_t shrink, step;
+};
 
 struct ttf_quilt_report {
     struct ttf_quilt_config config; /* as given; its pointers are not for the reader */
-    bool simulated;                 /* the input was: set by who knows it, after the run */
-    uint32_t overlap_x, overlap_y;  /* as used */
+    struct ttf_report_prepared prepared;
+    bool measured;     /* the figures from `input` to `repetition` were taken */
+    size_t peak_bytes; /* peak resident of the process: set by who knows it, after the run */
+    uint32_t inputs;   /* sequences */
+    uint32_t out_frames;
+    bool simulated;                /* the input was: set by who knows it, after the run */
+    uint32_t overlap_x, overlap_y; /* as used */
     uint32_t source_width, source_height, frames;
     unsigned threads;
     uint64_t map_digest; /* per frame: of all frames' maps together */
 
     /* Temporal coherence: output over input. 0 where the input's own is 0 or frames are too few. */
     struct ttf_activity_figures input, output;
-    double coherence; /* ratio of mean absolute frame differences, to the whole input */
+    struct ttf_activity_figures copied; /* of the source pixels copied, at their own time */
+    double coherence;            /* ratio of mean absolute frame differences, to the whole input */
+    double coherence_noise_free; /* the same, measured noise subtracted (in quadrature) */
     double
-        coherence_copied; /* the same, to the source pixels that were copied, each as often; 0 if per frame */
-    double flicker; /* ratio of low-passed second differences, to the whole input */
+        coherence_copied; /* to the source pixels that were copied, each as often; 0 if per frame or slowed */
+    double flicker;        /* ratio of low-passed second differences, to the whole input */
+    double flicker_copied; /* to the source pixels that were copied */
+
+    unsigned synchrony_pairs; /* 0: nothing is repeated, and there is no figure */
+    double synchrony;
+
+    /* Sliced Wasserstein distance of colours, input to output, codes; of some times and of those together. */
+    struct ttf_colour_figures colour;
+    unsigned n_colour;
+    uint32_t colour_at[TTF_REPORT_TIMES];
+    double colour_distance[TTF_REPORT_TIMES];
 
     struct ttf_seams_figures seams; /* per frame: of the last frame looked at */
     struct ttf_repetition_figures repetition;
@@ -38,6 +71,8 @@ struct ttf_quilt_report {
     double mean_candidates, mean_rms_error, max_rms_error;
     unsigned single_candidate_blocks;
 
+    struct ttf_quilt_rank_figures rank;
+    struct ttf_agreement agreement;         /* queries 0: not measured */
     struct ttf_quilt_search_figures search; /* summed over frames if per frame */
     int64_t render_ns, sink_ns, metrics_ns, total_ns;
     size_t frame_bytes; /* memory for frames in flight */

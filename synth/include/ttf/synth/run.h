@@ -16,16 +16,22 @@
 /* Where output frames go. Plain struct, copied. */
 struct ttf_quilt_sink {
     /*
-     * Output frame t = 0, 1, ... n-1: config height x width x 3 codes in the
-     * input's encoding, tightly packed, valid during the call. Called from the
-     * thread that called ttf_quilt_run. A negative errno ends the run with it.
+     * Output frame t = 0, 1, ... : config height x width x 3 codes in the input's
+     * encoding, tightly packed, valid during the call. Frames come one at a time and in
+     * order, but from any of the pool's threads. A negative errno ends the run with it.
      */
     int (*frame)(void *ctx, uint32_t t, const uint16_t *codes, struct ttf_err *err);
+    /*
+     * The same as 8-bit display codes, for a sink that wants no more: used instead where no
+     * blend or time between frames needs more (and nothing is measured). NULL: never.
+     */
+    int (*frame8)(void *ctx, uint32_t t, const uint8_t *codes, struct ttf_err *err);
     void *ctx;
 };
 
 /*
- * Synthesizes all n frames (config->per_frame: each alone). pool: may be NULL.
+ * Synthesizes all frames (ttf_quilt_output_frames; config->per_frame: each alone). With
+ * config->replay nothing is searched for, that map is used. pool: may be NULL.
  * ret_report, ret_map: may be NULL; the map is to be freed with
  * ttf_quilt_map_free, and is of frame 0 if per frame. Errors as ttf_quilt_plan,
  * the sequence's, the sink's; on failure nothing is given back, and what the sink
@@ -45,11 +51,12 @@ struct ttf_quilt_check {
 /*
  * Is every output trajectory, bit for bit, that of one source pixel? With a
  * map: of the pixel the map names. Without (NULL): of any, found by hashing the
- * trajectories and then compared in full. Reads both sequences frame by frame;
+ * trajectories and then compared in full. config: only for its further inputs (`more`). Reads both sequences frame by frame;
  * memory: a frame of each and about 16 bytes per pixel of each. -EINVAL if lengths or the
  * map's sizes differ.
  */
-TTF_MUST_USE int ttf_quilt_verify(struct ttf_sequence *source, struct ttf_sequence *output,
+TTF_MUST_USE int ttf_quilt_verify(const struct ttf_quilt_config *config,
+                                  struct ttf_sequence *source, struct ttf_sequence *output,
                                   const struct ttf_quilt_map *map, struct ttf_quilt_check *ret,
                                   struct ttf_err *err);
 

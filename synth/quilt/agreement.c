@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ttf/synth/agreement.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "quilt/paste.h"
+#include "search/block_search.h"
+#include "search/hash.h"
+#include "search/matching.h"
+#include "search/rank_search.h"
+#include "search/sources.h"
+#include "search/views.h"
+
+struct agreement {
+    const struct ttf_quilt_config *config;
+    const struct ttf_quilt_map *map;
+    struct ttf_pool *pool;
+    struct ttf_quilt_map own; /* put together anew, block by block */
+    struct ttf_sources sources;
+    struct ttf_matching matching;
+    struct ttf_views views;
+    struct ttf_rank_search rank;
+    struct ttf_rank_workspace *room;
+    struct ttf_trajectories trajectories;
+    struct ttf_search *full;
+    uint32_t *known;
+    unsigned costs, jump_costs;
+    struct ttf_agreement sums;
+};
+
+static void finish(struct agreement *a)
+{
+    ttf_quilt_map_free(&a->own);
+    ttf_views_free(&a->views);
+    ttf_matching_free(&a->matching);
+    ttf_rank_workspace_destroy(a->room);
+    ttf_search_destroy(a->full);
+    ttf_trajectories_free(&a->trajectories);
+    free(a->known);
+}
+
+static int start(struct agreement *a, struct ttf_sequence *input, struct ttf_err *err)
+{
+    const struct ttf_quilt_map *map = a->map;
+    struct ttf_quilt_config plain = *a->config;
+    uint32_t narrow = map->overlap_x < map->overlap_y ? map->overlap_x : map->overlap_y;
+    int r;
+
+    plain.keep_factors = NULL;
+    plain.known = (struct ttf_quilt_factors){0};
+    r = ttf_sources_of(&plain, input, &a->sources, err);
+    if (r == 0)
+        r = ttf_trajectories_load(input, 0, input->n, plain.metric, a->pool, plain.cancel,
+                                  &a->trajectories, err);
+    if (r == 0)
+        r = ttf_matching_build(&plain, &a->sources, 0, input->n, a->pool, &a->matching, err);
+    if (r < 0)
+        return r;
+    a->known = malloc((size_t)plain.block_width * plain.block_height * sizeof(*a->known));
+    if (!a->known || ttf_quilt_map_copy(map, &a->own) < 0 ||
+        ttf_views_create(&a->sources, &a->matching, 1u, narrow >= 4 ? 4 : 1, a->pool, &a->views) <
+            0 ||
+        ttf_rank_workspace_create(&a->room) < 0 ||
+        ttf_search_create(&a->trajectories, narrow, plain.tolerance, a->matching.noise, NULL,
+                          a->pool, &a->full) < 0)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory to compare searches");
+    a->rank =
+        (struct ttf_rank_search){&a->matching, &a->views, ttf_rank_kernels_best(), plain.tolerance};
+    return 0;
+}
+
+/* Full-time error of a position. */
+static uint64_t full_error(const struct agreement *a, const struct ttf_quilt_block *b, uint32_t x0,
+                           uint32_t y0)
+{
+    const struct ttf_trajectories *t = &a->trajectories;
+    uint64_t sum = 0;
+
+    for (uint32_t y = 0; y < b->height; y++) {
+        for (uint32_t x = 0; x < b->width; x++) {
+            uint32_t known = a->known[(size_t)y * b->width + x];
+            size_t own = (size_t)(y0 + y) * t->width + x0 + x;
+
+            if (known != TTF_UNKNOWN_ID)
+                sum += ttf_kernels_best()->ssd_u8(ttf_trajectory(t, known), ttf_trajectory(t, own),
+                                                  t->dims);
+        }
+    }
+    return sum;
+}
+
+/* |both| / |either|: both lists are in the order of positions. */
+static double overlap_of(const struct ttf_rank_result *rank, const struct ttf_candidates *full)
+{
+    uint32_t both = 0, i = 0, k = 0;
+
+    while (i < rank->n && k < full->n) {
+        uint32_t own = rank->list[i].position.y * full->columns + rank->list[i].position.x;
+
+        both += own == full->positions[k];
+        i += own <= full->positions[k];
+        k += own > full->positions[k];
+    }
+    return (double)both / (double)(rank->n + full->n - both);
+}
+
+/* Does the full search's best position only go on where a neighbour was taken from? */
+static bool goes_on(const struct ttf_candidates *full)
+{
+    return full->best == 0;
+}
+
+static int one_query(struct agreement *a, const struct ttf_quilt_block *b)
+{
+    const struct ttf_rank_query query = {.width = b->width, .height = b->height, .known = a->known};
+    const struct ttf_overlap overlap = {b->width, b->height, b->left, b->top, a->known, b->width};
+    struct ttf_rank_result rank;
+    struct ttf_candidates full;
+    uint64_t chosen;
+    double cost = 0.0;
+    int r = ttf_rank_search_run(&a->rank, a->room, &query, &rank);
+
+    if (r == 0)
+        r = ttf_search_run(a->full, &overlap, &full);
+    if (r < 0)
+        return r;
+    chosen = full_error(a, b, rank.list[rank.best_first].position.x,
+                        rank.list[rank.best_first].position.y);
+    a->sums.queries++;
+    a->sums.best += chosen == full.best;
+    a->sums.jaccard += overlap_of(&rank, &full);
+    if (full.best > 0) {
+        cost = (double)chosen / (double)full.best - 1.0;
+        a->costs++;
+        a->sums.extra_cost += cost;
+    }
+    if (!goes_on(&full)) {
+        a->sums.jumps++;
+        a->sums.jump_best += chosen == full.best;
+        a->sums.jump_extra_cost += cost;
+    }
+    return 0;
+}
+
+static void gather_known(const struct agreement *a, const struct ttf_quilt_block *b)
+{
+    uint32_t *known = a->known;
+
+    for (uint32_t y = 0; y < b->height; y++) {
+        for (uint32_t x = 0; x < b->width; x++)
+            *known++ = x < b->left || y < b->top ? a->own.source[ttf_block_pixel(&a->own, b, x, y)]
+                                                 : TTF_UNKNOWN_ID;
+    }
+}
+
+/* Of n blocks (the first is no query), about `most` by hash, or all. */
+static bool is_asked(const struct agreement *a, unsigned i, unsigned most)
+{
+    unsigned n = a->map->n_blocks - 1;
+
+    return i > 0 && (most == 0 || most >= n ||
+                     ttf_pick(ttf_random64(a->config->seed, TTF_PURPOSE_QUERY, i), n) < most);
+}
+
+static int check(const struct ttf_quilt_map *map, struct ttf_err *err)
+{
+    bool turned = false;
+
+    for (unsigned i = 0; i < map->n_blocks; i++)
+        turned = turned || map->blocks[i].turn != 0;
+    if (map->n_inputs > 1 || turned || map->tileable) {
+        ttf_err_set(err, -EINVAL, "agreement",
+                    "the search over all frames takes one input, unturned, and no tileable output");
+        return ttf_err_hint(err, "do without the comparison"), -EINVAL;
+    }
+    return 0;
+}
+
+static void average(struct ttf_agreement *sums, unsigned costs)
+{
+    if (sums->queries > 0) {
+        sums->best /= sums->queries;
+        sums->jaccard /= sums->queries;
+    }
+    if (costs > 0)
+        sums->extra_cost /= costs;
+    if (sums->jumps > 0) {
+        sums->jump_best /= sums->jumps;
+        sums->jump_extra_cost /= sums->jumps;
+    }
+}
+
+int ttf_quilt_agreement(const struct ttf_quilt_config *config, struct ttf_sequence *input,
+                        const struct ttf_quilt_map *map, unsigned most, struct ttf_pool *pool,
+                        struct ttf_agreement *ret, struct ttf_err *err)
+{
+    struct agreement a = {.config = config, .map = map, .pool = pool};
+    int r = check(map, err);
+
+    if (r < 0)
+        return r;
+    r = start(&a, input, err);
+    for (unsigned i = 0; i < map->n_blocks && r == 0; i++) {
+        if (config->cancel && *config->cancel)
+            r = ttf_err_set(err, -ECANCELED, NULL, "cancelled");
+        else if (is_asked(&a, i, most)) {
+            gather_known(&a, &map->blocks[i]);
+            r = one_query(&a, &map->blocks[i]);
+            if (r < 0)
+                ttf_err_set(err, r, NULL, "no memory to compare searches");
+        }
+        if (r == 0)
+            r = ttf_paste_block(&a.own, i, NULL);
+    }
+    finish(&a);
+    if (r < 0)
+        return r;
+    average(&a.sums, a.costs);
+    *ret = a.sums;
+    return 0;
+}

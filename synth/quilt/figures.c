@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "quilt/figures.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "metrics/activity.h"
+#include "quilt/compose.h"
+#include "ttf/synth/likeness.h"
+
+/* Frames that seams are measured on, evenly spread. */
+#define SEAM_FRAMES 16u
+
+#define SYNCHRONY_PAIRS 2048u
+
+struct ttf_figures {
+    const struct ttf_quilt_config *config;
+    const struct ttf_sources *sources;
+    const struct ttf_quilt_map *map;
+    uint32_t frames;
+    bool plain_differs; /* the output is not just copied at its own time */
+    struct ttf_activity *in[TTF_QUILT_INPUTS_MAX], *out;
+    struct ttf_activity *plain; /* of what was copied, without jitter and feathering; or NULL */
+    uint16_t *plain_frame;
+    struct ttf_seams *seams;
+    struct ttf_seams_figures last_seams;
+    struct ttf_colour_distance *colour;
+    struct ttf_synchrony *synchrony;
+    unsigned n_colour;
+    uint32_t colour_at[TTF_REPORT_TIMES];
+    double colour_distance[TTF_REPORT_TIMES];
+};
+
+int ttf_figures_create(const struct ttf_quilt_config *config, const struct ttf_sources *sources,
+                       uint32_t frames, struct ttf_figures **ret)
+{
+    const struct ttf_encoding *encoding = &sources->list[0]->encoding;
+    struct ttf_figures *f = calloc(1, sizeof(*f));
+    bool ok;
+
+    if (!f)
+        return -ENOMEM;
+    f->config = config;
+    f->sources = sources;
+    f->frames = frames;
+    f->plain_differs = (config->jitter_frames > 0 || config->feather_px > 1) && !config->rate &&
+                       !config->per_frame;
+    f->out = ttf_activity_create(config->width, config->height, encoding);
+    f->colour = ttf_colour_distance_create(encoding);
+    ok = f->out && f->colour;
+    for (unsigned i = 0; i < sources->n; i++) {
+        f->in[i] = ttf_activity_create(sources->list[i]->width, sources->list[i]->height, encoding);
+        ok = ok && f->in[i] && ttf_activity_keep_pixels(f->in[i]) == 0;
+    }
+    if (f->plain_differs) {
+        f->plain = ttf_activity_create(config->width, config->height, encoding);
+        f->plain_frame = malloc((size_t)config->width * config->height * 3 * sizeof(uint16_t));
+        ok = ok && f->plain && f->plain_frame;
+    }
+    if (!ok) {
+        ttf_figures_destroy(f);
+        return -ENOMEM;
+    }
+    *ret = f;
+    return 0;
+}
+
+void ttf_figures_destroy(struct ttf_figures *figures)
+{
+    if (!figures)
+        return;
+    for (unsigned i = 0; i < TTF_QUILT_INPUTS_MAX; i++)
+        ttf_activity_destroy(figures->in[i]);
+    ttf_activity_destroy(figures->out);
+    ttf_activity_destroy(figures->plain);
+    free(figures->plain_frame);
+    ttf_seams_destroy(figures->seams);
+    ttf_colour_distance_destroy(figures->colour);
+    ttf_synchrony_destroy(figures->synchrony);
+    free(figures);
+}
+
+size_t ttf_figures_bytes(const struct ttf_figures *f)
+{
+    size_t in = f->sources->pixels, out = (size_t)f->config->width * f->config->height;
+
+    /* last frames as 8-bit codes, sums over 4 x 4 pixels, sums of pixels, a plain frame */
+    return in * 8 + out * 4 + (f->plain ? out * 10 : 0);
+}
+
+int ttf_figures_map(struct ttf_figures *f, const struct ttf_quilt_map *map)
+{
+    const struct ttf_encoding *encoding = &f->sources->list[0]->encoding;
+
+    f->map = map;
+    ttf_seams_destroy(f->seams);
+    f->seams = ttf_seams_create(map, encoding);
+    if (!f->seams)
+        return -ENOMEM;
+    if (f->config->per_frame || f->synchrony)
+        return 0;
+    f->synchrony = ttf_synchrony_create(map->source, (size_t)map->width * map->height,
+                                        SYNCHRONY_PAIRS, f->config->seed, encoding);
+    return f->synchrony ? 0 : -ENOMEM;
+}
+
+/* Each of the first frames of `parts` equal parts. */
+static bool is_one_of(uint32_t t, uint32_t frames, uint32_t parts)
+{
+    uint32_t n = frames < parts ? frames : parts;
+
+    return t == 0 || (uint64_t)t * n / frames != (uint64_t)(t - 1) * n / frames;
+}
+
+static void add_colours(struct ttf_figures *f, uint32_t t, const uint16_t *source,
+                        const uint16_t *output, struct ttf_pool *pool)
+{
+    double distance;
+
+    if (f->config->rate || !is_one_of(t, f->frames, TTF_REPORT_TIMES))
+        return;
+    distance = ttf_colour_distance_add(f->colour, pool, source, f->sources->pixels, output,
+                                       (size_t)f->config->width * f->config->height);
+    if (f->n_colour < TTF_REPORT_TIMES) {
+        f->colour_at[f->n_colour] = t;
+        f->colour_distance[f->n_colour++] = distance;
+    }
+}
+
+void ttf_figures_add(struct ttf_figures *f, uint32_t t, const uint16_t *source,
+                     const uint16_t *output, struct ttf_pool *pool)
+{
+    ttf_activity_add(f->out, pool, output);
+    if (f->synchrony)
+        ttf_synchrony_add(f->synchrony, output);
+    if (!source)
+        return;
+    for (unsigned i = 0; i < f->sources->n; i++)
+        ttf_activity_add(f->in[i], pool, source + (size_t)f->sources->first[i] * 3);
+    if (f->plain) {
+        ttf_compose_rows(f->map, source, 0, f->map->height, f->plain_frame);
+        ttf_activity_add(f->plain, pool, f->plain_frame);
+    }
+    /* seams are told from steps that pixels made in the source at the same time */
+    if (is_one_of(t, f->frames, SEAM_FRAMES) && !f->config->rate) {
+        ttf_seams_add(f->seams, source, output);
+        if (f->config->per_frame)
+            ttf_seams_figures(f->seams, &f->last_seams);
+    }
+    add_colours(f, t, source, output, pool);
+}
+
+static double ratio(double a, double b)
+{
+    return b > 0.0 ? a / b : 0.0;
+}
+
+/* Activity of the source pixels, each counted as often as it was copied, over all frames. */
+static double copied_difference(const struct ttf_figures *f, const struct ttf_quilt_map *map)
+{
+    size_t pixels = (size_t)map->width * map->height;
+    uint64_t sum = 0;
+
+    for (size_t i = 0; i < pixels; i++) {
+        unsigned input = map->blocks[map->owner[i]].input;
+
+        sum += ttf_activity_pixels(f->in[input])[map->source[i] - f->sources->first[input]];
+    }
+    return f->sources->frames < 2 ? 0.0
+                                  : (double)sum / (3.0 * (double)pixels * (f->sources->frames - 1));
+}
+
+/* All inputs together, weighted by their pixels. */
+static void input_activity(const struct ttf_figures *f, struct ttf_activity_figures *ret)
+{
+    memset(ret, 0, sizeof(*ret));
+    for (unsigned i = 0; i < f->sources->n; i++) {
+        const struct ttf_sequence *input = f->sources->list[i];
+        double share = (double)input->width * input->height / f->sources->pixels;
+        struct ttf_activity_figures own;
+
+        ttf_activity_figures(f->in[i], &own);
+        ret->frames = own.frames;
+        ret->mean_difference += share * own.mean_difference;
+        ret->second_difference += share * own.second_difference;
+        for (int c = 0; c < 3; c++)
+            ret->mean_rgb[c] += share * own.mean_rgb[c];
+    }
+}
+
+/* Two frames of the same thing differ by 2 sigma / sqrt(pi) on average: taken off in quadrature. */
+static double without_noise(double difference, double noise_variance)
+{
+    double square = difference * difference - 4.0 * noise_variance / 3.14159265358979323846;
+
+    return square > 0.0 ? sqrt(square) : 0.0;
+}
+
+static void finish_coherence(const struct ttf_figures *f, const struct ttf_quilt_map *map,
+                             struct ttf_quilt_report *report)
+{
+    double noise = map->figures.noise_variance;
+
+    input_activity(f, &report->input);
+    ttf_activity_figures(f->out, &report->output);
+    report->coherence = ratio(report->output.mean_difference, report->input.mean_difference);
+    report->coherence_noise_free = ratio(without_noise(report->output.mean_difference, noise),
+                                         without_noise(report->input.mean_difference, noise));
+    report->flicker = ratio(report->output.second_difference, report->input.second_difference);
+    if (f->config->per_frame || f->config->rate)
+        return;
+    report->coherence_copied = ratio(report->output.mean_difference, copied_difference(f, map));
+    report->flicker_copied = report->output.second_difference > 0.0 ? 1.0 : 0.0;
+    if (f->plain) {
+        ttf_activity_figures(f->plain, &report->copied);
+        report->flicker_copied =
+            ratio(report->output.second_difference, report->copied.second_difference);
+    } else {
+        report->copied = report->output;
+    }
+}
+
+int ttf_figures_finish(struct ttf_figures *f, const struct ttf_quilt_map *map,
+                       struct ttf_quilt_report *report)
+{
+    struct ttf_synchrony_figures synchrony = {0};
+
+    finish_coherence(f, map, report);
+    if (f->config->per_frame)
+        report->seams = f->last_seams;
+    else
+        ttf_seams_figures(f->seams, &report->seams);
+    ttf_colour_distance_figures(f->colour, &report->colour);
+    report->n_colour = f->n_colour;
+    memcpy(report->colour_at, f->colour_at, sizeof(f->colour_at));
+    memcpy(report->colour_distance, f->colour_distance, sizeof(f->colour_distance));
+    if (f->synchrony)
+        ttf_synchrony_figures(f->synchrony, &synchrony);
+    report->synchrony_pairs = synchrony.pairs;
+    report->synchrony = synchrony.synchrony;
+    return ttf_repetition_of_map(map, &report->repetition);
+}

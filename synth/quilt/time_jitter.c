@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "quilt/time_jitter.h"
+
+#include <errno.h>
+#include <stdlib.h>
+
+#include "search/hash.h"
+
+void ttf_time_jitter(uint64_t seed, unsigned block, uint32_t e_frames, uint32_t n, uint32_t *ret)
+{
+    int64_t most = (int64_t)e_frames * TTF_TIME_ONE;
+    uint64_t own = ttf_random64(seed, TTF_PURPOSE_JITTER, block);
+    int64_t off = 0; /* f(t) - t */
+
+    ret[0] = 0;
+    for (uint32_t t = 1; t < n; t++) {
+        int64_t d =
+            (int64_t)ttf_pick(ttf_random64(own, TTF_PURPOSE_JITTER, t), 2 * TTF_TIME_ONE + 1) -
+            TTF_TIME_ONE;
+
+        if (off + d <= most && off + d >= -most)
+            off += d;
+        ret[t] = (uint32_t)((int64_t)t * TTF_TIME_ONE + off);
+    }
+}
+
+int ttf_time_jitter_fill(uint64_t seed, uint32_t e_frames, uint32_t n, struct ttf_quilt_map *map)
+{
+    map->times = malloc((size_t)map->n_blocks * n * sizeof(*map->times));
+    if (!map->times)
+        return -ENOMEM;
+    map->n_times = n;
+    for (unsigned i = 0; i < map->n_blocks; i++)
+        ttf_time_jitter(seed, i, e_frames, n, map->times + (size_t)i * n);
+    return 0;
+}
+
+uint32_t ttf_time_at(const uint32_t *times, uint32_t n, uint64_t time)
+{
+    uint64_t last = (uint64_t)(n - 1) * TTF_TIME_ONE;
+    uint32_t frame, part;
+    uint64_t value;
+
+    if (time > last)
+        time = last;
+    if (!times)
+        return (uint32_t)time;
+    frame = (uint32_t)(time / TTF_TIME_ONE);
+    part = (uint32_t)(time % TTF_TIME_ONE);
+    value = times[frame];
+    if (part > 0)
+        value += ((uint64_t)(times[frame + 1] - times[frame]) * part) >> 16;
+    return (uint32_t)(value < last ? value : last);
+}

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "search/rank_kernels.h"
+
+#include "search/rank_rotate.h"
+
+static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
+{
+    uint64_t sum = 0;
+
+    for (size_t i = 0; i < n; i += TTF_COEF_LANES) {
+        uint32_t part = 0;
+
+        for (size_t k = i; k < i + TTF_COEF_LANES; k++) {
+            int32_t d = a[k] - b[k];
+
+            part += (uint32_t)(d * d);
+        }
+        sum += part;
+    }
+    return sum;
+}
+
+static void bound_cells(const int16_t *cells, const struct ttf_cell_target *targets,
+                        size_t n_targets, size_t n, uint32_t limit, uint32_t *bounds)
+{
+    for (size_t x = 0; x < n; x++) {
+        uint32_t sum = 0;
+
+        for (size_t i = 0; i < n_targets && sum <= limit; i++) {
+            const int16_t *cell = cells + (targets[i].offset + x) * TTF_CELL_DIMS;
+
+            for (int k = 0; k < TTF_CELL_DIMS; k++) {
+                int32_t d = cell[k] - targets[i].value[k];
+
+                sum += (uint32_t)(d * d);
+            }
+        }
+        bounds[x] = sum;
+    }
+}
+
+static void rotate4_plain(const float *w, size_t dims, size_t room, const float *in,
+                          size_t in_stride, float *out)
+{
+    for (size_t p = 0; p < 4; p++) {
+        for (size_t r = 0; r < room; r++) {
+            float sum = 0.0f;
+
+            for (size_t i = 0; i < dims; i++)
+                sum += in[p * in_stride + i] * w[i * room + r];
+            out[p * room + r] = sum;
+        }
+    }
+}
+
+const struct ttf_rank_kernels *ttf_rank_kernels_scalar(void)
+{
+    static const struct ttf_rank_kernels kernels = {
+        .name = "scalar",
+        .ssd_i16 = ssd_i16,
+        .bound_cells = bound_cells,
+        .rotate4 = rotate4_plain,
+    };
+
+    return &kernels;
+}
+
+const struct ttf_rank_kernels *ttf_rank_kernels_best(void)
+{
+    static const struct ttf_rank_kernels vector = {
+        .name = "vector",
+        .ssd_i16 = ssd_i16,
+        .bound_cells = bound_cells,
+        .rotate4 = rotate4,
+    };
+    const struct ttf_rank_kernels *best = ttf_rank_kernels_avx512();
+
+    if (!best)
+        best = ttf_rank_kernels_avx2();
+    return best ? best : &vector;
+}

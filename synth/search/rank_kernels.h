@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * rank_kernels.h: the inner loops of matching in k-space, behind a table: a scalar
+ * reference and faster versions. All come to the same: sums are of integers, and the
+ * one loop of floats adds each number's terms in the same order everywhere.
+ */
+#ifndef TTF_SYNTH_SEARCH_RANK_KERNELS_H
+#define TTF_SYNTH_SEARCH_RANK_KERNELS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define TTF_COEF_MAX   4090 /* of a coefficient's absolute value, quantised */
+#define TTF_COEF_LANES 16   /* coefficients of a pixel are padded to a multiple of these */
+#define TTF_CELL_MAX   1023 /* of a cell's values */
+#define TTF_CELL_DIMS  8    /* values of a cell */
+#define TTF_CELLS_MAX  128  /* of an overlap: 8 x 2046^2 x 128 fits 32 bits */
+
+/* What a cell of the overlap is to look like, and where it lies from the block's corner, in cells of the view. */
+struct ttf_cell_target {
+    int16_t value[TTF_CELL_DIMS];
+    uint32_t offset;
+};
+
+struct ttf_rank_kernels {
+    const char *name;
+    /* Sum of squared differences; n a multiple of TTF_COEF_LANES, values within TTF_COEF_MAX. */
+    uint64_t (*ssd_i16)(const int16_t *a, const int16_t *b, size_t n);
+    /*
+     * Of n neighbouring positions: sum over cells of squared differences. cells: the view's values
+     * from the first position's corner on. Of a position beyond `limit`, any number beyond it.
+     * At most TTF_CELLS_MAX targets, values within TTF_CELL_MAX.
+     */
+    void (*bound_cells)(const int16_t *cells, const struct ttf_cell_target *targets,
+                        size_t n_targets, size_t n, uint32_t limit, uint32_t *bounds);
+    /*
+     * out[p][r] = sum over i, ascending, of in[p][i] * w[i][r] for 4 pixels p. room: a
+     * multiple of 8. in: 4 rows of in_stride floats; out: 4 rows of room floats.
+     */
+    void (*rotate4)(const float *w, size_t dims, size_t room, const float *in, size_t in_stride,
+                    float *out);
+};
+
+/* The reference. */
+const struct ttf_rank_kernels *ttf_rank_kernels_scalar(void);
+
+/* The fastest that this processor runs. */
+const struct ttf_rank_kernels *ttf_rank_kernels_best(void);
+
+/* NULL where they are not built or the processor lacks them. */
+const struct ttf_rank_kernels *ttf_rank_kernels_avx2(void);
+const struct ttf_rank_kernels *ttf_rank_kernels_avx512(void);
+
+#endif

@@ -1,0 +1,359 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "search/rank_search.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "search/rank_template.h"
+
+/* How many of the most promising positions are compared in full to get a first limit. */
+#define SEEDS 16
+
+#define EXCLUDED UINT32_MAX
+
+struct ttf_rank_workspace {
+    struct ttf_rank_template template;
+    struct ttf_cell_target targets[TTF_CELLS_MAX];
+    size_t room_positions, room_found;
+    uint32_t *bounds; /* of all views' positions */
+    struct ttf_rank_candidate *found;
+    uint32_t n_found;
+    struct ttf_rank_counts counts;
+    /* of the running query */
+    const struct ttf_rank_search *search;
+    const struct ttf_rank_query *query;
+    uint64_t best;
+    double limit;
+};
+
+int ttf_rank_workspace_create(struct ttf_rank_workspace **ret)
+{
+    *ret = calloc(1, sizeof(**ret));
+    return *ret ? 0 : -ENOMEM;
+}
+
+void ttf_rank_workspace_destroy(struct ttf_rank_workspace *workspace)
+{
+    if (!workspace)
+        return;
+    ttf_rank_template_free(&workspace->template);
+    free(workspace->bounds);
+    free(workspace->found);
+    free(workspace);
+}
+
+struct ttf_rank_counts ttf_rank_workspace_counts(const struct ttf_rank_workspace *workspace)
+{
+    return workspace->counts;
+}
+
+double ttf_rank_limit(const struct ttf_rank_search *search, uint64_t overlap_pixels, uint64_t best)
+{
+    const struct ttf_matching *m = search->matching;
+    double floor = 2.0 * m->noise * (double)overlap_pixels * m->k * m->scale * m->scale;
+    double e = (double)best > floor ? (double)best : floor;
+
+    return (1.0 + search->tolerance) * e;
+}
+
+/* Positions in a row and column of a view; 0 x 0 where the block does not fit. */
+static void grid_of(const struct ttf_view *view, const struct ttf_rank_query *query,
+                    uint32_t *ret_columns, uint32_t *ret_rows)
+{
+    bool fits = query->width <= view->width && query->height <= view->height;
+
+    *ret_columns = fits ? view->width - query->width + 1 : 0;
+    *ret_rows = fits ? view->height - query->height + 1 : 0;
+}
+
+static int make_room(struct ttf_rank_workspace *w, size_t positions)
+{
+    if (positions <= w->room_positions)
+        return 0;
+    free(w->bounds);
+    w->room_positions = 0;
+    w->bounds = malloc(positions * sizeof(*w->bounds));
+    if (!w->bounds)
+        return -ENOMEM;
+    w->room_positions = positions;
+    return 0;
+}
+
+/* E of one position in full; beyond the limit, any number beyond it. */
+static uint64_t error_at(const struct ttf_rank_workspace *w, const struct ttf_rank_position *at)
+{
+    const struct ttf_view *view = &w->search->views->list[at->view];
+    const struct ttf_rank_template *template = &w->template;
+    size_t stride = w->search->matching->stride;
+    uint64_t sum = 0;
+
+    for (size_t i = 0; i < template->n_runs; i++) {
+        const struct ttf_rank_run *run = &template->runs[i];
+        size_t pixel = (size_t)(at->y + run->dy) * view->width + at->x + run->dx;
+
+        sum += w->search->kernels->ssd_i16(view->coefs + pixel * stride,
+                                           template->coefs + run->first * stride,
+                                           run->length * stride);
+        if ((double)sum > w->limit)
+            break;
+    }
+    return sum;
+}
+
+static void look_at(struct ttf_rank_workspace *w, const struct ttf_rank_position *at)
+{
+    uint64_t error = error_at(w, at);
+
+    w->counts.exact++;
+    if (error < w->best) {
+        w->best = error;
+        w->limit = ttf_rank_limit(w->search, w->template.n_pixels, error);
+    }
+}
+
+static bool is_excluded(const struct ttf_rank_query *query, const struct ttf_rank_position *at)
+{
+    for (unsigned i = 0; i < query->n_excluded; i++) {
+        const struct ttf_position_rect *rect = &query->excluded[i];
+
+        if (rect->view == at->view && at->x >= rect->x0 && at->x < rect->x1 && at->y >= rect->y0 &&
+            at->y < rect->y1)
+            return true;
+    }
+    return false;
+}
+
+static void look_at_hints(struct ttf_rank_workspace *w)
+{
+    for (unsigned i = 0; i < w->query->n_hints; i++) {
+        const struct ttf_rank_position *at = &w->query->hints[i];
+        uint32_t columns, rows;
+
+        grid_of(&w->search->views->list[at->view], w->query, &columns, &rows);
+        if (at->x < columns && at->y < rows && !is_excluded(w->query, at))
+            look_at(w, at);
+    }
+}
+
+/*
+ * What the cells' sum may at most be where E is within the limit: a cell's number is a quarter
+ * of its pixels' mean, each rounded by at most a half, so that a difference may be off by one.
+ */
+static uint32_t cell_limit(const struct ttf_rank_workspace *w)
+{
+    double cell = w->search->views->cell;
+    double length =
+        sqrt(w->limit) / (4.0 * cell) + sqrt((double)w->template.n_cells * TTF_CELL_DIMS);
+    double limit = length * length * (1.0 + 1e-12) + 1.0;
+
+    return limit < (double)(EXCLUDED - 1) ? (uint32_t)limit : EXCLUDED - 1;
+}
+
+static void exclude(const struct ttf_rank_workspace *w, unsigned view, uint32_t columns,
+                    uint32_t rows, uint32_t *bounds)
+{
+    for (unsigned i = 0; i < w->query->n_excluded; i++) {
+        const struct ttf_position_rect *rect = &w->query->excluded[i];
+        uint32_t x1 = rect->x1 < columns ? rect->x1 : columns;
+
+        if (rect->view != view || rect->x0 >= x1)
+            continue;
+        for (uint32_t y = rect->y0; y < rect->y1 && y < rows; y++) {
+            for (uint32_t x = rect->x0; x < x1; x++)
+                bounds[(size_t)y * columns + x] = EXCLUDED;
+        }
+    }
+}
+
+static void bound_view(struct ttf_rank_workspace *w, unsigned index, uint32_t limit,
+                       uint32_t *bounds)
+{
+    const struct ttf_view *view = &w->search->views->list[index];
+    struct ttf_rank_template *template = &w->template;
+    uint32_t columns, rows;
+
+    grid_of(view, w->query, &columns, &rows);
+    for (size_t i = 0; i < template->n_cells; i++) {
+        w->targets[i] = template->cells[i].target;
+        w->targets[i].offset = template->cells[i].dy * view->width + template->cells[i].dx;
+    }
+    for (uint32_t y = 0; y < rows; y++)
+        w->search->kernels->bound_cells(view->cells + (size_t)y * view->width * TTF_CELL_DIMS,
+                                        w->targets, template->n_cells, columns, limit,
+                                        bounds + (size_t)y * columns);
+    exclude(w, index, columns, rows, bounds);
+}
+
+/* Indices of the smallest bounds within the limit, in no promised order; returns how many. */
+static unsigned most_promising(const uint32_t *bounds, size_t n, uint32_t limit, size_t ret[SEEDS])
+{
+    uint32_t value[SEEDS];
+    unsigned used = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        unsigned at;
+
+        if (bounds[i] > limit)
+            continue;
+        at = used < SEEDS ? used++ : SEEDS - 1;
+        for (; at > 0 && bounds[i] < value[at - 1]; at--) {
+            value[at] = value[at - 1];
+            ret[at] = ret[at - 1];
+        }
+        value[at] = bounds[i];
+        ret[at] = i;
+        if (used == SEEDS)
+            limit = value[SEEDS - 1] > 0 ? value[SEEDS - 1] - 1 : 0;
+    }
+    return used;
+}
+
+static struct ttf_rank_position position_of(const struct ttf_rank_workspace *w, size_t index)
+{
+    for (unsigned i = 0; i < w->search->views->n; i++) {
+        uint32_t columns, rows;
+
+        grid_of(&w->search->views->list[i], w->query, &columns, &rows);
+        if (index < (size_t)columns * rows)
+            return (struct ttf_rank_position){i, (uint32_t)(index % columns),
+                                              (uint32_t)(index / columns)};
+        index -= (size_t)columns * rows;
+    }
+    return (struct ttf_rank_position){0, 0, 0};
+}
+
+static int add_found(struct ttf_rank_workspace *w, const struct ttf_rank_position *at,
+                     uint64_t error)
+{
+    if (w->n_found == w->room_found) {
+        size_t room = w->room_found ? 2 * w->room_found : 1024;
+        struct ttf_rank_candidate *found = realloc(w->found, room * sizeof(*found));
+
+        if (!found)
+            return -ENOMEM;
+        w->found = found;
+        w->room_found = room;
+    }
+    w->found[w->n_found++] = (struct ttf_rank_candidate){*at, error};
+    return 0;
+}
+
+/* All positions that the bound lets pass, compared in full. The limit only tightens on the way. */
+static int compare_survivors(struct ttf_rank_workspace *w)
+{
+    const uint32_t *bounds = w->bounds;
+    uint32_t limit = cell_limit(w);
+
+    w->n_found = 0;
+    for (unsigned i = 0; i < w->search->views->n; i++) {
+        uint32_t columns, rows;
+
+        grid_of(&w->search->views->list[i], w->query, &columns, &rows);
+        for (size_t at = 0; at < (size_t)columns * rows; at++) {
+            struct ttf_rank_position position;
+            uint64_t error;
+
+            if (bounds[at] > limit)
+                continue;
+            w->counts.survived_cells++;
+            w->counts.exact++;
+            position =
+                (struct ttf_rank_position){i, (uint32_t)(at % columns), (uint32_t)(at / columns)};
+            error = error_at(w, &position);
+            if ((double)error > w->limit)
+                continue;
+            if (add_found(w, &position, error) < 0)
+                return -ENOMEM;
+            if (error < w->best) {
+                w->best = error;
+                w->limit = ttf_rank_limit(w->search, w->template.n_pixels, error);
+                limit = cell_limit(w);
+            }
+        }
+        bounds += (size_t)columns * rows;
+    }
+    return 0;
+}
+
+static void collect(struct ttf_rank_workspace *w, struct ttf_rank_result *ret)
+{
+    uint32_t kept = 0, best_first = 0;
+
+    for (uint32_t i = 0; i < w->n_found; i++) {
+        if ((double)w->found[i].error > w->limit)
+            continue;
+        w->found[kept++] = w->found[i];
+    }
+    while (best_first + 1 < kept && w->found[best_first].error != w->best)
+        best_first++;
+    *ret = (struct ttf_rank_result){.n = kept,
+                                    .list = w->found,
+                                    .best = w->best,
+                                    .best_first = best_first,
+                                    .overlap_pixels = w->template.n_pixels};
+}
+
+static int run(struct ttf_rank_workspace *w, size_t positions)
+{
+    size_t seeds[SEEDS];
+    uint32_t *bounds = w->bounds;
+    uint32_t limit;
+    unsigned n;
+
+    w->best = UINT64_MAX;
+    w->limit = (double)UINT64_MAX;
+    look_at_hints(w);
+    limit = cell_limit(w);
+    for (unsigned i = 0; i < w->search->views->n; i++) {
+        uint32_t columns, rows;
+
+        grid_of(&w->search->views->list[i], w->query, &columns, &rows);
+        bound_view(w, i, limit, bounds);
+        bounds += (size_t)columns * rows;
+    }
+    w->counts.positions += positions;
+    n = most_promising(w->bounds, positions, limit, seeds);
+    for (unsigned i = 0; i < n; i++) {
+        struct ttf_rank_position at = position_of(w, seeds[i]);
+
+        look_at(w, &at);
+    }
+    return compare_survivors(w);
+}
+
+int ttf_rank_search_run(const struct ttf_rank_search *search, struct ttf_rank_workspace *workspace,
+                        const struct ttf_rank_query *query, struct ttf_rank_result *ret)
+{
+    struct ttf_rank_query freed = *query;
+    size_t positions = 0;
+    int r;
+
+    for (unsigned i = 0; i < search->views->n; i++) {
+        uint32_t columns, rows;
+
+        grid_of(&search->views->list[i], query, &columns, &rows);
+        positions += (size_t)columns * rows;
+    }
+    workspace->search = search;
+    workspace->query = query;
+    r = make_room(workspace, positions);
+    if (r == 0)
+        r = ttf_rank_template_gather(&workspace->template, search, query);
+    if (r < 0)
+        return r;
+    if (positions == 0 || workspace->template.n_pixels == 0)
+        return -EINVAL;
+    r = run(workspace, positions);
+    if (r == 0 && workspace->best == UINT64_MAX) {
+        freed.n_excluded = 0;
+        workspace->query = &freed;
+        r = run(workspace, positions);
+    }
+    if (r == 0)
+        collect(workspace, ret);
+    workspace->query = NULL;
+    return r;
+}

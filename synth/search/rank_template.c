@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "search/rank_template.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int make_room(struct ttf_rank_template *template, size_t pixels, size_t stride)
+{
+    if (pixels <= template->room_pixels)
+        return 0;
+    ttf_rank_template_free(template);
+    template->runs = malloc(pixels * sizeof(*template->runs));
+    template->cells = malloc(pixels * sizeof(*template->cells));
+    template->coefs = malloc(pixels * stride * sizeof(*template->coefs));
+    template->taken = malloc(pixels);
+    if (!template->runs || !template->cells || !template->coefs || !template->taken) {
+        ttf_rank_template_free(template);
+        return -ENOMEM;
+    }
+    template->room_pixels = pixels;
+    return 0;
+}
+
+static void gather_runs(struct ttf_rank_template *template, const struct ttf_matching *matching,
+                        const struct ttf_rank_query *query)
+{
+    size_t stride = matching->stride;
+
+    template->n_runs = template->n_pixels = 0;
+    for (uint32_t y = 0; y < query->height; y++) {
+        struct ttf_rank_run *run = NULL;
+
+        for (uint32_t x = 0; x < query->width; x++) {
+            uint32_t id = query->known[(size_t)y * query->width + x];
+
+            if (id == TTF_UNKNOWN_ID) {
+                run = NULL;
+                continue;
+            }
+            if (!run) {
+                run = &template->runs[template->n_runs++];
+                *run = (struct ttf_rank_run){x, y, 0, template->n_pixels};
+            }
+            memcpy(template->coefs + template->n_pixels++ * stride, matching->coefs + id * stride,
+                   stride * sizeof(*template->coefs));
+            run->length++;
+        }
+    }
+}
+
+/* Are all pixels of the cell at (x, y) known, and in no other cell? */
+static bool is_free(const struct ttf_rank_template *template, const struct ttf_rank_query *query,
+                    uint32_t cell, uint32_t x, uint32_t y)
+{
+    for (uint32_t i = 0; i < cell * cell; i++) {
+        size_t at = (size_t)(y + i / cell) * query->width + x + i % cell;
+
+        if (query->known[at] == TTF_UNKNOWN_ID || template->taken[at])
+            return false;
+    }
+    return true;
+}
+
+static void take_cell(struct ttf_rank_template *template, const struct ttf_matching *matching,
+                      const struct ttf_rank_query *query, uint32_t cell, uint32_t x, uint32_t y)
+{
+    struct ttf_rank_cell *out = &template->cells[template->n_cells++];
+    int32_t sums[TTF_CELL_DIMS] = {0};
+
+    for (uint32_t i = 0; i < cell * cell; i++) {
+        size_t at = (size_t)(y + i / cell) * query->width + x + i % cell;
+        const int16_t *coefs = matching->coefs + (size_t)query->known[at] * matching->stride;
+
+        template->taken[at] = 1;
+        for (int d = 0; d < TTF_CELL_DIMS; d++)
+            sums[d] += coefs[d];
+    }
+    *out = (struct ttf_rank_cell){.dx = x, .dy = y};
+    for (int d = 0; d < TTF_CELL_DIMS; d++)
+        out->target.value[d] = ttf_cell_value(sums[d], cell * cell);
+}
+
+/* Evenly fewer, so that sums fit 32 bits: fewer cells bound less, never wrongly. */
+static void thin_out(struct ttf_rank_template *template)
+{
+    size_t n = template->n_cells;
+
+    if (n <= TTF_CELLS_MAX)
+        return;
+    for (size_t i = 0; i < TTF_CELLS_MAX; i++)
+        template->cells[i] = template->cells[i * n / TTF_CELLS_MAX];
+    template->n_cells = TTF_CELLS_MAX;
+}
+
+int ttf_rank_template_gather(struct ttf_rank_template *template,
+                             const struct ttf_rank_search *search,
+                             const struct ttf_rank_query *query)
+{
+    uint32_t cell = search->views->cell;
+    size_t pixels = (size_t)query->width * query->height;
+    int r = make_room(template, pixels, search->matching->stride);
+
+    if (r < 0)
+        return r;
+    gather_runs(template, search->matching, query);
+    memset(template->taken, 0, pixels);
+    template->n_cells = 0;
+    for (uint32_t y = 0; y + cell <= query->height; y++) {
+        for (uint32_t x = 0; x + cell <= query->width; x++) {
+            if (is_free(template, query, cell, x, y))
+                take_cell(template, search->matching, query, cell, x, y);
+        }
+    }
+    thin_out(template);
+    return 0;
+}
+
+void ttf_rank_template_free(struct ttf_rank_template *template)
+{
+    free(template->runs);
+    free(template->cells);
+    free(template->coefs);
+    free(template->taken);
+    memset(template, 0, sizeof(*template));
+}
