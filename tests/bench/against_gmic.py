@@ -174,7 +174,7 @@ def main():
     parser.add_argument("pictures", nargs="*")
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--keep", metavar="FOLDER", help="keep the pictures made there")
-    args = parser.parse_args()
+    args = parser.parse_intermixed_args()
     if not shutil.which("gmic"):
         skip("gmic is not installed (package gmic)")
     for program in (args.ttfbox, args.bench_patches):
