@@ -3,10 +3,11 @@
 """Quilting of single pictures beside G'MIC's syntexturize_matchpatch (package gmic).
 
 Crops 256 x 256 pixels of each picture, lets both programs make 512 x 512 of it
-with two threads and their default arguments, takes the median of five whole
-processes in turn, and compares the patches of both results to the crop's. Where
-the picture is large enough, another crop of it says what the real thing scores.
-Figures, not a verdict: a table, then JSON.
+with two threads and their default arguments, five times in turn (ours with five
+seeds; G'MIC never makes the same picture twice), and compares the patches of all
+results to the crop's. Times are of whole processes. Where the picture is large
+enough, another crop of it says what the real thing scores. Figures, not a verdict:
+a table of medians with the least and largest, then JSON.
 
 Without pictures: those of TTFBOX_TEST_DATA (unset: ../shared/data).
 
@@ -25,7 +26,8 @@ import tempfile
 import time
 import zlib
 
-SIDE, OUT, THREADS = 256, 512, 2
+SIDE, OUT, THREADS, SAMPLES = 256, 512, 2, 1000
+SIZES = ["sliced", "sliced_half", "sliced_quarter"]
 DATA = ["textures/skimage/grass.png", "textures/skimage/gravel.png", "textures/skimage/brick.png",
         "textures/godot/rock_albedo.jpg", "timelapse/copper/050.png", "timelapse/clay/050.png"]
 
@@ -90,41 +92,59 @@ def timed(command):
     return time.monotonic() - begin
 
 
+def run_both(args, still, tmp):
+    """Times and pictures of each program's runs, in turn, so that what else the machine does hits both."""
+    raw = os.path.join(tmp, "quilt.raw")
+    times, pictures = {"quilt": [], "gmic": [], "gmic_start": []}, {"quilt": [], "gmic": []}
+    for i in range(args.runs):
+        ours, theirs = os.path.join(tmp, f"quilt-{i}.png"), os.path.join(tmp, f"gmic-{i}.png")
+        times["quilt"].append(timed([args.ttfbox, "synth", "quilt", still, "--size", f"{OUT}x{OUT}",
+                                     "--threads", str(THREADS), "--seed", str(i), "--sink", "raw", "-q",
+                                     "-o", raw]))
+        times["gmic"].append(timed(["gmic", still, "syntexturize_matchpatch", f"{OUT},{OUT}",
+                                    "-o", theirs]))
+        # its interpreter's start, reading and writing: what is not synthesis
+        times["gmic_start"].append(timed(["gmic", still, "-o", os.path.join(tmp, "copy.png")]))
+        png_of_raw(raw, ours)
+        os.remove(raw)
+        pictures["quilt"].append(ours)
+        pictures["gmic"].append(theirs)
+    return times, pictures
+
+
+def compare(args, still, paths):
+    """Figures of each picture, and their medians."""
+    rows = json.loads(run([args.bench_patches, "--threads", str(THREADS), "--samples", str(SAMPLES),
+                           still] + paths))["outputs"]
+    of_all = {"to_input": [row["to_input"] for row in rows], "from_input": [row["from_input"] for row in rows]}
+    for i, size in enumerate(SIZES):
+        of_all[size] = [row["sliced"][i] for row in rows]
+    return {name: {"median": statistics.median(values), "runs": values} for name, values in of_all.items()}
+
+
 def measure(args, picture, tmp):
-    still, raw = os.path.join(tmp, "still.png"), os.path.join(tmp, "quilt.raw")
-    ours, theirs = os.path.join(tmp, "quilt.png"), os.path.join(tmp, "gmic.png")
-    elsewhere = os.path.join(tmp, "elsewhere.png")
+    still, elsewhere = os.path.join(tmp, "still.png"), os.path.join(tmp, "elsewhere.png")
     width, height = size_of(picture)
     if width < SIDE or height < SIDE:
         print(f"against_gmic: {picture}: skipped: smaller than {SIDE} x {SIDE}")
         return None
     crop(picture, 0, 0, still)
-    quilt = [args.ttfbox, "synth", "quilt", still, "--size", f"{OUT}x{OUT}", "--threads", str(THREADS),
-             "--sink", "raw", "-q", "-o", raw]
-    gmic = ["gmic", still, "syntexturize_matchpatch", f"{OUT},{OUT}", "-o", theirs]
-    times = {"quilt": [], "gmic": []}
-    for _ in range(args.runs):  # in turn, so that what else the machine does hits both
-        if os.path.exists(raw):
-            os.remove(raw)
-        times["quilt"].append(timed(quilt))
-        times["gmic"].append(timed(gmic))
-    png_of_raw(raw, ours)
-    results = [("quilt", ours), ("gmic", theirs)]
+    times, pictures = run_both(args, still, tmp)
     if width >= 2 * SIDE and height >= 2 * SIDE:
         crop(picture, width - SIDE, height - SIDE, elsewhere)
-        results.append(("elsewhere", elsewhere))
-    figures = json.loads(run([args.bench_patches, "--threads", str(THREADS), still] +
-                             [path for _, path in results]))["outputs"]
-    rows = []
-    for (name, path), row in zip(results, figures):
-        seconds = times.get(name)
-        rows.append({"by": name, "seconds": statistics.median(seconds) if seconds else None,
-                     "runs": seconds, "sliced": row["sliced"], "to_input": row["to_input"],
-                     "from_input": row["from_input"]})
-        if args.keep:
+        pictures["elsewhere"] = [elsewhere]
+    results = []
+    for name, paths in pictures.items():
+        result = {"by": name, "figures": compare(args, still, paths)}
+        if name in times:
+            result["seconds"] = {"median": statistics.median(times[name]), "runs": times[name]}
+        results.append(result)
+        for path in paths if args.keep else []:
             os.makedirs(args.keep, exist_ok=True)
-            shutil.copy(path, os.path.join(args.keep, label(picture).replace("/", "-") + f"-{name}.png"))
-    return {"picture": label(picture), "results": rows}
+            shutil.copy(path, os.path.join(args.keep, label(picture).replace("/", "-") + "-" +
+                                           os.path.basename(path)))
+    return {"picture": label(picture), "gmic_start_seconds": statistics.median(times["gmic_start"]),
+            "results": results}
 
 
 def label(picture):
@@ -132,14 +152,18 @@ def label(picture):
 
 
 def print_table(all_figures):
-    print(f"{'picture':22} {'by':10} {'seconds':>8} {'sliced':>7} {'1/2':>7} {'1/4':>7} "
-          f"{'to input':>9} {'from input':>11}")
+    names = SIZES + ["to_input", "from_input"]
+    print(f"{'picture':22} {'by':10} {'seconds':>8} " + " ".join(f"{name:>14}" for name in names))
     for picture in all_figures:
-        for row in picture["results"]:
-            seconds = "" if row["seconds"] is None else f"{row['seconds']:.2f}"
-            sliced = " ".join(f"{x:7.2f}" for x in row["sliced"])
-            print(f"{picture['picture']:22} {row['by']:10} {seconds:>8} {sliced} "
-                  f"{row['to_input']:9.2f} {row['from_input']:11.2f}")
+        for result in picture["results"]:
+            seconds = f"{result['seconds']['median']:.2f}" if "seconds" in result else ""
+            columns = []
+            for name in names:
+                figure = result["figures"][name]
+                spread = f" {min(figure['runs']):.1f}-{max(figure['runs']):.1f}" if "seconds" in result else ""
+                columns.append(f"{figure['median']:.1f}{spread}")
+            print(f"{picture['picture']:22} {result['by']:10} {seconds:>8} " +
+                  " ".join(f"{column:>14}" for column in columns))
 
 
 def main():
@@ -149,13 +173,14 @@ def main():
     parser.add_argument("bench_patches")
     parser.add_argument("pictures", nargs="*")
     parser.add_argument("--runs", type=int, default=5)
-    parser.add_argument("--keep", metavar="FOLDER", help="keep the pictures of the last runs there")
-    args = parser.parse_args()
+    parser.add_argument("--keep", metavar="FOLDER", help="keep the pictures made there")
+    args = parser.parse_intermixed_args()
     if not shutil.which("gmic"):
         skip("gmic is not installed (package gmic)")
     for program in (args.ttfbox, args.bench_patches):
         if not os.access(program, os.X_OK):
             skip(f"{program} is not there: build it first")
+    load = os.getloadavg()[0]
     all_figures = []
     for picture in find_pictures(args.pictures):
         with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as tmp:
@@ -163,7 +188,12 @@ def main():
             if figures:
                 all_figures.append(figures)
     print_table(all_figures)
-    print(json.dumps({"side": SIDE, "out": OUT, "threads": THREADS, "pictures": all_figures}))
+    if all_figures:
+        start = statistics.median(picture["gmic_start_seconds"] for picture in all_figures)
+        print(f"of gmic's seconds, {start:.2f} are its start, reading and writing")
+    if load > 0.5:
+        print(f"load average at the start {load:.1f}: others computed too, and the times are not to be relied on")
+    print(json.dumps({"side": SIDE, "out": OUT, "threads": THREADS, "load_average": load, "pictures": all_figures}))
 
 
 if __name__ == "__main__":
