@@ -229,10 +229,7 @@ static int prepare_rank(struct ttf_plan *plan, uint32_t first, uint32_t frames, 
     if (r < 0)
         return r;
     loaded_ns = now_ns(config);
-    r = ttf_views_create(&plan->sources, &plan->matching, turns_of(config),
-                         narrow >= 4   ? 4
-                         : narrow >= 2 ? 2
-                                       : 1,
+    r = ttf_views_create(&plan->sources, &plan->matching, turns_of(config), ttf_cells_side(narrow),
                          plan->pool, &plan->views);
     if (r < 0)
         return ttf_err_set(err, r, NULL, "no memory to match %u pixels", plan->sources.pixels);

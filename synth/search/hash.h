@@ -15,6 +15,7 @@ enum ttf_purpose {
     TTF_PURPOSE_BASIS = 3,  /* start of the iteration that finds a basis */
     TTF_PURPOSE_JITTER = 4, /* steps of a block's time */
     TTF_PURPOSE_QUERY = 5,  /* queries that two searches are compared by */
+    TTF_PURPOSE_CELLS = 6,  /* samples and a first guess of cells' directions */
 
     /* figures: 20..29 */
     TTF_PURPOSE_COLOUR_DIRECTION = 20, /* directions through RGB */

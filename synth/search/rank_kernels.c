@@ -7,10 +7,10 @@ static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
 {
     uint64_t sum = 0;
 
-    for (size_t i = 0; i < n; i += TTF_COEF_LANES) {
+    for (size_t i = 0; i < n; i += 4) {
         uint32_t part = 0;
 
-        for (size_t k = i; k < i + TTF_COEF_LANES; k++) {
+        for (size_t k = i; k < i + 4; k++) {
             int32_t d = a[k] - b[k];
 
             part += (uint32_t)(d * d);
@@ -34,6 +34,7 @@ static void bound_cells(const int16_t *cells, const struct ttf_cell_target *targ
 
                 sum += (uint32_t)(d * d);
             }
+            sum = sum < TTF_BOUND_MAX ? sum : TTF_BOUND_MAX;
         }
         bounds[x] = sum;
     }

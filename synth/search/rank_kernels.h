@@ -10,11 +10,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define TTF_COEF_MAX   4090 /* of a coefficient's absolute value, quantised */
-#define TTF_COEF_LANES 16   /* coefficients of a pixel are padded to a multiple of these */
-#define TTF_CELL_MAX   1023 /* of a cell's values */
-#define TTF_CELL_DIMS  8    /* values of a cell */
-#define TTF_CELLS_MAX  128  /* of an overlap: 8 x 2046^2 x 128 fits 32 bits */
+#define TTF_COEF_MAX   4090        /* of a coefficient's absolute value, quantised */
+#define TTF_COEF_LANES 16          /* coefficients of a pixel are padded to a multiple of these */
+#define TTF_CELL_MAX   1023        /* of a cell's values */
+#define TTF_CELL_DIMS  16          /* values of a cell */
+#define TTF_CELLS_MAX  192         /* of an overlap */
+#define TTF_BOUND_MAX  0x7fffffffu /* sums are clipped to this */
 
 /* What a cell of the overlap is to look like, and where it lies from the block's corner, in cells of the view. */
 struct ttf_cell_target {
@@ -24,10 +25,10 @@ struct ttf_cell_target {
 
 struct ttf_rank_kernels {
     const char *name;
-    /* Sum of squared differences; n a multiple of TTF_COEF_LANES, values within TTF_COEF_MAX. */
+    /* Sum of squared differences; n a multiple of 4, values within TTF_COEF_MAX. */
     uint64_t (*ssd_i16)(const int16_t *a, const int16_t *b, size_t n);
     /*
-     * Of n neighbouring positions: sum over cells of squared differences. cells: the view's values
+     * Of n neighbouring positions: sum over cells of squared differences, clipped at TTF_BOUND_MAX. cells: the view's values
      * from the first position's corner on. Of a position beyond `limit`, any number beyond it.
      * At most TTF_CELLS_MAX targets, values within TTF_CELL_MAX.
      */

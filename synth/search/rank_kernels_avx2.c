@@ -5,7 +5,7 @@
 #include "search/rank_kernels.h"
 #include "search/rank_rotate.h"
 
-/* Cells added before the sums are looked at. */
+/* Cells added before the sums are looked at: 16 x 16 x 2046^2 and a clipped sum fit 32 bits. */
 #define CELLS_AT_ONCE 16
 
 static __m256i load(const int16_t *p)
@@ -20,46 +20,72 @@ static __m256i squares(__m256i a, __m256i b)
     return _mm256_madd_epi16(d, d);
 }
 
+/* Adds eight 32-bit lanes, none negative, to four of 64 bits. */
+static __m256i widen(__m256i sum, __m256i part)
+{
+    const __m256i zero = _mm256_setzero_si256();
+
+    sum = _mm256_add_epi64(sum, _mm256_unpacklo_epi32(part, zero));
+    return _mm256_add_epi64(sum, _mm256_unpackhi_epi32(part, zero));
+}
+
+/* The last up to 15 numbers, an even number of them. */
+static __m256i load_tail(const int16_t *p, size_t n)
+{
+    static const int32_t on[16] = {-1, -1, -1, -1, -1, -1, -1, -1};
+    __m256i mask = _mm256_loadu_si256((const __m256i *)(const void *)(on + 8 - n / 2));
+
+    return _mm256_maskload_epi32((const int *)(const void *)p, mask);
+}
+
 /* Eight vectors of squares keep a lane below 2^31; then into 64 bits. */
 static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
 {
-    const __m256i zero = _mm256_setzero_si256();
-    __m256i sum = zero;
+    __m256i sum = _mm256_setzero_si256();
     uint64_t lanes[4];
+    size_t i = 0;
 
-    for (size_t i = 0; i < n;) {
+    while (i + 16 <= n) {
         size_t end = n - i < 128 ? n : i + 128;
-        __m256i part = zero;
+        __m256i part = _mm256_setzero_si256();
 
-        for (; i < end; i += 16)
+        for (; i + 16 <= end; i += 16)
             part = _mm256_add_epi32(part, squares(load(a + i), load(b + i)));
-        sum = _mm256_add_epi64(sum, _mm256_unpacklo_epi32(part, zero));
-        sum = _mm256_add_epi64(sum, _mm256_unpackhi_epi32(part, zero));
+        sum = widen(sum, part);
     }
+    if (i < n)
+        sum = widen(sum, squares(load_tail(a + i, n - i), load_tail(b + i, n - i)));
     _mm256_storeu_si256((__m256i *)(void *)lanes, sum);
     return lanes[0] + lanes[1] + lanes[2] + lanes[3];
 }
 
-/* Eight positions and up to CELLS_AT_ONCE cells: one sum per position. */
+/* The sums of the lanes of eight vectors, in order. */
+static __m256i gather_sums(const __m256i v[8])
+{
+    __m256i even = _mm256_hadd_epi32(_mm256_hadd_epi32(v[0], v[1]), _mm256_hadd_epi32(v[2], v[3]));
+    __m256i odd = _mm256_hadd_epi32(_mm256_hadd_epi32(v[4], v[5]), _mm256_hadd_epi32(v[6], v[7]));
+
+    return _mm256_add_epi32(_mm256_permute2x128_si256(even, odd, 0x20),
+                            _mm256_permute2x128_si256(even, odd, 0x31));
+}
+
+/* Eight positions, a vector each, and up to CELLS_AT_ONCE cells: one sum per position. */
 static __m256i eight_positions(const int16_t *cells, const struct ttf_cell_target *targets,
                                size_t n_targets)
 {
-    __m256i a = _mm256_setzero_si256(), b = a, c = a, d = a, ab, cd;
+    __m256i sums[8];
 
+    for (int k = 0; k < 8; k++)
+        sums[k] = _mm256_setzero_si256();
     for (size_t i = 0; i < n_targets; i++) {
         const int16_t *at = cells + (size_t)targets[i].offset * TTF_CELL_DIMS;
-        __m256i target = _mm256_broadcastsi128_si256(
-            _mm_loadu_si128((const __m128i *)(const void *)targets[i].value));
+        __m256i target = load(targets[i].value);
 
-        a = _mm256_add_epi32(a, squares(load(at), target));
-        b = _mm256_add_epi32(b, squares(load(at + 16), target));
-        c = _mm256_add_epi32(c, squares(load(at + 32), target));
-        d = _mm256_add_epi32(d, squares(load(at + 48), target));
+        for (int k = 0; k < 8; k++)
+            sums[k] =
+                _mm256_add_epi32(sums[k], squares(load(at + (size_t)k * TTF_CELL_DIMS), target));
     }
-    ab = _mm256_hadd_epi32(a, b);   /* 0 0 2 2 | 1 1 3 3 */
-    cd = _mm256_hadd_epi32(c, d);   /* 4 4 6 6 | 5 5 7 7 */
-    ab = _mm256_hadd_epi32(ab, cd); /* 0 2 4 6 | 1 3 5 7 */
-    return _mm256_permutevar8x32_epi32(ab, _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7));
+    return gather_sums(sums);
 }
 
 static void bound_group(const int16_t *cells, const struct ttf_cell_target *targets,
@@ -67,12 +93,13 @@ static void bound_group(const int16_t *cells, const struct ttf_cell_target *targ
 {
     __m256i sum = _mm256_setzero_si256();
     __m256i most = _mm256_set1_epi32((int)limit);
+    __m256i clip = _mm256_set1_epi32((int)TTF_BOUND_MAX);
 
     for (size_t i = 0; i < n_targets; i += CELLS_AT_ONCE) {
         size_t n = n_targets - i < CELLS_AT_ONCE ? n_targets - i : CELLS_AT_ONCE;
         __m256i within;
 
-        sum = _mm256_add_epi32(sum, eight_positions(cells, targets + i, n));
+        sum = _mm256_min_epu32(_mm256_add_epi32(sum, eight_positions(cells, targets + i, n)), clip);
         within = _mm256_cmpeq_epi32(_mm256_min_epu32(sum, most), sum);
         if (_mm256_testz_si256(within, within))
             break;

@@ -5,7 +5,7 @@
 #include "search/rank_kernels.h"
 #include "search/rank_rotate.h"
 
-/* Cells added before the sums are looked at. */
+/* Cells added before the sums are looked at: 16 x 16 x 2046^2 and a clipped sum fit 32 bits. */
 #define CELLS_AT_ONCE 16
 
 static __m512i load(const int16_t *p)
@@ -32,8 +32,10 @@ static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
         for (; i + 32 <= end; i += 32)
             part = _mm512_add_epi32(part, squares(load(a + i), load(b + i)));
         if (i < end) {
-            part = _mm512_add_epi32(part, squares(_mm512_maskz_loadu_epi16(0xffff, a + i),
-                                                  _mm512_maskz_loadu_epi16(0xffff, b + i)));
+            __mmask32 rest = ((__mmask32)1 << (end - i)) - 1;
+
+            part = _mm512_add_epi32(part, squares(_mm512_maskz_loadu_epi16(rest, a + i),
+                                                  _mm512_maskz_loadu_epi16(rest, b + i)));
             i = end;
         }
         sum = _mm512_add_epi64(sum, _mm512_cvtepu32_epi64(_mm512_castsi512_si256(part)));
@@ -42,34 +44,48 @@ static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
     return (uint64_t)_mm512_reduce_add_epi64(sum);
 }
 
-/* The sums of four lanes each of four vectors, in the order of positions. */
-static __m512i gather_sums(__m512i a, __m512i b, __m512i c, __m512i d)
+/*
+ * The sums of the halves of eight vectors: vector k holds positions 2 k and 2 k + 1. Pairs are
+ * added until one number of each is left, then put in order.
+ */
+static __m512i gather_sums(const __m512i v[8])
 {
-    const __m512i order = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
-    __m512i ab = _mm512_add_epi32(_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b));
-    __m512i cd = _mm512_add_epi32(_mm512_unpacklo_epi32(c, d), _mm512_unpackhi_epi32(c, d));
-    __m512i all = _mm512_add_epi32(_mm512_unpacklo_epi64(ab, cd), _mm512_unpackhi_epi64(ab, cd));
+    const __m512i order = _mm512_setr_epi32(0, 8, 1, 9, 2, 10, 3, 11, 4, 12, 5, 13, 6, 14, 7, 15);
+    __m512i pair[4], four[2], low, high;
 
-    /* in each 128 bits now: a, b, c, d of one position */
-    return _mm512_permutexvar_epi32(order, all);
+    for (int k = 0; k < 4; k++)
+        pair[k] = _mm512_add_epi32(_mm512_unpacklo_epi32(v[2 * k], v[2 * k + 1]),
+                                   _mm512_unpackhi_epi32(v[2 * k], v[2 * k + 1]));
+    for (int k = 0; k < 2; k++)
+        four[k] = _mm512_add_epi32(_mm512_unpacklo_epi64(pair[2 * k], pair[2 * k + 1]),
+                                   _mm512_unpackhi_epi64(pair[2 * k], pair[2 * k + 1]));
+    /* in each 128 bits: vectors 0 to 3 (4 to 7); two such parts make up a position */
+    low = _mm512_shuffle_i64x2(four[0], four[1], 0x88);  /* parts 0, 2 of each */
+    high = _mm512_shuffle_i64x2(four[0], four[1], 0xdd); /* parts 1, 3 of each */
+    low = _mm512_add_epi32(low, high);
+    /* now: first positions of 0-3, second of 0-3, first of 4-7, second of 4-7 */
+    low = _mm512_shuffle_i64x2(low, low, 0xd8);
+    return _mm512_permutexvar_epi32(order, low);
 }
 
+/* Sixteen positions, two to a vector, and up to CELLS_AT_ONCE cells: one sum per position. */
 static __m512i sixteen_positions(const int16_t *cells, const struct ttf_cell_target *targets,
                                  size_t n_targets)
 {
-    __m512i a = _mm512_setzero_si512(), b = a, c = a, d = a;
+    __m512i sums[8];
 
+    for (int k = 0; k < 8; k++)
+        sums[k] = _mm512_setzero_si512();
     for (size_t i = 0; i < n_targets; i++) {
         const int16_t *at = cells + (size_t)targets[i].offset * TTF_CELL_DIMS;
-        __m512i target = _mm512_broadcast_i32x4(
-            _mm_loadu_si128((const __m128i *)(const void *)targets[i].value));
+        __m512i target = _mm512_broadcast_i64x4(
+            _mm256_loadu_si256((const __m256i *)(const void *)targets[i].value));
 
-        a = _mm512_add_epi32(a, squares(load(at), target));
-        b = _mm512_add_epi32(b, squares(load(at + 32), target));
-        c = _mm512_add_epi32(c, squares(load(at + 64), target));
-        d = _mm512_add_epi32(d, squares(load(at + 96), target));
+        for (int k = 0; k < 8; k++)
+            sums[k] = _mm512_add_epi32(sums[k],
+                                       squares(load(at + (size_t)k * 2 * TTF_CELL_DIMS), target));
     }
-    return gather_sums(a, b, c, d);
+    return gather_sums(sums);
 }
 
 static void bound_group(const int16_t *cells, const struct ttf_cell_target *targets,
@@ -77,11 +93,13 @@ static void bound_group(const int16_t *cells, const struct ttf_cell_target *targ
 {
     __m512i sum = _mm512_setzero_si512();
     __m512i most = _mm512_set1_epi32((int)limit);
+    __m512i clip = _mm512_set1_epi32((int)TTF_BOUND_MAX);
 
     for (size_t i = 0; i < n_targets; i += CELLS_AT_ONCE) {
         size_t n = n_targets - i < CELLS_AT_ONCE ? n_targets - i : CELLS_AT_ONCE;
 
-        sum = _mm512_add_epi32(sum, sixteen_positions(cells, targets + i, n));
+        sum =
+            _mm512_min_epu32(_mm512_add_epi32(sum, sixteen_positions(cells, targets + i, n)), clip);
         if (_mm512_cmple_epu32_mask(sum, most) == 0)
             break;
     }

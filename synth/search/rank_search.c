@@ -82,6 +82,26 @@ static int make_room(struct ttf_rank_workspace *w, size_t positions)
     return 0;
 }
 
+/* The share of the strongest numbers: most of E, at a fraction of the cost. Beyond the limit, any number beyond it. */
+static uint64_t first_look(const struct ttf_rank_workspace *w, const struct ttf_rank_position *at)
+{
+    const struct ttf_view *view = &w->search->views->list[at->view];
+    const struct ttf_rank_template *template = &w->template;
+    uint64_t sum = 0;
+
+    for (size_t i = 0; i < template->n_runs; i++) {
+        const struct ttf_rank_run *run = &template->runs[i];
+        size_t pixel = (size_t)(at->y + run->dy) * view->width + at->x + run->dx;
+
+        sum += w->search->kernels->ssd_i16(view->strongest + pixel * TTF_STRONGEST,
+                                           template->strongest + run->first * TTF_STRONGEST,
+                                           run->length * TTF_STRONGEST);
+        if ((double)sum > w->limit)
+            break;
+    }
+    return sum;
+}
+
 /* E of one position in full; beyond the limit, any number beyond it. */
 static uint64_t error_at(const struct ttf_rank_workspace *w, const struct ttf_rank_position *at)
 {
@@ -139,17 +159,17 @@ static void look_at_hints(struct ttf_rank_workspace *w)
 }
 
 /*
- * What the cells' sum may at most be where E is within the limit: a cell's number is a quarter
- * of its pixels' mean, each rounded by at most a half, so that a difference may be off by one.
+ * What the cells' sum may at most be where E is within the limit: each stored number is rounded by
+ * at most a half, so that a difference may be off by one (and a little for what floats lose).
+ * Beyond what sums are clipped to, nothing is excluded.
  */
 static uint32_t cell_limit(const struct ttf_rank_workspace *w)
 {
-    double cell = w->search->views->cell;
-    double length =
-        sqrt(w->limit) / (4.0 * cell) + sqrt((double)w->template.n_cells * TTF_CELL_DIMS);
-    double limit = length * length * (1.0 + 1e-12) + 1.0;
+    double length = sqrt(w->limit) * w->search->views->cells.scale * (1.0 + 1e-5) +
+                    1.01 * sqrt((double)w->template.n_cells * TTF_CELL_DIMS);
+    double limit = length * length + 1.0;
 
-    return limit < (double)(EXCLUDED - 1) ? (uint32_t)limit : EXCLUDED - 1;
+    return limit < (double)TTF_BOUND_MAX ? (uint32_t)limit : EXCLUDED - 1;
 }
 
 static void exclude(const struct ttf_rank_workspace *w, unsigned view, uint32_t columns,

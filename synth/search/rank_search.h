@@ -4,10 +4,9 @@
  * (section 5.2): sums of squared differences of quantised coefficients, exactly, over all
  * positions of all views.
  *
- * A lower bound from cells (means over 4 x 4 pixels of the 8 strongest numbers; by Cauchy's
- * inequality 16 times the squared difference of means is at most the sum over the pixels) excludes
- * most positions; the rest is compared pixel by pixel, in integers, and given up as
- * soon as it passes the limit. So the result is that of a plain search.
+ * A lower bound from cells (cells.h) excludes many positions, the pixels' strongest numbers most
+ * of the rest; what is left is compared in full, in integers, and given up as soon as it passes the
+ * limit. So the result is that of a plain search.
  *
  * Threads: one search serves several queries at once, each with a workspace of its own.
  */

@@ -14,8 +14,10 @@ static int make_room(struct ttf_rank_template *template, size_t pixels, size_t s
     template->runs = malloc(pixels * sizeof(*template->runs));
     template->cells = malloc(pixels * sizeof(*template->cells));
     template->coefs = malloc(pixels * stride * sizeof(*template->coefs));
+    template->strongest = malloc(pixels * TTF_STRONGEST * sizeof(*template->strongest));
     template->taken = malloc(pixels);
-    if (!template->runs || !template->cells || !template->coefs || !template->taken) {
+    if (!template->runs || !template->cells || !template->coefs || !template->strongest ||
+        !template->taken) {
         ttf_rank_template_free(template);
         return -ENOMEM;
     }
@@ -43,8 +45,11 @@ static void gather_runs(struct ttf_rank_template *template, const struct ttf_mat
                 run = &template->runs[template->n_runs++];
                 *run = (struct ttf_rank_run){x, y, 0, template->n_pixels};
             }
-            memcpy(template->coefs + template->n_pixels++ * stride, matching->coefs + id * stride,
+            memcpy(template->coefs + template->n_pixels * stride, matching->coefs + id * stride,
                    stride * sizeof(*template->coefs));
+            memcpy(template->strongest + template->n_pixels * TTF_STRONGEST,
+                   matching->coefs + id * stride, TTF_STRONGEST * sizeof(*template->strongest));
+            template->n_pixels++;
             run->length++;
         }
     }
@@ -63,26 +68,49 @@ static bool is_free(const struct ttf_rank_template *template, const struct ttf_r
     return true;
 }
 
-static void take_cell(struct ttf_rank_template *template, const struct ttf_matching *matching,
-                      const struct ttf_rank_query *query, uint32_t cell, uint32_t x, uint32_t y)
+static void take_cell(struct ttf_rank_template *template, const struct ttf_rank_query *query,
+                      uint32_t cell, uint32_t x, uint32_t y)
 {
-    struct ttf_rank_cell *out = &template->cells[template->n_cells++];
-    int32_t sums[TTF_CELL_DIMS] = {0};
-
-    for (uint32_t i = 0; i < cell * cell; i++) {
-        size_t at = (size_t)(y + i / cell) * query->width + x + i % cell;
-        const int16_t *coefs = matching->coefs + (size_t)query->known[at] * matching->stride;
-
-        template->taken[at] = 1;
-        for (int d = 0; d < TTF_CELL_DIMS; d++)
-            sums[d] += coefs[d];
-    }
-    *out = (struct ttf_rank_cell){.dx = x, .dy = y};
-    for (int d = 0; d < TTF_CELL_DIMS; d++)
-        out->target.value[d] = ttf_cell_value(sums[d], cell * cell);
+    template->cells[template->n_cells++] = (struct ttf_rank_cell){.dx = x, .dy = y};
+    for (uint32_t i = 0; i < cell * cell; i++)
+        template->taken[(size_t)(y + i / cell) * query->width + x + i % cell] = 1;
 }
 
-/* Evenly fewer, so that sums fit 32 bits: fewer cells bound less, never wrongly. */
+struct four_cells {
+    const struct ttf_matching *matching;
+    const struct ttf_rank_query *query;
+    uint32_t side;
+    const struct ttf_rank_cell *cells[4];
+};
+
+static const int16_t *known_pixel(const void *ctx, unsigned which, uint32_t i)
+{
+    const struct four_cells *four = ctx;
+    size_t x = four->cells[which]->dx + i % four->side;
+    size_t y = four->cells[which]->dy + i / four->side;
+
+    return four->matching->coefs +
+           (size_t)four->query->known[y * four->query->width + x] * four->matching->stride;
+}
+
+static void project_cells(struct ttf_rank_template *template, const struct ttf_rank_search *search,
+                          const struct ttf_rank_query *query)
+{
+    struct four_cells four = {search->matching, query, search->views->cells.side, {NULL}};
+    int16_t values[4 * TTF_CELL_DIMS];
+    size_t n = template->n_cells;
+
+    for (size_t i = 0; i < n; i += 4) {
+        for (size_t k = 0; k < 4; k++)
+            four.cells[k] = &template->cells[i + k < n ? i + k : n - 1];
+        ttf_cells_project(&search->views->cells, known_pixel, &four, values);
+        for (size_t k = 0; k < 4 && i + k < n; k++)
+            memcpy(template->cells[i + k].target.value, values + k * TTF_CELL_DIMS,
+                   TTF_CELL_DIMS * sizeof(*values));
+    }
+}
+
+/* Evenly fewer of very many: fewer cells bound less, never wrongly. */
 static void thin_out(struct ttf_rank_template *template)
 {
     size_t n = template->n_cells;
@@ -98,7 +126,7 @@ int ttf_rank_template_gather(struct ttf_rank_template *template,
                              const struct ttf_rank_search *search,
                              const struct ttf_rank_query *query)
 {
-    uint32_t cell = search->views->cell;
+    uint32_t cell = search->views->cells.side;
     size_t pixels = (size_t)query->width * query->height;
     int r = make_room(template, pixels, search->matching->stride);
 
@@ -110,10 +138,11 @@ int ttf_rank_template_gather(struct ttf_rank_template *template,
     for (uint32_t y = 0; y + cell <= query->height; y++) {
         for (uint32_t x = 0; x + cell <= query->width; x++) {
             if (is_free(template, query, cell, x, y))
-                take_cell(template, search->matching, query, cell, x, y);
+                take_cell(template, query, cell, x, y);
         }
     }
     thin_out(template);
+    project_cells(template, search, query);
     return 0;
 }
 
@@ -122,6 +151,7 @@ void ttf_rank_template_free(struct ttf_rank_template *template)
     free(template->runs);
     free(template->cells);
     free(template->coefs);
+    free(template->strongest);
     free(template->taken);
     memset(template, 0, sizeof(*template));
 }

@@ -22,6 +22,7 @@ struct ttf_rank_template {
     struct ttf_rank_run *runs;
     struct ttf_rank_cell *cells;
     int16_t *coefs;     /* n_pixels x stride */
+    int16_t *strongest; /* n_pixels x TTF_STRONGEST */
     uint8_t *taken;     /* of the block's pixels: in a cell already */
     size_t room_pixels; /* of blocks */
 };

@@ -7,17 +7,6 @@
 
 #include "search/rank_kernels.h"
 
-/* Cell values are a quarter of the pixels' scale (TTF_CELL_MAX against TTF_COEF_MAX). */
-#define CELL_SCALE 4
-
-int16_t ttf_cell_value(int32_t sum, uint32_t pixels)
-{
-    int32_t unit = (int32_t)(CELL_SCALE * pixels);
-    int32_t half = unit / 2;
-
-    return (int16_t)(sum >= 0 ? (sum + half) / unit : -((-sum + half) / unit));
-}
-
 void ttf_view_geometry(uint32_t width, uint32_t height, uint32_t first, unsigned turn,
                        struct ttf_view *ret)
 {
@@ -45,7 +34,7 @@ void ttf_view_geometry(uint32_t width, uint32_t height, uint32_t first, unsigned
 struct fill {
     struct ttf_view *view;
     const struct ttf_matching *matching;
-    uint32_t cell;
+    const struct ttf_cells *cells;
 };
 
 static void copy_row(void *ctx, unsigned y, unsigned worker)
@@ -61,23 +50,49 @@ static void copy_row(void *ctx, unsigned y, unsigned worker)
                stride * sizeof(*view->own));
 }
 
-/* Sums down a column of cell pixels, then along the row. Cells that reach over the edge are left 0: nobody asks for them. */
+static void strongest_row(void *ctx, unsigned y, unsigned worker)
+{
+    const struct fill *fill = ctx;
+    const struct ttf_view *view = fill->view;
+    size_t row = (size_t)y * view->width;
+
+    (void)worker;
+    for (size_t i = row; i < row + view->width; i++)
+        memcpy(view->strongest + i * TTF_STRONGEST, view->coefs + i * fill->matching->stride,
+               TTF_STRONGEST * sizeof(*view->strongest));
+}
+
+struct four_cells {
+    const struct ttf_view *view;
+    size_t stride;
+    uint32_t side, y, x[4];
+};
+
+static const int16_t *view_pixel(const void *ctx, unsigned which, uint32_t i)
+{
+    const struct four_cells *four = ctx;
+    size_t x = four->x[which] + i % four->side, y = four->y + i / four->side;
+
+    return four->view->coefs + (y * four->view->width + x) * four->stride;
+}
+
+/* Cells that reach over the edge are left 0: nobody asks for them. */
 static void cells_row(void *ctx, unsigned y, unsigned worker)
 {
     const struct fill *fill = ctx;
     const struct ttf_view *view = fill->view;
-    size_t stride = fill->matching->stride, cell = fill->cell;
+    struct four_cells four = {view, fill->matching->stride, fill->cells->side, y, {0}};
     int16_t *out = view->cells + (size_t)y * view->width * TTF_CELL_DIMS;
+    uint32_t n = view->width - four.side + 1;
+    int16_t values[4 * TTF_CELL_DIMS];
 
     (void)worker;
-    for (size_t x = 0; x + cell <= view->width; x++) {
-        for (size_t d = 0; d < TTF_CELL_DIMS; d++) {
-            int32_t sum = 0;
-
-            for (size_t i = 0; i < cell * cell; i++)
-                sum += view->coefs[((y + i / cell) * view->width + x + i % cell) * stride + d];
-            out[x * TTF_CELL_DIMS + d] = ttf_cell_value(sum, (uint32_t)(cell * cell));
-        }
+    for (uint32_t x = 0; x < n; x += 4) {
+        for (uint32_t k = 0; k < 4; k++)
+            four.x[k] = x + k < n ? x + k : n - 1;
+        ttf_cells_project(fill->cells, view_pixel, &four, values);
+        memcpy(out + (size_t)x * TTF_CELL_DIMS, values,
+               (n - x < 4 ? n - x : 4) * TTF_CELL_DIMS * sizeof(*values));
     }
 }
 
@@ -85,9 +100,8 @@ static int fill_view(struct fill *fill, struct ttf_pool *pool)
 {
     struct ttf_view *view = fill->view;
     size_t pixels = (size_t)view->width * view->height;
+    uint32_t side = fill->cells->side;
 
-    if (!fill->matching->coefs)
-        return 0; /* only the geometry is asked for */
     if (view->turn != 0) {
         view->own = malloc(pixels * fill->matching->stride * sizeof(*view->own));
         if (!view->own)
@@ -95,36 +109,49 @@ static int fill_view(struct fill *fill, struct ttf_pool *pool)
         ttf_pool_run(pool, view->height, copy_row, fill);
         view->coefs = view->own;
     }
+    view->strongest = malloc(pixels * TTF_STRONGEST * sizeof(*view->strongest));
     view->cells = calloc(pixels * TTF_CELL_DIMS, sizeof(*view->cells));
-    if (!view->cells)
+    if (!view->strongest || !view->cells)
         return -ENOMEM;
-    if (view->height >= fill->cell)
-        ttf_pool_run(pool, view->height - fill->cell + 1, cells_row, fill);
+    ttf_pool_run(pool, view->height, strongest_row, fill);
+    if (view->height >= side && view->width >= side)
+        ttf_pool_run(pool, view->height - side + 1, cells_row, fill);
     return 0;
+}
+
+/* Adds a view; without numbers to match by, only its place. */
+static int add_view(struct ttf_views *views, const struct ttf_sources *sources,
+                    const struct ttf_matching *matching, unsigned input, unsigned turn,
+                    struct ttf_pool *pool)
+{
+    struct ttf_view *view = &views->list[views->n++];
+    struct fill fill = {view, matching, &views->cells};
+    const struct ttf_sequence *sequence = sources->list[input];
+
+    ttf_view_geometry(sequence->width, sequence->height, sources->first[input], turn, view);
+    view->input = input;
+    if (!matching->coefs)
+        return 0;
+    view->coefs = matching->coefs + (size_t)sources->first[input] * matching->stride;
+    return fill_view(&fill, pool);
 }
 
 int ttf_views_create(const struct ttf_sources *sources, const struct ttf_matching *matching,
                      unsigned turns, uint32_t cell, struct ttf_pool *pool, struct ttf_views *ret)
 {
-    struct ttf_views views = {.cell = cell};
+    struct ttf_views views = {0};
     int r = 0;
 
     views.list = calloc((size_t)sources->n * TTF_TURN_COUNT, sizeof(*views.list));
     if (!views.list)
         return -ENOMEM;
-    for (unsigned i = 0; i < sources->n; i++) {
+    if (matching->coefs)
+        r = ttf_cells_find(matching->coefs, sources->list[0]->width, sources->list[0]->height,
+                           matching->stride, cell, &views.cells);
+    for (unsigned i = 0; i < sources->n && r == 0; i++) {
         for (unsigned turn = 0; turn < TTF_TURN_COUNT && r == 0; turn++) {
-            struct ttf_view *view = &views.list[views.n];
-            struct fill fill = {view, matching, cell};
-
-            if (!(turns & (1u << turn)))
-                continue;
-            views.n++;
-            ttf_view_geometry(sources->list[i]->width, sources->list[i]->height, sources->first[i],
-                              turn, view);
-            view->input = i;
-            view->coefs = matching->coefs + (size_t)sources->first[i] * matching->stride;
-            r = fill_view(&fill, pool);
+            if (turns & (1u << turn))
+                r = add_view(&views, sources, matching, i, turn, pool);
         }
     }
     if (r < 0) {
@@ -140,7 +167,9 @@ void ttf_views_free(struct ttf_views *views)
     for (unsigned i = 0; views->list && i < views->n; i++) {
         free(views->list[i].own);
         free(views->list[i].cells);
+        free(views->list[i].strongest);
     }
     free(views->list);
+    ttf_cells_free(&views->cells);
     memset(views, 0, sizeof(*views));
 }

@@ -3,18 +3,21 @@
  * views.h: the pictures that blocks are looked for in: each input as it is and, where asked, mirrored
  * and turned. A pixel (x, y) of a view is the source pixel of id origin + x * step_x + y * step_y.
  *
- * Beside coefficients a view holds cells: means over cell x cell pixels of the strongest
- * numbers, for the bound that excludes most positions (rank_search.h).
+ * Beside coefficients a view holds what excludes most positions (rank_search.h): cells (cells.h),
+ * and each pixel's strongest few numbers apart.
  */
 #ifndef TTF_SYNTH_SEARCH_VIEWS_H
 #define TTF_SYNTH_SEARCH_VIEWS_H
 
 #include <stdint.h>
 
+#include "search/cells.h"
 #include "search/matching.h"
 #include "search/sources.h"
 #include "ttf/base/attr.h"
 #include "ttf/dataset/pool.h"
+
+#define TTF_STRONGEST 4
 
 struct ttf_view {
     uint32_t width, height;
@@ -23,12 +26,13 @@ struct ttf_view {
     const int16_t *coefs; /* height x width x stride */
     int16_t *own;         /* the same, if they are not the matching's own */
     int16_t *cells;       /* height x width x TTF_CELL_DIMS: of the cell whose corner is (x, y) */
+    int16_t *strongest;   /* height x width x TTF_STRONGEST */
 };
 
 struct ttf_views {
     unsigned n;
     struct ttf_view *list;
-    uint32_t cell; /* side of a cell, pixels: 1, 2 or 4 */
+    struct ttf_cells cells;
 };
 
 /* Where the pixels of a turned input of this size lie: fills all of *ret but its arrays. */
@@ -40,13 +44,13 @@ static inline uint32_t ttf_view_id(const struct ttf_view *view, uint32_t x, uint
     return (uint32_t)(view->origin + x * view->step_x + y * view->step_y);
 }
 
-/* turns: a set of bits 1 << turn. The matching must outlive them. -ENOMEM. */
+/*
+ * turns: a set of bits 1 << turn. cell: its side, 1..TTF_CELL_SIDE_MAX. The matching must outlive them;
+ * of one without numbers only the geometry is filled in. -ENOMEM.
+ */
 TTF_MUST_USE int ttf_views_create(const struct ttf_sources *sources,
                                   const struct ttf_matching *matching, unsigned turns,
                                   uint32_t cell, struct ttf_pool *pool, struct ttf_views *ret);
 void ttf_views_free(struct ttf_views *views); /* zeroed ones are fine */
-
-/* The value of one cell number whose pixels' numbers add up to sum, of n pixels. */
-int16_t ttf_cell_value(int32_t sum, uint32_t pixels);
 
 #endif
