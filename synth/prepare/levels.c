@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <errno.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 
 #include "prepare/levels.h"
 
-/* More slopes than this are not looked at: pairs further apart say as much. */
-#define PAIRED 201u
+/* Slopes are taken of so many frames at most: of more, they say no more of the one in the middle. */
+#define SLOPE_FRAMES 51u
 
 struct span {
     uint32_t first, count;
@@ -35,14 +34,14 @@ static double median(double *values, size_t n)
     return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-/* Theil and Sen's: the median of the slopes of all pairs of the first `window` values from `level`. */
-static double robust_slope(const double *level, uint32_t window, double *scratch)
+/* Theil and Sen's: the median of the slopes of all pairs. */
+static double robust_slope(const double *level, struct span span, double *scratch)
 {
-    uint32_t count = window < PAIRED ? window : PAIRED;
+    uint32_t end = span.first + span.count;
     size_t n = 0;
 
-    for (uint32_t i = 0; i < count; i++) {
-        for (uint32_t k = i + 1; k < count; k++) {
+    for (uint32_t i = span.first; i < end; i++) {
+        for (uint32_t k = i + 1; k < end; k++) {
             if (!isnan(level[i]) && !isnan(level[k]))
                 scratch[n++] = (level[k] - level[i]) / (k - i);
         }
@@ -50,23 +49,28 @@ static double robust_slope(const double *level, uint32_t window, double *scratch
     return n > 0 ? median(scratch, n) : 0.0;
 }
 
+/*
+ * The values at both ends of a window count half, here and in the mean: so what alternates
+ * from frame to frame is in balance, where an odd number of whole ones would take a side.
+ */
 static double median_at(const double *level, struct span span, uint32_t t, double slope,
                         double *scratch)
 {
     size_t n = 0;
 
-    for (uint32_t k = span.first; k < span.first + span.count; k++) {
-        if (!isnan(level[k]))
-            scratch[n++] = level[k] - slope * ((double)k - t);
+    for (uint32_t i = 0; i < span.count; i++) {
+        double value = level[span.first + i] - slope * ((double)(span.first + i) - t);
+
+        if (isnan(value))
+            continue;
+        scratch[n++] = value;
+        if (i > 0 && i < span.count - 1)
+            scratch[n++] = value;
     }
     return median(scratch, n);
 }
 
-/*
- * The least-squares line's value at t. The values at both ends of the window count half:
- * so what alternates from frame to frame, which a median of an odd number passes on
- * in full, adds up to nothing.
- */
+/* The least-squares line's value at t. */
 static double line_at(const double *value, struct span span, uint32_t t)
 {
     double w = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, spread;
@@ -93,24 +97,19 @@ int ttf_levels_smooth(const double *level, uint32_t n, uint32_t window, double *
 {
     uint32_t fitting = n % 2 ? n : n - 1;
     uint32_t count = window < fitting ? window : fitting;
-    uint32_t paired = count < PAIRED ? count : PAIRED;
-    size_t pairs = (size_t)paired * (paired - 1) / 2;
-    double *scratch = calloc(pairs > count ? pairs : count, sizeof(*scratch));
+    uint32_t paired = count < SLOPE_FRAMES ? count : SLOPE_FRAMES;
+    size_t pairs = (size_t)paired * (paired - 1) / 2, doubled = 2 * (size_t)count;
+    double *scratch = calloc(pairs > doubled ? pairs : doubled, sizeof(*scratch));
     double *medians = calloc(n, sizeof(*medians));
     int code = scratch && medians ? 0 : -ENOMEM;
 
-    if (!code) {
-        double start = robust_slope(level, count, scratch);
-        double end = robust_slope(level + (n - paired), paired, scratch);
+    for (uint32_t t = 0; t < n && !code; t++) {
+        double slope = robust_slope(level, span_at(t, n, paired), scratch);
 
-        for (uint32_t t = 0; t < n; t++) {
-            double slope = t < count / 2 ? start : t + count / 2 >= n ? end : 0.0;
-
-            medians[t] = median_at(level, span_at(t, n, count), t, slope, scratch);
-        }
-        for (uint32_t t = 0; t < n; t++)
-            ret[t] = line_at(medians, span_at(t, n, count), t);
+        medians[t] = median_at(level, span_at(t, n, count), t, slope, scratch);
     }
+    for (uint32_t t = 0; t < n && !code; t++)
+        ret[t] = line_at(medians, span_at(t, n, count), t);
     free(scratch);
     free(medians);
     return code;

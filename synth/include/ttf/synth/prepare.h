@@ -74,9 +74,9 @@ struct ttf_deflicker_figures {
 
 /*
  * Each frame times one gain, so that its level (the mean luminance, without the darkest and
- * the brightest tenth of its pixels) follows the levels' own running median and then mean, of
- * logarithms, over `window` frames (odd, >= 3, else -EINVAL); at both ends, lines through the
- * first and the last window. The samples' slow evolution stays, what jumps from frame to frame
+ * the brightest tenth of its pixels) follows the levels' own running median (about their
+ * trend) and then mean, of logarithms, over `window` frames (odd, >= 3, else -EINVAL); at both
+ * ends, a line through the last whole window. The samples' slow evolution stays, what jumps from frame to frame
  * goes. Reads the whole input once. A frame without light (a level below a thousandth of
  * value 1) keeps a gain of 1. Fewer than 3 frames: gains of 1. ret_figures may be NULL.
  */
