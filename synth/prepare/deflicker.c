@@ -69,11 +69,14 @@ static int all_levels(struct ttf_sequence *input, double *level, struct ttf_err 
     uint64_t *histogram = malloc(HISTOGRAM * sizeof(*histogram));
     int code = 0;
 
-    if (!codes || !histogram)
+    if (!codes || !histogram) {
         code =
             ttf_err_set(err, -ENOMEM, "deflicker", "no memory for rows of %u pixels", input->width);
+        goto out;
+    }
     for (uint32_t t = 0; t < input->n && !code; t++)
         code = frame_level(input, t, codes, histogram, &level[t], err);
+out:
     free(codes);
     free(histogram);
     return code;

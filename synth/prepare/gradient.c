@@ -273,7 +273,7 @@ int ttf_gradient_resample(const struct ttf_gradient *gradient, uint32_t width, u
                           struct ttf_gradient *ret, struct ttf_err *err)
 {
     size_t row = (size_t)gradient->width * 3;
-    struct ttf_gradient made;
+    struct ttf_gradient made = {0};
     float *to;
     int code;
 
@@ -281,7 +281,7 @@ int ttf_gradient_resample(const struct ttf_gradient *gradient, uint32_t width, u
         return ttf_err_set(err, -EINVAL, "size", "a gradient of %u x %u pixels is none", width,
                            height);
     code = gradient_create(width, height, &made, err);
-    if (code)
+    if (code || !made.g)
         return code;
     to = made.g;
     for (uint32_t y = 0; y < height; y++) {
@@ -322,8 +322,9 @@ static void apply_rows(void *ctx, unsigned tile, unsigned worker)
             code_of(((float)job->codes[i] - job->pedestal) * job->gradient->g[i] + job->pedestal);
 }
 
-void ttf_gradient_apply(const struct ttf_gradient *gradient, const struct ttf_encoding *encoding,
-                        struct ttf_pool *pool, uint16_t *codes)
+void ttf_gradient_apply(
+    const struct ttf_gradient *gradient, const struct ttf_encoding *encoding, struct ttf_pool *pool,
+    uint16_t *codes) /* NOLINT(readability-non-const-parameter): written by tiles */
 {
     struct application job = {gradient, (float)encoding->pedestal, codes};
 

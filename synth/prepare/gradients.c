@@ -159,7 +159,7 @@ static void build(const struct gradients *to, float *picture, float *copy, float
 int ttf_gradients_load(struct ttf_sequence *input, uint32_t t, struct gradients *ret,
                        struct ttf_err *err)
 {
-    struct gradients made = {0};
+    struct gradients made = {.shrink = 1};
     float *scratch = NULL;
     size_t pixels, side;
     int code = gradients_create(input->width, input->height, &made, err);

@@ -48,18 +48,23 @@ static int reduce_read_rows(struct ttf_sequence *sequence, uint32_t t, uint32_t 
 
     if (code)
         return code;
-    if (reduce->shrink == 1)
+    if (reduce->shrink <= 1)
         return ttf_sequence_read_rows(reduce->derived.input, t * reduce->step, y0, rows, dst, err);
     codes = malloc((size_t)reduce->derived.input->width * 3 * sizeof(*codes));
-    sums = malloc(row * sizeof(*sums));
-    if (!codes || !sums)
+    sums = calloc(row, sizeof(*sums));
+    if (!codes || !sums) {
         code = ttf_err_set(err, -ENOMEM, NULL, "no memory for rows of %u pixels",
                            reduce->derived.input->width);
-    for (uint32_t y = y0; y < y0 + rows && !code; y++, dst += row) {
+        goto out;
+    }
+    for (uint32_t y = y0; y < y0 + rows; y++, dst += row) {
         code = add_rows(reduce, t, y, codes, sums, err);
-        for (size_t i = 0; i < row && !code; i++)
+        if (code)
+            break;
+        for (size_t i = 0; i < row; i++)
             dst[i] = (uint16_t)((sums[i] + area / 2) / area);
     }
+out:
     free(codes);
     free(sums);
     return code;

@@ -25,7 +25,8 @@ struct pictures pictures_make(uint32_t width, uint32_t height, uint32_t n,
     made.codes = at;
     for (uint32_t t = 0; t < n; t++) {
         for (uint32_t i = 0; i < width * height * 3; i++) {
-            double v = value(ctx, i / 3 % width, i / 3 / width, t, (int)(i % 3));
+            uint32_t x = i / 3 % width, y = i / 3 / width;
+            double v = value(ctx, x, y, t, (int)(i % 3));
             long code = lround(v * encoding->scale + encoding->pedestal);
 
             *at++ = (uint16_t)(code < 0 ? 0 : code > 65535 ? 65535 : code);
