@@ -4,6 +4,7 @@
  * level, then, between pixels, Gauss-Newton steps (Lucas and Kanade's, with the still
  * picture's derivatives, Baker and Matthews 2004).
  */
+#include <limits.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -16,7 +17,7 @@
 #define ENOUGH_PX     0.002 /* a step below it is the last */
 #define LEAST_ENERGY \
     1e-10 /* of a pixel's gradient, in units of root of value: noise of rounding is above it */
-#define NEAR_BONUS 0.01 /* correlation that a whole radius away from the likely place costs */
+#define NEAR_BONUS 0.02 /* correlation that being near the likely place is worth */
 #define DAMPING    1e-3 /* of the larger curvature: holds what stripes leave open */
 
 /* Sums of the products of two gradient fields. */
@@ -66,15 +67,14 @@ struct place {
 
 /* All whole shifts around `centre`, in pixels of level l. */
 static struct place try_all(const struct gradients *a, const struct gradients *b, uint32_t l,
-                            struct shift centre, double radius, struct shift likely)
+                            struct shift centre, double radius)
 {
     int reach = (int)ceil(radius), cx = (int)lround(centre.x), cy = (int)lround(centre.y);
-    struct place best = {(int)lround(likely.x), (int)lround(likely.y), -2.0};
+    struct place best = {cx, cy, -2.0};
 
     for (int dy = cy - reach; dy <= cy + reach; dy++) {
         for (int dx = cx - reach; dx <= cx + reach; dx++) {
-            double away = hypot(dx - likely.x, dy - likely.y) / (radius + 1.0);
-            double score = whole_shift(a, b, l, dx, dy) - NEAR_BONUS * away;
+            double score = whole_shift(a, b, l, dx, dy);
 
             if (score > best.score)
                 best = (struct place){dx, dy, score};
@@ -224,25 +224,48 @@ static struct shift scaled(struct shift s, double by)
     return (struct shift){s.x * by, s.y * by};
 }
 
+/* From a whole shift on level `from` down to between pixels. */
+static double descend(const struct gradients *a, const struct gradients *b, uint32_t from,
+                      struct place start, struct place *ret_whole, struct shift *ret)
+{
+    struct place place = start;
+
+    for (uint32_t l = from; l > 0; l--)
+        place = climb(a, b, l - 1, (struct place){2 * place.x, 2 * place.y, 0.0});
+    if (place.x != ret_whole->x || place.y != ret_whole->y) {
+        *ret_whole = place;
+        *ret = (struct shift){place.x, place.y};
+        return refine(a, b, ret);
+    }
+    return -1.0;
+}
+
+/*
+ * What repeats is like itself a period away, and on a small picture perhaps more like itself
+ * there, between its pixels being as it is: so the likely place is tried as well.
+ */
 double ttf_registration_find(const struct gradients *still, const struct gradients *moved,
                              struct shift centre, double radius_px, struct shift likely,
                              struct shift *ret)
 {
+    struct shift expected = scaled(likely, 1.0 / still->shrink), best, near;
+    struct place whole = {INT_MAX, INT_MAX, 0.0}, start;
+    double unit = 1.0 / still->shrink, score, near_score;
     uint32_t top = 0;
-    double unit = 1.0 / still->shrink, score;
-    struct place place;
-    struct shift d;
 
     while (top + 1 < still->levels && radius_px * unit > COARSE_RADIUS) {
         top++;
         unit /= 2.0;
     }
-    place =
-        try_all(still, moved, top, scaled(centre, unit), radius_px * unit, scaled(likely, unit));
-    for (uint32_t l = top; l > 0; l--)
-        place = climb(still, moved, l - 1, (struct place){2 * place.x, 2 * place.y, 0.0});
-    d = (struct shift){place.x, place.y};
-    score = refine(still, moved, &d);
-    *ret = score > 0.0 ? scaled(d, still->shrink) : likely;
+    start = try_all(still, moved, top, scaled(centre, unit), radius_px * unit);
+    score = descend(still, moved, top, start, &whole, &best);
+    start = climb(still, moved, 0,
+                  (struct place){(int)lround(expected.x), (int)lround(expected.y), 0.0});
+    near_score = descend(still, moved, 0, start, &whole, &near);
+    if (near_score > 0.0 && near_score >= score - NEAR_BONUS) {
+        score = near_score;
+        best = near;
+    }
+    *ret = score > 0.0 ? scaled(best, still->shrink) : likely;
     return score;
 }

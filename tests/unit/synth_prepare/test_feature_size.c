@@ -150,6 +150,27 @@ static void stripes_have_their_period(void **state)
     pictures_free(&input);
 }
 
+static double thin_lines(const void *ctx, double x, double y, uint32_t t, int c)
+{
+    (void)ctx;
+    (void)x;
+    (void)t;
+    (void)c;
+    return (uint32_t)y % 22 < 2 ? 0.2 : 0.5;
+}
+
+static void blocks_hold_more_than_a_period_of_thin_lines(void **state)
+{
+    struct pictures input = pictures_make(150, 130, 1, &captured, thin_lines, NULL);
+    struct ttf_feature_size size = found(input.sequence);
+
+    (void)state;
+    assert_true(size.correlation_y_px < 2.0);
+    assert_true(fabs(size.period_y_px - 22.0) < 0.3);
+    assert_int_equal(size.block_height, 32); /* 33, in eights */
+    pictures_free(&input);
+}
+
 static double constant(const void *ctx, double x, double y, uint32_t t, int c)
 {
     (void)ctx;
@@ -199,6 +220,7 @@ int main(void)
         cmocka_unit_test(uneven_light_is_no_feature),
         cmocka_unit_test(late_times_count),
         cmocka_unit_test(stripes_have_their_period),
+        cmocka_unit_test(blocks_hold_more_than_a_period_of_thin_lines),
         cmocka_unit_test(constant_pictures_get_the_least_block_that_fits),
         cmocka_unit_test(an_unreadable_frame_is_reported),
     };
