@@ -248,7 +248,7 @@ double ttf_registration_find(const struct gradients *still, const struct gradien
                              struct shift centre, double radius_px, struct shift likely,
                              struct shift *ret)
 {
-    struct shift expected = scaled(likely, 1.0 / still->shrink), best, near;
+    struct shift expected = scaled(likely, 1.0 / still->shrink), best = expected, near = expected;
     struct place whole = {INT_MAX, INT_MAX, 0.0}, start;
     double unit = 1.0 / still->shrink, score, near_score;
     uint32_t top = 0;

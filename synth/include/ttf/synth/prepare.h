@@ -76,9 +76,10 @@ struct ttf_deflicker_figures {
  * Each frame times one gain, so that its level (the mean luminance, without the darkest and
  * the brightest tenth of its pixels) follows the levels' own running median (about their
  * trend) and then mean, of logarithms, over `window` frames (odd, >= 3, else -EINVAL); at both
- * ends, a line through the last whole window. The samples' slow evolution stays, what jumps from frame to frame
- * goes. Reads the whole input once. A frame without light (a level below a thousandth of
- * value 1) keeps a gain of 1. Fewer than 3 frames: gains of 1. ret_figures may be NULL.
+ * ends, a line through the last whole window. The samples' slow evolution stays, what jumps
+ * from frame to frame goes. Reads the whole input once. A frame without light (a level below a
+ * thousandth of value 1) keeps a gain of 1. Fewer than 3 frames: gains of 1. ret_figures may
+ * be NULL.
  */
 TTF_MUST_USE int ttf_deflicker_create(struct ttf_sequence *input, uint32_t window,
                                       struct ttf_sequence **ret,
@@ -90,7 +91,7 @@ TTF_MUST_USE int ttf_deflicker_create(struct ttf_sequence *input, uint32_t windo
 struct ttf_stabilise_figures {
     double largest_shift_px; /* of all frames, against the reference */
     uint32_t moved;          /* frames that were moved: by a tenth of a pixel or more */
-    uint32_t unlike;         /* frames that are like their neighbour at no shift: moved as it was */
+    uint32_t unlike;         /* like their neighbour at no shift, or plain: moved as it was */
     uint32_t crop_x, crop_y; /* pixels cut off at each side, so that every frame is full */
 };
 
@@ -114,7 +115,7 @@ TTF_MUST_USE int ttf_stabilise_create(struct ttf_sequence *input, double limit_p
 /*
  * Every step-th frame (from 0), each averaged over shrink x shrink pixels (what is left at the
  * edges is dropped). shrink, step >= 1; -EINVAL if nothing would be left.
- * index and time_ns are those of the frames kept. ttf_sequence_reduce(.., 1, 1, ..) is allowed.
+ * index and time_ns are those of the frames kept. 1 and 1 change nothing and are allowed.
  */
 TTF_MUST_USE int ttf_reduce_create(struct ttf_sequence *input, uint32_t shrink, uint32_t step,
                                    struct ttf_sequence **ret, struct ttf_err *err);
