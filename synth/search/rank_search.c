@@ -279,9 +279,11 @@ static int compare_survivors(struct ttf_rank_workspace *w)
             if (bounds[at] > limit)
                 continue;
             w->counts.survived_cells++;
-            w->counts.exact++;
             position =
                 (struct ttf_rank_position){i, (uint32_t)(at % columns), (uint32_t)(at / columns)};
+            if ((double)first_look(w, &position) > w->limit)
+                continue;
+            w->counts.exact++;
             error = error_at(w, &position);
             if ((double)error > w->limit)
                 continue;
