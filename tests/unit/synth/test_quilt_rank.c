@@ -342,6 +342,23 @@ static void turned_blocks_fit_better(void **state)
     texture_free(&input);
 }
 
+static void a_ramp_that_ends_is_gone_back_on_by_its_mirror(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, 40, 36, 6);
+    struct ttf_quilt_config config = small_config();
+    double plain;
+
+    (void)state;
+    for (size_t i = 0; i < (size_t)40 * 36 * 6 * 3; i++) /* brighter and brighter to the right */
+        input.codes[i] = (uint16_t)(input.codes[i] * (10 + i / 3 % 40) / 50);
+    config.width = 160;
+    config.height = 18; /* one row: what lies above does not matter */
+    plain = mean_best_error(config, input.sequence);
+    config.flips = true;
+    assert_true(mean_best_error(config, input.sequence) < 0.5 * plain);
+    texture_free(&input);
+}
+
 /* ---- maps and factors ---- */
 
 static void a_copied_map_is_equal_and_lives_alone(void **state)
@@ -491,6 +508,7 @@ int main(void)
         cmocka_unit_test(inputs_that_do_not_go_together_are_refused),
         cmocka_unit_test(blocks_are_turned_as_asked_and_no_other_way),
         cmocka_unit_test(turned_blocks_fit_better),
+        cmocka_unit_test(a_ramp_that_ends_is_gone_back_on_by_its_mirror),
         cmocka_unit_test(a_copied_map_is_equal_and_lives_alone),
         cmocka_unit_test(known_factors_are_gone_on_with),
         cmocka_unit_test(impossible_settings_are_refused_by_name),
