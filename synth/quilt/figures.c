@@ -21,7 +21,6 @@ struct ttf_figures {
     const struct ttf_sources *sources;
     const struct ttf_quilt_map *map;
     uint32_t frames;
-    bool plain_differs; /* the output is not just copied at its own time */
     struct ttf_activity *in[TTF_QUILT_INPUTS_MAX], *out;
     struct ttf_activity *plain; /* of what was copied, without jitter and feathering; or NULL */
     uint16_t *plain_frame;
@@ -46,19 +45,12 @@ int ttf_figures_create(const struct ttf_quilt_config *config, const struct ttf_s
     f->config = config;
     f->sources = sources;
     f->frames = frames;
-    f->plain_differs = (config->jitter_frames > 0 || config->feather_px > 1) && !config->rate &&
-                       !config->per_frame;
     f->out = ttf_activity_create(config->width, config->height, encoding);
     f->colour = ttf_colour_distance_create(encoding);
     ok = f->out && f->colour;
     for (unsigned i = 0; i < sources->n; i++) {
         f->in[i] = ttf_activity_create(sources->list[i]->width, sources->list[i]->height, encoding);
         ok = ok && f->in[i] && ttf_activity_keep_pixels(f->in[i]) == 0;
-    }
-    if (f->plain_differs) {
-        f->plain = ttf_activity_create(config->width, config->height, encoding);
-        f->plain_frame = malloc((size_t)config->width * config->height * 3 * sizeof(uint16_t));
-        ok = ok && f->plain && f->plain_frame;
     }
     if (!ok) {
         ttf_figures_destroy(f);
@@ -91,6 +83,16 @@ size_t ttf_figures_bytes(const struct ttf_figures *f)
     return in * 8 + out * 4 + (f->plain ? out * 10 : 0);
 }
 
+/* Where the output is not just copied at its own time: what it would be then. */
+static int watch_plain(struct ttf_figures *f, const struct ttf_quilt_map *map)
+{
+    if (f->config->rate || f->config->per_frame || (!map->times && map->n_layers == 0))
+        return 0;
+    f->plain = ttf_activity_create(map->width, map->height, &f->sources->list[0]->encoding);
+    f->plain_frame = malloc((size_t)map->width * map->height * 3 * sizeof(uint16_t));
+    return f->plain && f->plain_frame ? 0 : -ENOMEM;
+}
+
 int ttf_figures_map(struct ttf_figures *f, const struct ttf_quilt_map *map)
 {
     const struct ttf_encoding *encoding = &f->sources->list[0]->encoding;
@@ -104,7 +106,7 @@ int ttf_figures_map(struct ttf_figures *f, const struct ttf_quilt_map *map)
         return 0;
     f->synchrony = ttf_synchrony_create(map->source, (size_t)map->width * map->height,
                                         SYNCHRONY_PAIRS, f->config->seed, encoding);
-    return f->synchrony ? 0 : -ENOMEM;
+    return f->synchrony ? watch_plain(f, map) : -ENOMEM;
 }
 
 /* Each of the first frames of `parts` equal parts. */
