@@ -156,6 +156,8 @@ static int validate_time(const struct ttf_quilt_config *config, uint32_t frames,
     if (config->per_frame && (config->jitter_frames > 0 || config->rate || config->n_more > 0))
         return ttf_err_set(err, -EINVAL, "per_frame",
                            "frames quilted alone have no time of their own and one source");
+    if (config->per_frame && config->replay)
+        return ttf_err_set(err, -EINVAL, "per_frame", "one map is not replayed frame by frame");
     if ((config->rate || config->jitter_frames > 0) && frames > TIMED_FRAMES_MAX)
         return ttf_err_set(err, -EINVAL, config->rate ? "rate map" : "jitter",
                            "times between frames are told of at most %u frames, not of %u",
