@@ -131,6 +131,20 @@ static int validate_rank(const struct ttf_quilt_config *config, struct ttf_err *
     return 0;
 }
 
+/* What agreement.h cannot do, before anything is searched for. */
+static int validate_agreement(const struct ttf_quilt_config *config, struct ttf_err *err)
+{
+    bool full = config->rank == TTF_QUILT_RANK_FULL && !(config->rank_error > 0.0);
+
+    if (config->agreement_queries > 0 &&
+        (full || config->n_more > 0 || config->flips || config->rotations || config->tileable ||
+         config->per_frame))
+        return ttf_err_set(err, -EINVAL, "agreement",
+                           "only a search with a rank for one map of one input, unturned and not "
+                           "tileable, is compared with that over all frames");
+    return 0;
+}
+
 static int validate_rates(const struct ttf_quilt_config *config, struct ttf_err *err)
 {
     const struct ttf_rate_map *rate = config->rate;
@@ -210,6 +224,8 @@ int ttf_quilt_validate(const struct ttf_quilt_config *config, struct ttf_sequenc
     if ((unsigned)config->metric >= TTF_METRIC_COUNT)
         return ttf_err_set(err, -EINVAL, "metric", "there is no metric %d", (int)config->metric);
     r = validate_rank(config, err);
+    if (r == 0)
+        r = validate_agreement(config, err);
     if (r == 0)
         r = validate_time(config, input->n, err);
     if (r == 0)
