@@ -61,8 +61,7 @@ static int start(struct agreement *a, struct ttf_sequence *input, struct ttf_err
         return r;
     a->known = malloc((size_t)plain.block_width * plain.block_height * sizeof(*a->known));
     if (!a->known || ttf_quilt_map_copy(map, &a->own) < 0 ||
-        ttf_views_create(&a->sources, &a->matching, 1u, ttf_cells_side(narrow), a->pool,
-                         &a->views) < 0 ||
+        ttf_views_create(&a->sources, &a->matching, 1u, narrow, a->pool, &a->views) < 0 ||
         ttf_rank_workspace_create(&a->room) < 0 ||
         ttf_search_create(&a->trajectories, narrow, plain.tolerance, a->matching.noise, NULL,
                           a->pool, &a->full) < 0)

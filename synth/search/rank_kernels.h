@@ -14,7 +14,7 @@
 #define TTF_COEF_LANES 16          /* coefficients of a pixel are padded to a multiple of these */
 #define TTF_CELL_MAX   1023        /* of a cell's values */
 #define TTF_CELL_DIMS  16          /* values of a cell */
-#define TTF_CELLS_MAX  192         /* of an overlap */
+#define TTF_CELLS_MAX  512         /* of an overlap */
 #define TTF_BOUND_MAX  0x7fffffffu /* sums are clipped to this */
 
 /* What a cell of the overlap is to look like, and where it lies from the block's corner, in cells of the view. */

@@ -52,7 +52,7 @@ static void same_as_scalar(const struct ttf_rank_kernels *kernels)
         targets[i].offset = texture_hash(i, 1, 1) % 200;
     }
     for (size_t n = 1; n <= 40; n++) {
-        for (size_t cells = 1; cells <= TTF_CELLS_MAX; cells += 41) {
+        for (size_t cells = 1; cells <= TTF_CELLS_MAX; cells += 73) {
             uint32_t limit = n % 2 ? UINT32_MAX : (uint32_t)cells * 2000000u;
 
             scalar->bound_cells(a, targets, cells, n, UINT32_MAX, want);
@@ -96,7 +96,7 @@ struct bed {
 };
 
 static void bed_make(struct bed *bed, enum texture texture, unsigned inputs, unsigned turns,
-                     uint32_t cell, const struct ttf_rank_kernels *kernels)
+                     uint32_t overlap, const struct ttf_rank_kernels *kernels)
 {
     memset(bed, 0, sizeof(*bed));
     ttf_quilt_defaults(&bed->config);
@@ -109,7 +109,7 @@ static void bed_make(struct bed *bed, enum texture texture, unsigned inputs, uns
     assert_int_equal(
         ttf_matching_build(&bed->config, &bed->sources, 0, N, NULL, &bed->matching, NULL), 0);
     assert_int_equal(
-        ttf_views_create(&bed->sources, &bed->matching, turns, cell, NULL, &bed->views), 0);
+        ttf_views_create(&bed->sources, &bed->matching, turns, overlap, NULL, &bed->views), 0);
     bed->search = (struct ttf_rank_search){&bed->matching, &bed->views, kernels, 0.1};
     assert_int_equal(ttf_rank_workspace_create(&bed->room), 0);
 }
@@ -209,14 +209,14 @@ static void compare(const struct bed *bed, const struct ttf_rank_query *query)
     assert_int_equal(n, result.n);
 }
 
-static void search_texture(enum texture texture, unsigned inputs, unsigned turns, uint32_t cell,
+static void search_texture(enum texture texture, unsigned inputs, unsigned turns, uint32_t overlap,
                            const struct ttf_rank_kernels *kernels)
 {
     uint32_t known[BW * BH];
     struct ttf_rank_query query = {.width = BW, .height = BH, .known = known};
     struct bed bed;
 
-    bed_make(&bed, texture, inputs, turns, cell, kernels);
+    bed_make(&bed, texture, inputs, turns, overlap, kernels);
     for (uint32_t key = 0; key < 6; key++) {
         const struct ttf_rank_position hints[2] = {{0, key, 3}, {0, 9000, 1}};
 
