@@ -23,8 +23,9 @@
 struct ttf_rank_workspace {
     struct ttf_rank_template template;
     struct ttf_cell_target targets[TTF_CELLS_MAX];
-    size_t room_positions, room_found;
-    uint32_t *bounds; /* of all views' positions */
+    size_t room_positions, room_found, room_runs;
+    struct ttf_run_place *runs; /* of each view, one after another */
+    uint32_t *bounds;           /* of all views' positions */
     struct ttf_rank_candidate *found;
     uint32_t n_found;
     struct ttf_rank_counts counts;
@@ -48,6 +49,7 @@ void ttf_rank_workspace_destroy(struct ttf_rank_workspace *workspace)
     ttf_rank_template_free(&workspace->template);
     free(workspace->bounds);
     free(workspace->found);
+    free(workspace->runs);
     free(workspace);
 }
 
@@ -92,21 +94,37 @@ static int make_room(struct ttf_rank_workspace *w, size_t positions)
 static uint64_t error_at(const struct ttf_rank_workspace *w, const struct ttf_rank_position *at)
 {
     const struct ttf_view *view = &w->search->views->list[at->view];
-    const struct ttf_rank_template *template = &w->template;
-    size_t stride = w->search->matching->stride;
-    uint64_t sum = 0;
+    size_t corner = (size_t)at->y * view->width + at->x;
+    uint64_t limit = w->limit < (double)UINT64_MAX ? (uint64_t)w->limit : UINT64_MAX;
 
-    for (size_t i = 0; i < template->n_runs; i++) {
-        const struct ttf_rank_run *run = &template->runs[i];
-        size_t pixel = (size_t)(at->y + run->dy) * view->width + at->x + run->dx;
+    return w->search->kernels->ssd_runs(view->coefs + corner * w->search->matching->stride,
+                                        w->runs + (size_t)at->view * w->template.n_runs,
+                                        w->template.n_runs, w->template.coefs, limit);
+}
 
-        sum += w->search->kernels->ssd_i16(view->coefs + pixel * stride,
-                                           template->coefs + run->first * stride,
-                                           run->length * stride);
-        if ((double)sum > w->limit)
-            break;
+/* Where the template's runs lie in each view, from a position's corner on. */
+static int place_runs(struct ttf_rank_workspace *w)
+{
+    const struct ttf_views *views = w->search->views;
+    size_t n = w->template.n_runs, stride = w->search->matching->stride;
+
+    if (n * views->n > w->room_runs) {
+        free(w->runs);
+        w->room_runs = 0;
+        w->runs = malloc(n * views->n * sizeof(*w->runs));
+        if (!w->runs)
+            return -ENOMEM;
+        w->room_runs = n * views->n;
     }
-    return sum;
+    for (unsigned v = 0; v < views->n; v++) {
+        for (size_t i = 0; i < n; i++) {
+            const struct ttf_rank_run *run = &w->template.runs[i];
+
+            w->runs[v * n + i] = (struct ttf_run_place){
+                ((size_t)run->dy * views->list[v].width + run->dx) * stride, run->length * stride};
+        }
+    }
+    return 0;
 }
 
 static void look_at(struct ttf_rank_workspace *w, const struct ttf_rank_position *at)
@@ -420,6 +438,8 @@ int ttf_rank_search_run(const struct ttf_rank_search *search, struct ttf_rank_wo
     r = make_room(workspace, positions);
     if (r == 0)
         r = ttf_rank_template_gather(&workspace->template, search, query);
+    if (r == 0)
+        r = place_runs(workspace);
     if (r < 0)
         return r;
     if (positions == 0 || workspace->template.n_pixels == 0)

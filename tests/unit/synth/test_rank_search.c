@@ -29,6 +29,24 @@ static int16_t value(uint32_t key, int most)
     return (int16_t)((int)(random % (2u * (unsigned)most + 1)) - most);
 }
 
+static void same_runs_as_scalar(const struct ttf_rank_kernels *kernels, const int16_t *a,
+                                const int16_t *b)
+{
+    struct ttf_run_place runs[9];
+    uint64_t want, got;
+
+    for (uint32_t i = 0; i < 9; i++)
+        runs[i] = (struct ttf_run_place){texture_hash(i, 5, 1) % 3000,
+                                         16 * (1 + texture_hash(i, 6, 1) % 20)};
+    for (size_t n = 1; n <= 9; n++) {
+        want = ttf_rank_kernels_scalar()->ssd_runs(a, runs, n, b, UINT64_MAX);
+        assert_int_equal(kernels->ssd_runs(a, runs, n, b, UINT64_MAX), want);
+        assert_int_equal(kernels->ssd_runs(a, runs, n, b, want), want);
+        got = kernels->ssd_runs(a, runs, n, b, want / 2);
+        assert_true(got > want / 2);
+    }
+}
+
 static void same_as_scalar(const struct ttf_rank_kernels *kernels)
 {
     const struct ttf_rank_kernels *scalar = ttf_rank_kernels_scalar();
@@ -42,8 +60,9 @@ static void same_as_scalar(const struct ttf_rank_kernels *kernels)
         a[i] = value(i, TTF_COEF_MAX);
         b[i] = value(i + 9999, TTF_COEF_MAX);
     }
-    for (size_t n = 4; n <= 4096; n += n < 400 ? 4 : 336)
+    for (size_t n = 16; n <= 4096; n += n < 400 ? 16 : 336)
         assert_int_equal(kernels->ssd_i16(a, b, n), scalar->ssd_i16(a, b, n));
+    same_runs_as_scalar(kernels, a, b);
     for (uint32_t i = 0; i < 4096; i++)
         a[i] = value(i + 77, TTF_CELL_MAX);
     for (uint32_t i = 0; i < TTF_CELLS_MAX; i++) {
