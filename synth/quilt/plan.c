@@ -287,6 +287,9 @@ static int plan_range(const struct ttf_quilt_config *config, struct ttf_sequence
         r = full || config->tileable ? place_in_order(&plan, err) : place_in_waves(&plan, err);
     if (r == 0 && (config->feather_px > 1 ? ttf_paste_all(&plan.map) : 0) < 0)
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory to blend seams");
+    if (r == 0 && ttf_quilt_map_index(&plan.map) < 0)
+        r = ttf_err_set(err, -ENOMEM, NULL, "no memory for a map of %u x %u pixels", config->width,
+                        config->height);
     if (r == 0 && config->jitter_frames > 0 &&
         ttf_time_jitter_fill(seed, config->jitter_frames, frames, &plan.map) < 0)
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory for the blocks' times");
