@@ -342,21 +342,51 @@ static int compare_survivors(struct ttf_rank_workspace *w, unsigned level)
     return 0;
 }
 
+/*
+ * What the full-time error is likely to be, but for what all positions share: where pixels differ,
+ * what rank k misses of them has nothing to do with each other, so it adds up. In quantised units.
+ */
+static double likely_error(const struct ttf_rank_workspace *w, const struct ttf_rank_candidate *c)
+{
+    const struct ttf_matching *m = w->search->matching;
+    const struct ttf_view *view = &w->search->views->list[c->position.view];
+    const struct ttf_rank_query *query = w->query;
+    double missed = 0.0;
+
+    for (uint32_t y = 0; y < query->height; y++) {
+        for (uint32_t x = 0; x < query->width; x++) {
+            uint32_t known = query->known[(size_t)y * query->width + x];
+            uint32_t own = ttf_view_id(view, c->position.x + x, c->position.y + y);
+
+            if (known != TTF_UNKNOWN_ID && known != own)
+                missed += (double)m->missed[known] + (double)m->missed[own];
+        }
+    }
+    return (double)c->error + missed * m->scale * m->scale;
+}
+
 static void collect(struct ttf_rank_workspace *w, struct ttf_rank_result *ret)
 {
-    uint32_t kept = 0, best_first = 0;
+    uint32_t kept = 0, likeliest = 0;
+    double least = 0.0;
 
     for (uint32_t i = 0; i < w->n_found; i++) {
         if ((double)w->found[i].error > w->limit)
             continue;
         w->found[kept++] = w->found[i];
     }
-    while (best_first + 1 < kept && w->found[best_first].error != w->best)
-        best_first++;
+    for (uint32_t i = 0; w->query->rerank && i < kept; i++) {
+        double likely = likely_error(w, &w->found[i]);
+
+        if (i == 0 || likely < least) {
+            least = likely;
+            likeliest = i;
+        }
+    }
     *ret = (struct ttf_rank_result){.n = kept,
                                     .list = w->found,
                                     .best = w->best,
-                                    .best_first = best_first,
+                                    .likeliest = likeliest,
                                     .overlap_pixels = w->template.n_pixels};
 }
 
