@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,13 +19,16 @@ struct ttf_activity {
     uint32_t strips;
     uint32_t cells_x; /* whole cells in a row; what is left over at the edges does not count */
     uint32_t frames;
-    uint8_t table[65536];
+    struct ttf_encoding encoding;
+    uint8_t *table;    /* of 16-bit codes; NULL: none came yet */
+    uint8_t *own;      /* the running frame in display codes, where 16-bit ones came */
     uint8_t *previous; /* display codes of the last frame */
-    /* sums over cells of the last two frames: strips x cells_x x 3 */
-    uint16_t *cells[2];
+    /* sums over cells: of the last frame, the one before, and the running one: strips x cells_x x 3 */
+    uint16_t *cells[3];
     uint32_t *pixel_sums; /* per pixel, over channels and time; NULL unless asked for */
     struct strip *sums;
-    const uint16_t *frame; /* of the running add */
+    const uint16_t *wide; /* of the running add; or NULL */
+    const uint8_t *frame;
 };
 
 struct ttf_activity *ttf_activity_create(uint32_t width, uint32_t height,
@@ -45,10 +49,11 @@ struct ttf_activity *ttf_activity_create(uint32_t width, uint32_t height,
     a->previous = malloc(samples);
     a->cells[0] = calloc(cells, sizeof(uint16_t));
     a->cells[1] = calloc(cells, sizeof(uint16_t));
+    a->cells[2] = calloc(cells, sizeof(uint16_t));
     a->sums = calloc(a->strips, sizeof(*a->sums));
-    if (!a->previous || !a->cells[0] || !a->cells[1] || !a->sums)
+    if (!a->previous || !a->cells[0] || !a->cells[1] || !a->cells[2] || !a->sums)
         goto fail;
-    ttf_display8_table(encoding, a->table);
+    a->encoding = *encoding;
     return a;
 
 fail:
@@ -72,9 +77,12 @@ void ttf_activity_destroy(struct ttf_activity *activity)
 {
     if (!activity)
         return;
+    free(activity->table);
+    free(activity->own);
     free(activity->previous);
     free(activity->cells[0]);
     free(activity->cells[1]);
+    free(activity->cells[2]);
     free(activity->pixel_sums);
     free(activity->sums);
     free(activity);
@@ -85,53 +93,87 @@ static unsigned absolute(int x)
     return (unsigned)(x < 0 ? -x : x);
 }
 
-/* Encodes one row and compares it to the same row of the frame before. */
+/* Sum of absolute differences; left to the compiler's vectorizer. */
+static uint64_t difference_of(const uint8_t *a, const uint8_t *b, size_t n)
+{
+    uint64_t sum = 0;
+
+    while (n > 0) {
+        size_t part = n < 4096 ? n : 4096; /* 4096 x 255 fits 32 bits */
+        uint32_t own = 0;
+
+        for (size_t i = 0; i < part; i++)
+            own += absolute(a[i] - b[i]);
+        sum += own;
+        a += part;
+        b += part;
+        n -= part;
+    }
+    return sum;
+}
+
+/* Sums of the three channels of a row; the inner loop is over whole groups of pixels. */
+static void add_colours(const uint8_t *codes, size_t pixels, uint64_t rgb[3])
+{
+    uint32_t sums[48] = {0};
+    size_t i = 0;
+
+    for (; i + 48 <= 3 * pixels; i += 48) {
+        for (int k = 0; k < 48; k++)
+            sums[k] += codes[i + (size_t)k];
+    }
+    for (; i < 3 * pixels; i++)
+        sums[i % 48] += codes[i];
+    for (int k = 0; k < 48; k++)
+        rgb[k % 3] += sums[k];
+}
+
+/* Compares one row to the same row of the frame before. */
 static void add_row(struct ttf_activity *a, uint32_t y, struct strip *sums)
 {
-    size_t at = (size_t)y * a->width * 3;
-    const uint16_t *codes = a->frame + at;
-    uint8_t *previous = a->previous + at;
+    size_t samples = (size_t)a->width * 3, at = (size_t)y * samples;
+    const uint8_t *codes = a->frame + at, *previous = a->previous + at;
     uint32_t *pixels = a->pixel_sums ? a->pixel_sums + (size_t)y * a->width : NULL;
-    uint32_t first = a->frames == 0;
 
-    for (size_t x = 0; x < a->width; x++, codes += 3, previous += 3) {
-        unsigned difference = 0;
-
-        for (int c = 0; c < 3; c++) {
-            uint8_t now = a->table[codes[c]];
-
-            difference += absolute(now - previous[c]);
-            sums->rgb[c] += now;
-            previous[c] = now;
-        }
-        difference = first ? 0 : difference;
-        sums->difference += difference;
-        if (pixels)
-            pixels[x] += difference;
+    add_colours(codes, a->width, sums->rgb);
+    if (a->frames == 0)
+        return;
+    sums->difference += difference_of(codes, previous, samples);
+    for (size_t x = 0; pixels && x < a->width; x++) {
+        for (size_t c = 0; c < 3; c++)
+            pixels[x] += absolute(codes[3 * x + c] - previous[3 * x + c]);
     }
 }
 
-/* previous[] holds this frame by now: its cells' sums, and their second difference in time. */
+/* Sums of one row of cells, added down four rows and then along them. */
+static void cell_sums(const uint8_t *codes, size_t row, size_t cells, uint16_t *ret)
+{
+    for (size_t i = 0; i < cells * CELL; i++) {
+        for (size_t c = 0; c < 3; c++) {
+            const uint8_t *at = codes + 3 * i + c;
+            uint16_t *to = &ret[i / CELL * 3 + c];
+            int sum = at[0] + at[row] + at[2 * row] + at[3 * row];
+
+            *to = (uint16_t)((i % CELL == 0 ? 0 : *to) + sum);
+        }
+    }
+}
+
+/* This frame's cells' sums, and their second difference in time. */
 static void add_cells(struct ttf_activity *a, uint32_t strip, struct strip *sums)
 {
-    uint16_t *last = a->cells[0] + (size_t)strip * a->cells_x * 3;
-    uint16_t *before = a->cells[1] + (size_t)strip * a->cells_x * 3;
-    size_t row = (size_t)a->width * 3;
-    const uint8_t *codes = a->previous + (size_t)strip * CELL * row;
+    size_t n = (size_t)a->cells_x * 3, row = (size_t)a->width * 3;
+    uint16_t *last = a->cells[0] + (size_t)strip * n;
+    uint16_t *before = a->cells[1] + (size_t)strip * n;
+    uint16_t *now = a->cells[2] + (size_t)strip * n;
+    uint64_t second = 0;
 
-    for (size_t i = 0; i < (size_t)a->cells_x * 3; i++) {
-        const uint8_t *corner = codes + i / 3 * 3 * CELL + i % 3;
-        int sum = 0;
-
-        for (size_t y = 0; y < CELL; y++) {
-            for (size_t x = 0; x < CELL; x++)
-                sum += corner[y * row + 3 * x];
-        }
-        if (a->frames >= 2)
-            sums->second += absolute(sum - 2 * last[i] + before[i]);
-        before[i] = last[i];
-        last[i] = (uint16_t)sum;
-    }
+    cell_sums(a->frame + (size_t)strip * CELL * row, row, a->cells_x, now);
+    for (size_t i = 0; a->frames >= 2 && i < n; i++)
+        second += absolute(now[i] - 2 * last[i] + before[i]);
+    sums->second += second;
+    memcpy(before, last, n * sizeof(*before));
+    memcpy(last, now, n * sizeof(*last));
 }
 
 static void add_strip(void *ctx, unsigned strip, unsigned worker)
@@ -140,22 +182,49 @@ static void add_strip(void *ctx, unsigned strip, unsigned worker)
     struct strip *sums = &a->sums[strip];
     uint32_t y0 = strip * CELL;
     uint32_t y1 = y0 + CELL < a->height ? y0 + CELL : a->height;
+    size_t from = (size_t)y0 * a->width * 3, to = (size_t)y1 * a->width * 3;
 
     (void)worker;
-    if (a->frames == 0)
-        memset(a->previous + (size_t)y0 * a->width * 3, 0, (size_t)(y1 - y0) * a->width * 3);
+    for (size_t i = from; a->wide && i < to; i++)
+        a->own[i] = a->table[a->wide[i]];
     for (uint32_t y = y0; y < y1; y++)
         add_row(a, y, sums);
     if (y1 - y0 == CELL)
         add_cells(a, strip, sums);
+    memcpy(a->previous + from, a->frame + from, to - from);
 }
 
-void ttf_activity_add(struct ttf_activity *activity, struct ttf_pool *pool, const uint16_t *frame)
+static void add(struct ttf_activity *activity, struct ttf_pool *pool)
 {
-    activity->frame = frame;
     ttf_pool_run(pool, activity->strips, add_strip, activity);
     activity->frame = NULL;
+    activity->wide = NULL;
     activity->frames++;
+}
+
+void ttf_activity_add8(struct ttf_activity *activity, struct ttf_pool *pool, const uint8_t *frame)
+{
+    activity->frame = frame;
+    add(activity, pool);
+}
+
+int ttf_activity_add(struct ttf_activity *activity, struct ttf_pool *pool, const uint16_t *frame)
+{
+    if (!activity->table) {
+        activity->table = malloc(65536);
+        activity->own = malloc((size_t)activity->width * activity->height * 3);
+        if (!activity->table || !activity->own) {
+            free(activity->table);
+            free(activity->own);
+            activity->table = activity->own = NULL;
+            return -ENOMEM;
+        }
+        ttf_display8_table(&activity->encoding, activity->table);
+    }
+    activity->wide = frame;
+    activity->frame = activity->own;
+    add(activity, pool);
+    return 0;
 }
 
 void ttf_activity_figures(const struct ttf_activity *activity, struct ttf_activity_figures *ret)

@@ -108,8 +108,7 @@ static int start(struct agreement *a, struct ttf_sequence *input, unsigned most,
         return r;
     a->known = malloc(largest_block(map) * sizeof(*a->known));
     if (!a->known || choose_queries(a, most) < 0 || ttf_quilt_map_copy(map, &a->own) < 0 ||
-        ttf_views_create(&a->sources, &a->matching, 1u, ttf_cells_side(narrow), a->pool,
-                         &a->views) < 0 ||
+        ttf_views_create(&a->sources, &a->matching, 1u, narrow, a->pool, &a->views) < 0 ||
         ttf_rank_workspace_create(&a->room) < 0 ||
         ttf_search_create(&a->trajectories, narrow, plain.tolerance, a->matching.noise, NULL,
                           a->pool, &a->full) < 0)
@@ -162,7 +161,8 @@ static bool goes_on(const struct ttf_candidates *full)
 
 static int one_query(struct agreement *a, const struct ttf_quilt_block *b)
 {
-    const struct ttf_rank_query query = {.width = b->width, .height = b->height, .known = a->known};
+    const struct ttf_rank_query query = {
+        .width = b->width, .height = b->height, .known = a->known, .rerank = true};
     const struct ttf_overlap overlap = {b->width, b->height, b->left, b->top, a->known, b->width};
     struct ttf_rank_result rank;
     struct ttf_candidates full;
@@ -174,8 +174,8 @@ static int one_query(struct agreement *a, const struct ttf_quilt_block *b)
         r = ttf_search_run(a->full, &overlap, &full);
     if (r < 0)
         return r;
-    chosen = full_error(a, b, rank.list[rank.best_first].position.x,
-                        rank.list[rank.best_first].position.y);
+    chosen = full_error(a, b, rank.list[rank.likeliest].position.x,
+                        rank.list[rank.likeliest].position.y);
     a->sums.queries++;
     a->sums.best += chosen == full.best;
     a->sums.jaccard += overlap_of(&rank, &full);
@@ -190,6 +190,25 @@ static int one_query(struct agreement *a, const struct ttf_quilt_block *b)
         a->sums.jump_extra_cost += cost;
     }
     return 0;
+}
+
+/* Left and upper neighbour from anywhere: overlaps that no search has made alike. */
+static void random_known(const struct agreement *a, const struct ttf_quilt_block *b, unsigned i)
+{
+    const struct ttf_trajectories *t = &a->trajectories;
+    uint64_t random = ttf_random64(a->config->seed, TTF_PURPOSE_QUERY, 1000000u + i);
+    uint32_t columns = t->width - b->width + 1, positions = columns * (t->height - b->height + 1);
+    uint32_t left = ttf_pick(random, positions), top = ttf_pick(ttf_mix64(random), positions);
+
+    for (uint32_t y = 0; y < b->height; y++) {
+        for (uint32_t x = 0; x < b->width; x++) {
+            uint32_t from = y < b->top ? top : left;
+
+            if (x < b->left || y < b->top)
+                a->known[(size_t)y * b->width + x] =
+                    (from / columns + y) * t->width + from % columns + x;
+        }
+    }
 }
 
 static void gather_known(const struct agreement *a, const struct ttf_quilt_block *b)
@@ -214,7 +233,6 @@ static int check(const struct ttf_quilt_config *config, const struct ttf_quilt_m
     if (map->inputs[0].width != input->width || map->inputs[0].height != input->height)
         return ttf_err_set(err, -EINVAL, "agreement", "the map is of an input of %u x %u pixels",
                            map->inputs[0].width, map->inputs[0].height);
-
     for (unsigned i = 0; i < map->n_blocks; i++)
         turned = turned || map->blocks[i].turn != 0;
     if (map->n_inputs > 1 || turned || map->tileable) {
@@ -239,9 +257,9 @@ static void average(struct ttf_agreement *sums, unsigned costs)
     }
 }
 
-int ttf_quilt_agreement(const struct ttf_quilt_config *config, struct ttf_sequence *input,
-                        const struct ttf_quilt_map *map, unsigned most, struct ttf_pool *pool,
-                        struct ttf_agreement *ret, struct ttf_err *err)
+static int compare_searches(const struct ttf_quilt_config *config, struct ttf_sequence *input,
+                            const struct ttf_quilt_map *map, unsigned most, bool anywhere,
+                            struct ttf_pool *pool, struct ttf_agreement *ret, struct ttf_err *err)
 {
     struct agreement a = {.config = config, .map = map, .pool = pool};
     int r = check(config, map, input, err);
@@ -254,6 +272,8 @@ int ttf_quilt_agreement(const struct ttf_quilt_config *config, struct ttf_sequen
             r = ttf_err_set(err, -ECANCELED, NULL, "cancelled");
         else if (i > 0 && hash_of(&a, i) <= a.last_asked) {
             gather_known(&a, &map->blocks[i]);
+            if (getenv("RANDQ"))
+                random_known(&a, &map->blocks[i], i);
             r = one_query(&a, &map->blocks[i]);
             if (r < 0)
                 ttf_err_set(err, r, NULL, "no memory to compare searches");
@@ -267,4 +287,19 @@ int ttf_quilt_agreement(const struct ttf_quilt_config *config, struct ttf_sequen
     average(&a.sums, a.costs);
     *ret = a.sums;
     return 0;
+}
+
+int ttf_quilt_agreement(const struct ttf_quilt_config *config, struct ttf_sequence *input,
+                        const struct ttf_quilt_map *map, unsigned most, struct ttf_pool *pool,
+                        struct ttf_agreement *ret, struct ttf_err *err)
+{
+    return compare_searches(config, input, map, most, false, pool, ret, err);
+}
+
+int ttf_quilt_agreement_anywhere(const struct ttf_quilt_config *config, struct ttf_sequence *input,
+                                 const struct ttf_quilt_map *map, unsigned most,
+                                 struct ttf_pool *pool, struct ttf_agreement *ret,
+                                 struct ttf_err *err)
+{
+    return compare_searches(config, input, map, most, true, pool, ret, err);
 }

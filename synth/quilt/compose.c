@@ -11,43 +11,45 @@ struct compose {
     uint16_t *dst;
 };
 
-/* Pixels that were neighbours in the source go together: where the run that begins at x ends. */
-static uint32_t run_end(const uint32_t *map, uint32_t x, uint32_t width)
+/* A map that was made by hand has no runs: pixel by pixel. */
+static void copy_pixels(const struct ttf_quilt_map *map, const void *source, size_t code,
+                        uint32_t y, void *dst)
 {
-    uint32_t end = x + 1;
+    const uint32_t *row = map->source + (size_t)y * map->width;
+    char *to = (char *)dst + (size_t)y * map->width * 3 * code;
 
-    while (end < width && map[end] == map[end - 1] + 1)
-        end++;
-    return end;
+    for (uint32_t x = 0; x < map->width; x++)
+        memcpy(to + (size_t)x * 3 * code, (const char *)source + (size_t)row[x] * 3 * code,
+               3 * code);
+}
+
+/* code: bytes of one. */
+static void copy_rows(const struct ttf_quilt_map *map, const void *source, size_t code, uint32_t y0,
+                      uint32_t y1, void *dst)
+{
+    char *to = (char *)dst + (size_t)y0 * map->width * 3 * code;
+
+    for (uint32_t y = y0; !map->runs && y < y1; y++)
+        copy_pixels(map, source, code, y, dst);
+    for (uint32_t i = map->runs ? map->row_runs[y0] : 0; map->runs && i < map->row_runs[y1]; i++) {
+        const struct ttf_quilt_run *run = &map->runs[i];
+        size_t bytes = (size_t)run->length * 3 * code;
+
+        memcpy(to, (const char *)source + (size_t)run->source * 3 * code, bytes);
+        to += bytes;
+    }
 }
 
 void ttf_compose_rows(const struct ttf_quilt_map *map, const uint16_t *source, uint32_t y0,
                       uint32_t y1, uint16_t *dst)
 {
-    for (uint32_t y = y0; y < y1; y++) {
-        const uint32_t *row = map->source + (size_t)y * map->width;
-        uint16_t *to = dst + (size_t)y * map->width * 3;
-
-        for (uint32_t x = 0, end; x < map->width; x = end) {
-            end = run_end(row, x, map->width);
-            memcpy(to + (size_t)x * 3, source + (size_t)row[x] * 3,
-                   (size_t)(end - x) * 3 * sizeof(*dst));
-        }
-    }
+    copy_rows(map, source, sizeof(*dst), y0, y1, dst);
 }
 
 void ttf_compose_rows8(const struct ttf_quilt_map *map, const uint8_t *source, uint32_t y0,
                        uint32_t y1, uint8_t *dst)
 {
-    for (uint32_t y = y0; y < y1; y++) {
-        const uint32_t *row = map->source + (size_t)y * map->width;
-        uint8_t *to = dst + (size_t)y * map->width * 3;
-
-        for (uint32_t x = 0, end; x < map->width; x = end) {
-            end = run_end(row, x, map->width);
-            memcpy(to + (size_t)x * 3, source + (size_t)row[x] * 3, (size_t)(end - x) * 3);
-        }
-    }
+    copy_rows(map, source, sizeof(*dst), y0, y1, dst);
 }
 
 static void copy_tile(void *ctx, unsigned tile, unsigned worker)

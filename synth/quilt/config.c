@@ -58,9 +58,8 @@ size_t ttf_quilt_matching_bytes(const struct ttf_quilt_config *config, uint32_t 
         per_pixel = 3.0 * n + (double)ttf_features_bytes_per_pixel(n) + 24.0;
     } else {
         /* coefficients of each view, its cells and positions */
-        per_pixel =
-            (double)ttf_matching_bytes(1, rank, config->per_channel) +
-            turns * (2.0 * rank + 2.0 * TTF_CELL_DIMS + 2.0 * TTF_STRONGEST + sizeof(uint32_t));
+        per_pixel = (double)ttf_matching_bytes(1, rank, config->per_channel) +
+                    turns * (2.0 * rank + 2.0 * TTF_CELL_DIMS * TTF_CELL_LEVELS + sizeof(uint32_t));
     }
     bytes = per_pixel * pixels;
     return bytes < 1e18 ? (size_t)bytes : (size_t)1e18;

@@ -23,7 +23,8 @@ struct ttf_figures {
     uint32_t frames;
     struct ttf_activity *in[TTF_QUILT_INPUTS_MAX], *out;
     struct ttf_activity *plain; /* of what was copied, without jitter and feathering; or NULL */
-    uint16_t *plain_frame;
+    /* display codes of a frame: of the sources, and of the output */
+    uint8_t *table, *source8, *output8;
     struct ttf_seams *seams;
     struct ttf_seams_figures last_seams;
     struct ttf_colour_distance *colour;
@@ -52,6 +53,12 @@ int ttf_figures_create(const struct ttf_quilt_config *config, const struct ttf_s
         f->in[i] = ttf_activity_create(sources->list[i]->width, sources->list[i]->height, encoding);
         ok = ok && f->in[i] && ttf_activity_keep_pixels(f->in[i]) == 0;
     }
+    f->table = malloc(65536);
+    f->source8 = malloc((size_t)sources->pixels * 3);
+    f->output8 = malloc((size_t)config->width * config->height * 3);
+    ok = ok && f->table && f->source8 && f->output8;
+    if (ok)
+        ttf_display8_table(encoding, f->table);
     if (!ok) {
         ttf_figures_destroy(f);
         return -ENOMEM;
@@ -68,7 +75,9 @@ void ttf_figures_destroy(struct ttf_figures *figures)
         ttf_activity_destroy(figures->in[i]);
     ttf_activity_destroy(figures->out);
     ttf_activity_destroy(figures->plain);
-    free(figures->plain_frame);
+    free(figures->table);
+    free(figures->source8);
+    free(figures->output8);
     ttf_seams_destroy(figures->seams);
     ttf_colour_distance_destroy(figures->colour);
     ttf_synchrony_destroy(figures->synchrony);
@@ -80,7 +89,7 @@ size_t ttf_figures_bytes(const struct ttf_figures *f)
     size_t in = f->sources->pixels, out = (size_t)f->config->width * f->config->height;
 
     /* last frames as 8-bit codes, sums over 4 x 4 pixels, sums of pixels, a plain frame */
-    return in * 8 + out * 4 + (f->plain ? out * 10 : 0);
+    return in * 11 + out * (f->plain ? 11 : 7);
 }
 
 /* Where the output is not just copied at its own time: what it would be then. */
@@ -89,8 +98,7 @@ static int watch_plain(struct ttf_figures *f, const struct ttf_quilt_map *map)
     if (f->config->rate || f->config->per_frame || (!map->times && map->n_layers == 0))
         return 0;
     f->plain = ttf_activity_create(map->width, map->height, &f->sources->list[0]->encoding);
-    f->plain_frame = malloc((size_t)map->width * map->height * 3 * sizeof(uint16_t));
-    return f->plain && f->plain_frame ? 0 : -ENOMEM;
+    return f->plain ? 0 : -ENOMEM;
 }
 
 int ttf_figures_map(struct ttf_figures *f, const struct ttf_quilt_map *map)
@@ -132,20 +140,44 @@ static void add_colours(struct ttf_figures *f, uint32_t t, const uint16_t *sourc
     }
 }
 
+static void encode(const struct ttf_figures *f, const uint16_t *codes, size_t n, uint8_t *ret)
+{
+    for (size_t i = 0; i < n; i++)
+        ret[i] = f->table[codes[i]];
+}
+
+/* Whether output pixels are source pixels at their own time: then display codes are copied, not encoded anew. */
+static bool is_copied(const struct ttf_figures *f)
+{
+    return !f->map->times && !f->config->rate && f->map->n_layers == 0;
+}
+
+static void add_activity(struct ttf_figures *f, const uint16_t *source, const uint16_t *output,
+                         struct ttf_pool *pool)
+{
+    uint32_t height = f->map->height;
+
+    if (source)
+        encode(f, source, (size_t)f->sources->pixels * 3, f->source8);
+    for (unsigned i = 0; source && i < f->sources->n; i++)
+        ttf_activity_add8(f->in[i], pool, f->source8 + (size_t)f->sources->first[i] * 3);
+    if (source && (f->plain || is_copied(f)))
+        ttf_compose_rows8(f->map, f->source8, 0, height, f->output8);
+    if (source && f->plain)
+        ttf_activity_add8(f->plain, pool, f->output8);
+    if (!source || !is_copied(f))
+        encode(f, output, (size_t)f->config->width * height * 3, f->output8);
+    ttf_activity_add8(f->out, pool, f->output8);
+}
+
 void ttf_figures_add(struct ttf_figures *f, uint32_t t, const uint16_t *source,
                      const uint16_t *output, struct ttf_pool *pool)
 {
-    ttf_activity_add(f->out, pool, output);
+    add_activity(f, source, output, pool);
     if (f->synchrony)
         ttf_synchrony_add(f->synchrony, output);
     if (!source)
         return;
-    for (unsigned i = 0; i < f->sources->n; i++)
-        ttf_activity_add(f->in[i], pool, source + (size_t)f->sources->first[i] * 3);
-    if (f->plain) {
-        ttf_compose_rows(f->map, source, 0, f->map->height, f->plain_frame);
-        ttf_activity_add(f->plain, pool, f->plain_frame);
-    }
     /* seams are told from steps that pixels made in the source at the same time */
     if (is_one_of(t, f->frames, SEAM_FRAMES) && !f->config->rate) {
         ttf_seams_add(f->seams, source, output);

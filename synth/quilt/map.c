@@ -15,6 +15,8 @@ void ttf_quilt_map_free(struct ttf_quilt_map *map)
     free(map->cuts);
     free(map->layers);
     free(map->times);
+    free(map->runs);
+    free(map->row_runs);
     memset(map, 0, sizeof(*map));
 }
 
@@ -67,6 +69,49 @@ bool ttf_quilt_neighbour(const struct ttf_quilt_map *map, uint32_t id, unsigned 
     return true;
 }
 
+/* Pixels that follow one another: where the run that begins at x ends. */
+static uint32_t run_end(const uint32_t *row, uint32_t x, uint32_t width)
+{
+    uint32_t end = x + 1;
+
+    while (end < width && row[end] == row[end - 1] + 1)
+        end++;
+    return end;
+}
+
+int ttf_quilt_map_index(struct ttf_quilt_map *map)
+{
+    uint32_t n = 0;
+
+    free(map->runs);
+    free(map->row_runs);
+    map->runs = NULL;
+    map->row_runs = malloc(((size_t)map->height + 1) * sizeof(*map->row_runs));
+    if (!map->row_runs)
+        return -ENOMEM;
+    for (uint32_t y = 0; y < map->height; y++) {
+        const uint32_t *row = map->source + (size_t)y * map->width;
+
+        map->row_runs[y] = n;
+        for (uint32_t x = 0; x < map->width; x = run_end(row, x, map->width))
+            n++;
+    }
+    map->row_runs[map->height] = n;
+    map->runs = malloc((n + 1) * sizeof(*map->runs));
+    if (!map->runs)
+        return -ENOMEM;
+    n = 0;
+    for (uint32_t y = 0; y < map->height; y++) {
+        const uint32_t *row = map->source + (size_t)y * map->width;
+
+        for (uint32_t x = 0, end; x < map->width; x = end) {
+            end = run_end(row, x, map->width);
+            map->runs[n++] = (struct ttf_quilt_run){row[x], end - x};
+        }
+    }
+    return 0;
+}
+
 /* n elements of `size` bytes, copied; NULL of nothing. */
 static void *copy_of(const void *from, size_t n, size_t size, bool *failed)
 {
@@ -92,7 +137,9 @@ int ttf_quilt_map_copy(const struct ttf_quilt_map *map, struct ttf_quilt_map *re
     out.layers = copy_of(map->layers, map->n_layers, sizeof(*map->layers), &failed);
     out.times =
         copy_of(map->times, (size_t)map->n_blocks * map->n_times, sizeof(*map->times), &failed);
-    if (failed) {
+    out.runs = NULL;
+    out.row_runs = NULL;
+    if (failed || ttf_quilt_map_index(&out) < 0) {
         ttf_quilt_map_free(&out);
         return -ENOMEM;
     }

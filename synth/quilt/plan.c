@@ -218,7 +218,7 @@ static int prepare_full(struct ttf_plan *plan, uint32_t first, uint32_t frames, 
     figures->load_ns = loaded_ns - start_ns;
     figures->prepare_ns = now_ns(config) - loaded_ns;
     /* only for its geometry: a matching without numbers */
-    return ttf_views_create(&plan->sources, &plan->matching, 1u, 0, plan->pool, &plan->views);
+    return ttf_views_create(&plan->sources, &plan->matching, 1u, 1, plan->pool, &plan->views);
 }
 
 static int prepare_rank(struct ttf_plan *plan, uint32_t first, uint32_t frames, struct ttf_err *err)
@@ -233,8 +233,8 @@ static int prepare_rank(struct ttf_plan *plan, uint32_t first, uint32_t frames, 
     if (r < 0)
         return r;
     loaded_ns = now_ns(config);
-    r = ttf_views_create(&plan->sources, &plan->matching, turns_of(config), ttf_cells_side(narrow),
-                         plan->pool, &plan->views);
+    r = ttf_views_create(&plan->sources, &plan->matching, turns_of(config), narrow, plan->pool,
+                         &plan->views);
     if (r < 0)
         return ttf_err_set(err, r, NULL, "no memory to match %u pixels", plan->sources.pixels);
     plan->rank = (struct ttf_rank_search){&plan->matching, &plan->views, ttf_rank_kernels_best(),
@@ -291,6 +291,9 @@ static int plan_range(const struct ttf_quilt_config *config, struct ttf_sequence
         r = full || config->tileable ? place_in_order(&plan, err) : place_in_waves(&plan, err);
     if (r == 0 && (config->feather_px > 1 ? ttf_paste_all(&plan.map) : 0) < 0)
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory to blend seams");
+    if (r == 0 && ttf_quilt_map_index(&plan.map) < 0)
+        r = ttf_err_set(err, -ENOMEM, NULL, "no memory for a map of %u x %u pixels", config->width,
+                        config->height);
     if (r == 0 && config->jitter_frames > 0 &&
         ttf_time_jitter_fill(seed, config->jitter_frames, frames, &plan.map) < 0)
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory for the blocks' times");

@@ -13,10 +13,12 @@
 #define ROUNDS   4
 #define DIMS_MAX (TTF_CELL_SIDE_MAX * TTF_CELL_SIDE_MAX * TTF_CELL_NUMBERS)
 
-uint32_t ttf_cells_side(uint32_t overlap)
+uint32_t ttf_cells_side(unsigned level, uint32_t overlap)
 {
     uint32_t best = overlap < 3 ? overlap : 3;
 
+    if (level > 0)
+        return overlap < 2 ? 1 : 2;
     /* of equal waste the larger side: fewer cells say as much */
     for (uint32_t side = 4; side <= TTF_CELL_SIDE_MAX && side <= overlap; side++) {
         if (overlap % side <= overlap % best)

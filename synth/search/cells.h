@@ -25,8 +25,11 @@ struct ttf_cells {
     double scale;  /* stored over projected */
 };
 
-/* The side for an overlap of so many pixels. */
-uint32_t ttf_cells_side(uint32_t overlap);
+/* Coarse cells are few and exclude what is far off; fine ones bound tightly. */
+#define TTF_CELL_LEVELS 2
+
+/* The side of a level's cells for an overlap of so many pixels. */
+uint32_t ttf_cells_side(unsigned level, uint32_t overlap);
 
 /* From the pixels of one input (width x height at `coefs`, stride numbers each). -ENOMEM. */
 TTF_MUST_USE int ttf_cells_find(const int16_t *coefs, uint32_t width, uint32_t height,

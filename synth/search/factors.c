@@ -41,8 +41,10 @@ int ttf_factors_create(size_t pixels, unsigned room, int channel, struct ttf_fac
     f.gram = calloc(dims * dims, sizeof(*f.gram));
     f.vector = calloc(2 * room * dims, sizeof(*f.vector));
     f.sample = malloc(f.n_samples * sizeof(*f.sample));
+    f.energy = calloc(pixels, sizeof(*f.energy));
     f.tile_energy = calloc(ttf_factors_tiles(&f), sizeof(*f.tile_energy));
-    if (!f.coefs || !f.singular || !f.w || !f.gram || !f.vector || !f.sample || !f.tile_energy) {
+    if (!f.coefs || !f.singular || !f.w || !f.gram || !f.vector || !f.sample || !f.tile_energy ||
+        !f.energy) {
         ttf_factors_free(&f);
         return -ENOMEM;
     }
@@ -65,6 +67,7 @@ void ttf_factors_free(struct ttf_factors *factors)
     free(factors->vector);
     free(factors->sample);
     free(factors->tile_energy);
+    free(factors->energy);
     memset(factors, 0, sizeof(*factors));
 }
 
@@ -145,23 +148,28 @@ struct rotation {
     const struct ttf_rank_kernels *kernels;
 };
 
-static uint64_t energy_of(const struct rotation *r, size_t from, size_t to)
+/* Adds each pixel's squared codes; returns their sum. */
+static uint64_t add_energy(const struct rotation *r, size_t from, size_t to)
 {
+    uint32_t own[TILE] = {0}; /* 3 x 16 frames x 255^2 fit 32 bits */
     uint64_t sum = 0;
 
     for (unsigned t = 0; t < r->n; t++) {
-        const uint8_t *codes = r->frames[t];
-        uint32_t part = 0; /* 3 TILE 255^2 fits 32 bits */
+        const uint8_t *codes = r->frames[t] + 3 * from;
 
-        if (r->factors->channel < 0) {
-            for (size_t i = 3 * from; i < 3 * to; i++)
-                part += (uint32_t)codes[i] * codes[i];
-        } else {
+        if (r->factors->channel >= 0) {
             codes += r->factors->channel;
-            for (size_t i = from; i < to; i++)
-                part += (uint32_t)codes[3 * i] * codes[3 * i];
+            for (size_t i = 0; i < to - from; i++)
+                own[i] += (uint32_t)codes[3 * i] * codes[3 * i];
+            continue;
         }
-        sum += part;
+        for (size_t i = 0; i < to - from; i++, codes += 3)
+            own[i] += (uint32_t)codes[0] * codes[0] + (uint32_t)codes[1] * codes[1] +
+                      (uint32_t)codes[2] * codes[2];
+    }
+    for (size_t i = 0; i < to - from; i++) {
+        r->factors->energy[from + i] += own[i];
+        sum += own[i];
     }
     return sum;
 }
@@ -186,7 +194,7 @@ static void rotate_tile(void *ctx, unsigned tile, unsigned worker)
         memcpy(f->coefs + p * f->room, out, n * f->room * sizeof(*out));
     }
     if (r->n > 0)
-        f->tile_energy[tile] += energy_of(r, from, to);
+        f->tile_energy[tile] += add_energy(r, from, to);
 }
 
 void ttf_factors_rotate(struct ttf_factors *f, const uint8_t *const *frames, unsigned n,

@@ -31,6 +31,7 @@ struct ttf_factors {
     uint32_t frames;       /* appended so far */
     float *coefs;          /* pixels x room: U S */
     uint64_t *tile_energy; /* sums of squared codes, in parts */
+    uint64_t *energy;      /* of each pixel: sum of its squared codes */
     double *singular;      /* room values, descending; valid after ttf_factors_finish */
     /* of the running batch */
     size_t dims;    /* room + columns of the batch */

@@ -20,6 +20,11 @@ static size_t tiles_bytes(const struct ttf_factors *f)
     return ttf_factors_tiles(f) * sizeof(*f->tile_energy);
 }
 
+static size_t energies_bytes(const struct ttf_factors *f)
+{
+    return tiles_bytes(f) + f->pixels * sizeof(*f->energy);
+}
+
 static size_t coefs_bytes(const struct ttf_factors *f)
 {
     return f->pixels * f->room * sizeof(*f->coefs);
@@ -35,7 +40,7 @@ int ttf_learner_pack(const struct ttf_learner *learner, enum ttf_metric metric,
                             .room = first->room,
                             .frames = first->frames,
                             .pixels = first->pixels};
-    size_t own = coefs_bytes(first) + tiles_bytes(first);
+    size_t own = coefs_bytes(first) + energies_bytes(first);
     size_t size = sizeof(header) + sizeof(learner->noise) + learner->n_factors * own;
     uint8_t *bytes = malloc(size), *at = bytes;
 
@@ -50,7 +55,8 @@ int ttf_learner_pack(const struct ttf_learner *learner, enum ttf_metric metric,
         const struct ttf_factors *f = &learner->factors[i];
 
         memcpy(at, f->tile_energy, tiles_bytes(f));
-        memcpy(at + tiles_bytes(f), f->coefs, coefs_bytes(f));
+        memcpy(at + tiles_bytes(f), f->energy, f->pixels * sizeof(*f->energy));
+        memcpy(at + energies_bytes(f), f->coefs, coefs_bytes(f));
         at += own;
     }
     *ret = (struct ttf_quilt_factors){bytes, size};
@@ -114,7 +120,7 @@ int ttf_learner_unpack(const struct ttf_quilt_factors *bytes, const struct ttf_s
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory for the factors");
     if (r < 0)
         return r;
-    own = coefs_bytes(&learner.factors[0]) + tiles_bytes(&learner.factors[0]);
+    own = coefs_bytes(&learner.factors[0]) + energies_bytes(&learner.factors[0]);
     if (bytes->size != sizeof(header) + sizeof(learner.noise) + learner.n_factors * own) {
         ttf_learner_free(&learner);
         return ttf_err_set(err, -EINVAL, "factors", "they are cut short");
@@ -126,7 +132,8 @@ int ttf_learner_unpack(const struct ttf_quilt_factors *bytes, const struct ttf_s
         struct ttf_factors *f = &learner.factors[i];
 
         memcpy(f->tile_energy, at, tiles_bytes(f));
-        memcpy(f->coefs, at + tiles_bytes(f), coefs_bytes(f));
+        memcpy(f->energy, at + tiles_bytes(f), f->pixels * sizeof(*f->energy));
+        memcpy(f->coefs, at + energies_bytes(f), coefs_bytes(f));
         f->frames = header.frames;
     }
     learner.known = header.frames;

@@ -87,6 +87,8 @@ struct quantise {
     struct ttf_matching *out;
     const struct column *columns;
     float *largest; /* per tile, of all columns */
+    const struct ttf_factors *factors;
+    unsigned n_factors;
 };
 
 static int by_strength(const void *a, const void *b)
@@ -123,6 +125,17 @@ static void find_largest(void *ctx, unsigned tile, unsigned worker)
     q->largest[tile] = largest;
 }
 
+static float missed_of(const struct quantise *q, size_t pixel)
+{
+    double missed = 0.0;
+
+    for (unsigned i = 0; i < q->n_factors; i++)
+        missed += (double)q->factors[i].energy[pixel];
+    for (unsigned c = 0; c < q->out->k; c++)
+        missed -= (double)at(&q->columns[c], pixel) * (double)at(&q->columns[c], pixel);
+    return missed > 0.0 ? (float)missed : 0.0f;
+}
+
 static void quantise_tile(void *ctx, unsigned tile, unsigned worker)
 {
     const struct quantise *q = ctx;
@@ -140,6 +153,7 @@ static void quantise_tile(void *ctx, unsigned tile, unsigned worker)
             /* the addition rounds: the value lies far within 2^22 */
             coefs[c] = (int16_t)((value + 12582912.0f) - 12582912.0f);
         }
+        q->out->missed[p] = missed_of(q, p);
     }
 }
 
@@ -167,13 +181,14 @@ int ttf_matching_of_factors(const struct ttf_factors *factors, unsigned n, unsig
     struct ttf_matching out = {.pixels = factors->pixels, .k = n * k, .scale = 1.0, .noise = noise};
     unsigned tiles = (unsigned)((out.pixels + TILE - 1) / TILE);
     struct column columns[NUMBERS_MAX];
-    struct quantise q = {&out, columns, calloc(tiles, sizeof(float))};
+    struct quantise q = {&out, columns, calloc(tiles, sizeof(float)), factors, n};
     float largest = 0.0f;
 
     out.stride = (out.k + TTF_COEF_LANES - 1) / TTF_COEF_LANES * TTF_COEF_LANES;
     out.coefs = calloc(out.pixels * out.stride, sizeof(*out.coefs));
-    if (!out.coefs || !q.largest) {
-        free(out.coefs);
+    out.missed = malloc(out.pixels * sizeof(*out.missed));
+    if (!out.coefs || !out.missed || !q.largest) {
+        ttf_matching_free(&out);
         free(q.largest);
         return ttf_err_set(err, -ENOMEM, NULL, "no memory to match %zu pixels", out.pixels);
     }
@@ -264,5 +279,6 @@ int ttf_matching_build(const struct ttf_quilt_config *config, const struct ttf_s
 void ttf_matching_free(struct ttf_matching *matching)
 {
     free(matching->coefs);
+    free(matching->missed);
     memset(matching, 0, sizeof(*matching));
 }

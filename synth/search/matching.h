@@ -22,6 +22,7 @@ struct ttf_matching {
     unsigned k;      /* numbers of a pixel */
     unsigned stride; /* k, padded with zeros to a multiple of TTF_COEF_LANES */
     int16_t *coefs;  /* pixels x stride, strongest first, within TTF_COEF_MAX */
+    float *missed;   /* of each pixel: squared length of what rank k misses, codes^2 */
     double scale;    /* quantised over codes: an error in codes^2 is the integers' over scale^2 */
     double noise;    /* variance of one sample, codes^2 */
     struct ttf_quilt_rank_figures figures;

@@ -20,6 +20,18 @@ static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
     return sum;
 }
 
+static uint64_t ssd_runs(const int16_t *a, const struct ttf_run_place *runs, size_t n_runs,
+                         const int16_t *b, uint64_t limit)
+{
+    uint64_t sum = 0;
+
+    for (size_t i = 0; i < n_runs && sum <= limit; i++) {
+        sum += ssd_i16(a + runs[i].at, b, runs[i].n);
+        b += runs[i].n;
+    }
+    return sum;
+}
+
 static void bound_cells(const int16_t *cells, const struct ttf_cell_target *targets,
                         size_t n_targets, size_t n, uint32_t limit, uint32_t *bounds)
 {
@@ -59,6 +71,7 @@ const struct ttf_rank_kernels *ttf_rank_kernels_scalar(void)
     static const struct ttf_rank_kernels kernels = {
         .name = "scalar",
         .ssd_i16 = ssd_i16,
+        .ssd_runs = ssd_runs,
         .bound_cells = bound_cells,
         .rotate4 = rotate4_plain,
     };
@@ -71,6 +84,7 @@ const struct ttf_rank_kernels *ttf_rank_kernels_best(void)
     static const struct ttf_rank_kernels vector = {
         .name = "vector",
         .ssd_i16 = ssd_i16,
+        .ssd_runs = ssd_runs,
         .bound_cells = bound_cells,
         .rotate4 = rotate4,
     };

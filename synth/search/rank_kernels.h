@@ -14,7 +14,7 @@
 #define TTF_COEF_LANES 16          /* coefficients of a pixel are padded to a multiple of these */
 #define TTF_CELL_MAX   1023        /* of a cell's values */
 #define TTF_CELL_DIMS  16          /* values of a cell */
-#define TTF_CELLS_MAX  192         /* of an overlap */
+#define TTF_CELLS_MAX  512         /* of an overlap */
 #define TTF_BOUND_MAX  0x7fffffffu /* sums are clipped to this */
 
 /* What a cell of the overlap is to look like, and where it lies from the block's corner, in cells of the view. */
@@ -23,10 +23,21 @@ struct ttf_cell_target {
     uint32_t offset;
 };
 
+/* Numbers of a run: where they begin, and how many (a multiple of TTF_COEF_LANES). */
+struct ttf_run_place {
+    size_t at, n;
+};
+
 struct ttf_rank_kernels {
     const char *name;
-    /* Sum of squared differences; n a multiple of 4, values within TTF_COEF_MAX. */
+    /* Sum of squared differences; n a multiple of TTF_COEF_LANES, values within TTF_COEF_MAX. */
     uint64_t (*ssd_i16)(const int16_t *a, const int16_t *b, size_t n);
+    /*
+     * The same of several runs, a's at the given places behind one another in b. Once the sum is beyond
+     * `limit` any larger number may be given.
+     */
+    uint64_t (*ssd_runs)(const int16_t *a, const struct ttf_run_place *runs, size_t n_runs,
+                         const int16_t *b, uint64_t limit);
     /*
      * Of n neighbouring positions: sum over cells of squared differences, clipped at TTF_BOUND_MAX. cells: the view's values
      * from the first position's corner on. Of a position beyond `limit`, any number beyond it.

@@ -29,34 +29,50 @@ static __m256i widen(__m256i sum, __m256i part)
     return _mm256_add_epi64(sum, _mm256_unpackhi_epi32(part, zero));
 }
 
-/* The last up to 15 numbers, an even number of them. */
-static __m256i load_tail(const int16_t *p, size_t n)
+static uint64_t sum_of(__m256i sum)
 {
-    static const int32_t on[16] = {-1, -1, -1, -1, -1, -1, -1, -1};
-    __m256i mask = _mm256_loadu_si256((const __m256i *)(const void *)(on + 8 - n / 2));
+    uint64_t lanes[4];
 
-    return _mm256_maskload_epi32((const int *)(const void *)p, mask);
+    _mm256_storeu_si256((__m256i *)(void *)lanes, sum);
+    return lanes[0] + lanes[1] + lanes[2] + lanes[3];
 }
 
 /* Eight vectors of squares keep a lane below 2^31; then into 64 bits. */
-static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
+static __m256i add_run(__m256i sum, const int16_t *a, const int16_t *b, size_t n)
 {
-    __m256i sum = _mm256_setzero_si256();
-    uint64_t lanes[4];
-    size_t i = 0;
-
-    while (i + 16 <= n) {
+    for (size_t i = 0; i < n;) {
         size_t end = n - i < 128 ? n : i + 128;
         __m256i part = _mm256_setzero_si256();
 
-        for (; i + 16 <= end; i += 16)
+        for (; i < end; i += 16)
             part = _mm256_add_epi32(part, squares(load(a + i), load(b + i)));
         sum = widen(sum, part);
     }
-    if (i < n)
-        sum = widen(sum, squares(load_tail(a + i, n - i), load_tail(b + i, n - i)));
-    _mm256_storeu_si256((__m256i *)(void *)lanes, sum);
-    return lanes[0] + lanes[1] + lanes[2] + lanes[3];
+    return sum;
+}
+
+static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
+{
+    return sum_of(add_run(_mm256_setzero_si256(), a, b, n));
+}
+
+/* Runs between looks at the limit. */
+#define RUNS_AT_ONCE 4
+
+static uint64_t ssd_runs(const int16_t *a, const struct ttf_run_place *runs, size_t n_runs,
+                         const int16_t *b, uint64_t limit)
+{
+    uint64_t all = 0;
+
+    for (size_t i = 0; i < n_runs && all <= limit;) {
+        size_t end = n_runs - i < RUNS_AT_ONCE ? n_runs : i + RUNS_AT_ONCE;
+        __m256i sum = _mm256_setzero_si256();
+
+        for (; i < end; b += runs[i++].n)
+            sum = add_run(sum, a + runs[i].at, b, runs[i].n);
+        all += sum_of(sum);
+    }
+    return all;
 }
 
 /* The sums of the lanes of eight vectors, in order. */
@@ -127,6 +143,7 @@ const struct ttf_rank_kernels *ttf_rank_kernels_avx2(void)
     static const struct ttf_rank_kernels kernels = {
         .name = "avx2",
         .ssd_i16 = ssd_i16,
+        .ssd_runs = ssd_runs,
         .bound_cells = bound_cells,
         .rotate4 = rotate4,
     };

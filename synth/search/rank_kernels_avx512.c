@@ -21,10 +21,8 @@ static __m512i squares(__m512i a, __m512i b)
 }
 
 /* Eight vectors of squares keep a lane below 2^31; then into 64 bits. What is no whole vector is masked. */
-static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
+static __m512i add_run(__m512i sum, const int16_t *a, const int16_t *b, size_t n)
 {
-    __m512i sum = _mm512_setzero_si512();
-
     for (size_t i = 0; i < n;) {
         size_t end = n - i < 256 ? n : i + 256;
         __m512i part = _mm512_setzero_si512();
@@ -32,16 +30,38 @@ static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
         for (; i + 32 <= end; i += 32)
             part = _mm512_add_epi32(part, squares(load(a + i), load(b + i)));
         if (i < end) {
-            __mmask32 rest = ((__mmask32)1 << (end - i)) - 1;
-
-            part = _mm512_add_epi32(part, squares(_mm512_maskz_loadu_epi16(rest, a + i),
-                                                  _mm512_maskz_loadu_epi16(rest, b + i)));
+            part = _mm512_add_epi32(part, squares(_mm512_maskz_loadu_epi16(0xffff, a + i),
+                                                  _mm512_maskz_loadu_epi16(0xffff, b + i)));
             i = end;
         }
         sum = _mm512_add_epi64(sum, _mm512_cvtepu32_epi64(_mm512_castsi512_si256(part)));
         sum = _mm512_add_epi64(sum, _mm512_cvtepu32_epi64(_mm512_extracti64x4_epi64(part, 1)));
     }
-    return (uint64_t)_mm512_reduce_add_epi64(sum);
+    return sum;
+}
+
+static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
+{
+    return (uint64_t)_mm512_reduce_add_epi64(add_run(_mm512_setzero_si512(), a, b, n));
+}
+
+/* Runs between looks at the limit. */
+#define RUNS_AT_ONCE 4
+
+static uint64_t ssd_runs(const int16_t *a, const struct ttf_run_place *runs, size_t n_runs,
+                         const int16_t *b, uint64_t limit)
+{
+    uint64_t all = 0;
+
+    for (size_t i = 0; i < n_runs && all <= limit;) {
+        size_t end = n_runs - i < RUNS_AT_ONCE ? n_runs : i + RUNS_AT_ONCE;
+        __m512i sum = _mm512_setzero_si512();
+
+        for (; i < end; b += runs[i++].n)
+            sum = add_run(sum, a + runs[i].at, b, runs[i].n);
+        all += (uint64_t)_mm512_reduce_add_epi64(sum);
+    }
+    return all;
 }
 
 /*
@@ -126,6 +146,7 @@ const struct ttf_rank_kernels *ttf_rank_kernels_avx512(void)
     static const struct ttf_rank_kernels kernels = {
         .name = "avx512",
         .ssd_i16 = ssd_i16,
+        .ssd_runs = ssd_runs,
         .bound_cells = bound_cells,
         .rotate4 = rotate4,
     };

@@ -14,11 +14,18 @@
 
 #define EXCLUDED UINT32_MAX
 
+/* Positions whose fine cells are looked at together. */
+#define GROUP 16u
+
+/* Fine cells pay for themselves where coarse ones let more than this share of positions pass. */
+#define FINE_SHARE 64u
+
 struct ttf_rank_workspace {
     struct ttf_rank_template template;
     struct ttf_cell_target targets[TTF_CELLS_MAX];
-    size_t room_positions, room_found;
-    uint32_t *bounds; /* of all views' positions */
+    size_t room_positions, room_found, room_runs;
+    struct ttf_run_place *runs; /* of each view, one after another */
+    uint32_t *bounds;           /* of all views' positions */
     struct ttf_rank_candidate *found;
     uint32_t n_found;
     struct ttf_rank_counts counts;
@@ -42,6 +49,7 @@ void ttf_rank_workspace_destroy(struct ttf_rank_workspace *workspace)
     ttf_rank_template_free(&workspace->template);
     free(workspace->bounds);
     free(workspace->found);
+    free(workspace->runs);
     free(workspace);
 }
 
@@ -82,45 +90,41 @@ static int make_room(struct ttf_rank_workspace *w, size_t positions)
     return 0;
 }
 
-/* The share of the strongest numbers: most of E, at a fraction of the cost. Beyond the limit, any number beyond it. */
-static uint64_t first_look(const struct ttf_rank_workspace *w, const struct ttf_rank_position *at)
-{
-    const struct ttf_view *view = &w->search->views->list[at->view];
-    const struct ttf_rank_template *template = &w->template;
-    uint64_t sum = 0;
-
-    for (size_t i = 0; i < template->n_runs; i++) {
-        const struct ttf_rank_run *run = &template->runs[i];
-        size_t pixel = (size_t)(at->y + run->dy) * view->width + at->x + run->dx;
-
-        sum += w->search->kernels->ssd_i16(view->strongest + pixel * TTF_STRONGEST,
-                                           template->strongest + run->first * TTF_STRONGEST,
-                                           run->length * TTF_STRONGEST);
-        if ((double)sum > w->limit)
-            break;
-    }
-    return sum;
-}
-
 /* E of one position in full; beyond the limit, any number beyond it. */
 static uint64_t error_at(const struct ttf_rank_workspace *w, const struct ttf_rank_position *at)
 {
     const struct ttf_view *view = &w->search->views->list[at->view];
-    const struct ttf_rank_template *template = &w->template;
-    size_t stride = w->search->matching->stride;
-    uint64_t sum = 0;
+    size_t corner = (size_t)at->y * view->width + at->x;
+    uint64_t limit = w->limit < (double)UINT64_MAX ? (uint64_t)w->limit : UINT64_MAX;
 
-    for (size_t i = 0; i < template->n_runs; i++) {
-        const struct ttf_rank_run *run = &template->runs[i];
-        size_t pixel = (size_t)(at->y + run->dy) * view->width + at->x + run->dx;
+    return w->search->kernels->ssd_runs(view->coefs + corner * w->search->matching->stride,
+                                        w->runs + (size_t)at->view * w->template.n_runs,
+                                        w->template.n_runs, w->template.coefs, limit);
+}
 
-        sum += w->search->kernels->ssd_i16(view->coefs + pixel * stride,
-                                           template->coefs + run->first * stride,
-                                           run->length * stride);
-        if ((double)sum > w->limit)
-            break;
+/* Where the template's runs lie in each view, from a position's corner on. */
+static int place_runs(struct ttf_rank_workspace *w)
+{
+    const struct ttf_views *views = w->search->views;
+    size_t n = w->template.n_runs, stride = w->search->matching->stride;
+
+    if (n * views->n > w->room_runs) {
+        free(w->runs);
+        w->room_runs = 0;
+        w->runs = malloc(n * views->n * sizeof(*w->runs));
+        if (!w->runs)
+            return -ENOMEM;
+        w->room_runs = n * views->n;
     }
-    return sum;
+    for (unsigned v = 0; v < views->n; v++) {
+        for (size_t i = 0; i < n; i++) {
+            const struct ttf_rank_run *run = &w->template.runs[i];
+
+            w->runs[v * n + i] = (struct ttf_run_place){
+                ((size_t)run->dy * views->list[v].width + run->dx) * stride, run->length * stride};
+        }
+    }
+    return 0;
 }
 
 static void look_at(struct ttf_rank_workspace *w, const struct ttf_rank_position *at)
@@ -163,10 +167,10 @@ static void look_at_hints(struct ttf_rank_workspace *w)
  * at most a half, so that a difference may be off by one (and a little for what floats lose).
  * Beyond what sums are clipped to, nothing is excluded.
  */
-static uint32_t cell_limit(const struct ttf_rank_workspace *w)
+static uint32_t cell_limit(const struct ttf_rank_workspace *w, unsigned level)
 {
-    double length = sqrt(w->limit) * w->search->views->cells.scale * (1.0 + 1e-5) +
-                    1.01 * sqrt((double)w->template.n_cells * TTF_CELL_DIMS);
+    double length = sqrt(w->limit) * w->search->views->levels[level].scale * (1.0 + 1e-5) +
+                    1.01 * sqrt((double)w->template.n_cells[level] * TTF_CELL_DIMS);
     double limit = length * length + 1.0;
 
     return limit < (double)TTF_BOUND_MAX ? (uint32_t)limit : EXCLUDED - 1;
@@ -188,23 +192,64 @@ static void exclude(const struct ttf_rank_workspace *w, unsigned view, uint32_t 
     }
 }
 
+static void aim_at_view(struct ttf_rank_workspace *w, const struct ttf_view *view, unsigned level)
+{
+    const struct ttf_rank_template *template = &w->template;
+
+    for (size_t i = 0; i < template->n_cells[level]; i++) {
+        w->targets[i] = template->cells[level][i].target;
+        w->targets[i].offset =
+            template->cells[level][i].dy * view->width + template->cells[level][i].dx;
+    }
+}
+
 static void bound_view(struct ttf_rank_workspace *w, unsigned index, uint32_t limit,
                        uint32_t *bounds)
 {
     const struct ttf_view *view = &w->search->views->list[index];
-    struct ttf_rank_template *template = &w->template;
     uint32_t columns, rows;
 
     grid_of(view, w->query, &columns, &rows);
-    for (size_t i = 0; i < template->n_cells; i++) {
-        w->targets[i] = template->cells[i].target;
-        w->targets[i].offset = template->cells[i].dy * view->width + template->cells[i].dx;
-    }
+    aim_at_view(w, view, 0);
     for (uint32_t y = 0; y < rows; y++)
-        w->search->kernels->bound_cells(view->cells + (size_t)y * view->width * TTF_CELL_DIMS,
-                                        w->targets, template->n_cells, columns, limit,
+        w->search->kernels->bound_cells(view->cells[0] + (size_t)y * view->width * TTF_CELL_DIMS,
+                                        w->targets, w->template.n_cells[0], columns, limit,
                                         bounds + (size_t)y * columns);
     exclude(w, index, columns, rows, bounds);
+}
+
+/* One group of neighbouring positions; those that are out already stay so. */
+static void refine_group(const struct ttf_rank_workspace *w, const int16_t *cells, uint32_t n,
+                         uint32_t coarse_limit, uint32_t limit, uint32_t *bounds)
+{
+    uint32_t fine[GROUP];
+    bool any = false;
+
+    for (uint32_t i = 0; i < n; i++)
+        any = any || bounds[i] <= coarse_limit;
+    if (any)
+        w->search->kernels->bound_cells(cells, w->targets, w->template.n_cells[1], n, limit, fine);
+    for (uint32_t i = 0; i < n; i++)
+        bounds[i] = any && bounds[i] <= coarse_limit ? fine[i] : EXCLUDED;
+}
+
+/* Bounds by fine cells in place of those by coarse ones. */
+static void refine_view(struct ttf_rank_workspace *w, unsigned index, uint32_t coarse_limit,
+                        uint32_t limit, uint32_t *bounds)
+{
+    const struct ttf_view *view = &w->search->views->list[index];
+    uint32_t columns, rows;
+
+    grid_of(view, w->query, &columns, &rows);
+    aim_at_view(w, view, 1);
+    for (uint32_t y = 0; y < rows; y++) {
+        const int16_t *row = view->cells[1] + (size_t)y * view->width * TTF_CELL_DIMS;
+
+        for (uint32_t x = 0; x < columns; x += GROUP)
+            refine_group(w, row + (size_t)x * TTF_CELL_DIMS,
+                         columns - x < GROUP ? columns - x : GROUP, coarse_limit, limit,
+                         bounds + (size_t)y * columns + x);
+    }
 }
 
 /* Indices of the smallest bounds within the limit, in no promised order; returns how many. */
@@ -261,11 +306,11 @@ static int add_found(struct ttf_rank_workspace *w, const struct ttf_rank_positio
     return 0;
 }
 
-/* All positions that the bound lets pass, compared in full. The limit only tightens on the way. */
-static int compare_survivors(struct ttf_rank_workspace *w)
+/* All positions that the bounds of `level` let pass, compared in full. The limit only tightens on the way. */
+static int compare_survivors(struct ttf_rank_workspace *w, unsigned level)
 {
     const uint32_t *bounds = w->bounds;
-    uint32_t limit = cell_limit(w);
+    uint32_t limit = cell_limit(w, level);
 
     w->n_found = 0;
     for (unsigned i = 0; i < w->search->views->n; i++) {
@@ -278,12 +323,9 @@ static int compare_survivors(struct ttf_rank_workspace *w)
 
             if (bounds[at] > limit)
                 continue;
-            w->counts.survived_cells++;
+            w->counts.exact++;
             position =
                 (struct ttf_rank_position){i, (uint32_t)(at % columns), (uint32_t)(at / columns)};
-            if ((double)first_look(w, &position) > w->limit)
-                continue;
-            w->counts.exact++;
             error = error_at(w, &position);
             if ((double)error > w->limit)
                 continue;
@@ -292,7 +334,7 @@ static int compare_survivors(struct ttf_rank_workspace *w)
             if (error < w->best) {
                 w->best = error;
                 w->limit = ttf_rank_limit(w->search, w->template.n_pixels, error);
-                limit = cell_limit(w);
+                limit = cell_limit(w, level);
             }
         }
         bounds += (size_t)columns * rows;
@@ -300,50 +342,112 @@ static int compare_survivors(struct ttf_rank_workspace *w)
     return 0;
 }
 
+/*
+ * What the full-time error is likely to be, but for what all positions share: where pixels differ,
+ * what rank k misses of them has nothing to do with each other, so it adds up. In quantised units.
+ */
+static double likely_error(const struct ttf_rank_workspace *w, const struct ttf_rank_candidate *c)
+{
+    const struct ttf_matching *m = w->search->matching;
+    const struct ttf_view *view = &w->search->views->list[c->position.view];
+    const struct ttf_rank_query *query = w->query;
+    double missed = 0.0;
+
+    for (uint32_t y = 0; y < query->height; y++) {
+        for (uint32_t x = 0; x < query->width; x++) {
+            uint32_t known = query->known[(size_t)y * query->width + x];
+            uint32_t own = ttf_view_id(view, c->position.x + x, c->position.y + y);
+
+            if (known != TTF_UNKNOWN_ID && known != own)
+                missed += (double)m->missed[known] + (double)m->missed[own];
+        }
+    }
+    return (double)c->error + missed * m->scale * m->scale;
+}
+
 static void collect(struct ttf_rank_workspace *w, struct ttf_rank_result *ret)
 {
-    uint32_t kept = 0, best_first = 0;
+    uint32_t kept = 0, likeliest = 0;
+    double least = 0.0;
 
     for (uint32_t i = 0; i < w->n_found; i++) {
         if ((double)w->found[i].error > w->limit)
             continue;
         w->found[kept++] = w->found[i];
     }
-    while (best_first + 1 < kept && w->found[best_first].error != w->best)
-        best_first++;
+    for (uint32_t i = 0; w->query->rerank && i < kept; i++) {
+        double likely = likely_error(w, &w->found[i]);
+
+        if (i == 0 || likely < least) {
+            least = likely;
+            likeliest = i;
+        }
+    }
     *ret = (struct ttf_rank_result){.n = kept,
                                     .list = w->found,
                                     .best = w->best,
-                                    .best_first = best_first,
+                                    .likeliest = likeliest,
                                     .overlap_pixels = w->template.n_pixels};
 }
 
-static int run(struct ttf_rank_workspace *w, size_t positions)
+/* Compares the most promising positions, so that the limit is near its last value. */
+static void look_at_seeds(struct ttf_rank_workspace *w, size_t positions, unsigned level)
 {
     size_t seeds[SEEDS];
-    uint32_t *bounds = w->bounds;
-    uint32_t limit;
-    unsigned n;
+    unsigned n = most_promising(w->bounds, positions, cell_limit(w, level), seeds);
 
-    w->best = UINT64_MAX;
-    w->limit = (double)UINT64_MAX;
-    look_at_hints(w);
-    limit = cell_limit(w);
-    for (unsigned i = 0; i < w->search->views->n; i++) {
-        uint32_t columns, rows;
-
-        grid_of(&w->search->views->list[i], w->query, &columns, &rows);
-        bound_view(w, i, limit, bounds);
-        bounds += (size_t)columns * rows;
-    }
-    w->counts.positions += positions;
-    n = most_promising(w->bounds, positions, limit, seeds);
     for (unsigned i = 0; i < n; i++) {
         struct ttf_rank_position at = position_of(w, seeds[i]);
 
         look_at(w, &at);
     }
-    return compare_survivors(w);
+}
+
+static size_t count_within(const uint32_t *bounds, size_t n, uint32_t limit)
+{
+    size_t within = 0;
+
+    for (size_t i = 0; i < n; i++)
+        within += bounds[i] <= limit;
+    return within;
+}
+
+/* Bounds of all views: by coarse cells (level 0), or by fine ones where those let a position pass. */
+static void bound_all(struct ttf_rank_workspace *w, unsigned level)
+{
+    uint32_t coarse_limit = cell_limit(w, 0), limit = cell_limit(w, level);
+    uint32_t *bounds = w->bounds;
+
+    for (unsigned i = 0; i < w->search->views->n; i++) {
+        uint32_t columns, rows;
+
+        grid_of(&w->search->views->list[i], w->query, &columns, &rows);
+        if (level == 0)
+            bound_view(w, i, limit, bounds);
+        else
+            refine_view(w, i, coarse_limit, limit, bounds);
+        bounds += (size_t)columns * rows;
+    }
+}
+
+static int run(struct ttf_rank_workspace *w, size_t positions)
+{
+    size_t within;
+
+    w->best = UINT64_MAX;
+    w->limit = (double)UINT64_MAX;
+    look_at_hints(w);
+    bound_all(w, 0);
+    look_at_seeds(w, positions, 0);
+    within = count_within(w->bounds, positions, cell_limit(w, 0));
+    w->counts.positions += positions;
+    w->counts.survived_cells += within;
+    if (within <= positions / FINE_SHARE)
+        return compare_survivors(w, 0);
+    ttf_rank_template_refine(&w->template, w->search, w->query);
+    bound_all(w, 1);
+    look_at_seeds(w, positions, 1);
+    return compare_survivors(w, 1);
 }
 
 int ttf_rank_search_run(const struct ttf_rank_search *search, struct ttf_rank_workspace *workspace,
@@ -364,6 +468,8 @@ int ttf_rank_search_run(const struct ttf_rank_search *search, struct ttf_rank_wo
     r = make_room(workspace, positions);
     if (r == 0)
         r = ttf_rank_template_gather(&workspace->template, search, query);
+    if (r == 0)
+        r = place_runs(workspace);
     if (r < 0)
         return r;
     if (positions == 0 || workspace->template.n_pixels == 0)

@@ -13,6 +13,7 @@
 #ifndef TTF_SYNTH_SEARCH_RANK_SEARCH_H
 #define TTF_SYNTH_SEARCH_RANK_SEARCH_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -35,6 +36,7 @@ struct ttf_rank_query {
     /* Positions worth a look first (they cost little and may save much). */
     const struct ttf_rank_position *hints;
     unsigned n_hints;
+    bool rerank; /* find the likeliest */
 };
 
 struct ttf_rank_position {
@@ -50,8 +52,8 @@ struct ttf_rank_candidate {
 struct ttf_rank_result {
     uint32_t n; /* within tolerance, at least 1; by view, row, column */
     const struct ttf_rank_candidate *list;
-    uint64_t best;       /* the smallest error */
-    uint32_t best_first; /* index of the first candidate that has it */
+    uint64_t best;      /* the smallest error */
+    uint32_t likeliest; /* which is likely to be the best over all frames too (with rerank) */
     uint64_t overlap_pixels;
 };
 

@@ -12,11 +12,11 @@ static int make_room(struct ttf_rank_template *template, size_t pixels, size_t s
         return 0;
     ttf_rank_template_free(template);
     template->runs = malloc(pixels * sizeof(*template->runs));
-    template->cells = malloc(pixels * sizeof(*template->cells));
+    for (int level = 0; level < TTF_CELL_LEVELS; level++)
+        template->cells[level] = malloc(pixels * sizeof(*template->cells[level]));
     template->coefs = malloc(pixels * stride * sizeof(*template->coefs));
-    template->strongest = malloc(pixels * TTF_STRONGEST * sizeof(*template->strongest));
     template->taken = malloc(pixels);
-    if (!template->runs || !template->cells || !template->coefs || !template->strongest ||
+    if (!template->runs || !template->cells[0] || !template->cells[1] || !template->coefs ||
         !template->taken) {
         ttf_rank_template_free(template);
         return -ENOMEM;
@@ -47,8 +47,6 @@ static void gather_runs(struct ttf_rank_template *template, const struct ttf_mat
             }
             memcpy(template->coefs + template->n_pixels * stride, matching->coefs + id * stride,
                    stride * sizeof(*template->coefs));
-            memcpy(template->strongest + template->n_pixels * TTF_STRONGEST,
-                   matching->coefs + id * stride, TTF_STRONGEST * sizeof(*template->strongest));
             template->n_pixels++;
             run->length++;
         }
@@ -69,9 +67,9 @@ static bool is_free(const struct ttf_rank_template *template, const struct ttf_r
 }
 
 static void take_cell(struct ttf_rank_template *template, const struct ttf_rank_query *query,
-                      uint32_t cell, uint32_t x, uint32_t y)
+                      unsigned level, uint32_t cell, uint32_t x, uint32_t y)
 {
-    template->cells[template->n_cells++] = (struct ttf_rank_cell){.dx = x, .dy = y};
+    template->cells[level][template->n_cells[level]++] = (struct ttf_rank_cell){.dx = x, .dy = y};
     for (uint32_t i = 0; i < cell * cell; i++)
         template->taken[(size_t)(y + i / cell) * query->width + x + i % cell] = 1;
 }
@@ -94,64 +92,79 @@ static const int16_t *known_pixel(const void *ctx, unsigned which, uint32_t i)
 }
 
 static void project_cells(struct ttf_rank_template *template, const struct ttf_rank_search *search,
-                          const struct ttf_rank_query *query)
+                          const struct ttf_rank_query *query, unsigned level)
 {
-    struct four_cells four = {search->matching, query, search->views->cells.side, {NULL}};
+    const struct ttf_cells *cells = &search->views->levels[level];
+    struct ttf_rank_cell *list = template->cells[level];
+    struct four_cells four = {search->matching, query, cells->side, {NULL}};
     int16_t values[4 * TTF_CELL_DIMS];
-    size_t n = template->n_cells;
+    size_t n = template->n_cells[level];
 
     for (size_t i = 0; i < n; i += 4) {
         for (size_t k = 0; k < 4; k++)
-            four.cells[k] = &template->cells[i + k < n ? i + k : n - 1];
-        ttf_cells_project(&search->views->cells, known_pixel, &four, values);
+            four.cells[k] = &list[i + k < n ? i + k : n - 1];
+        ttf_cells_project(cells, known_pixel, &four, values);
         for (size_t k = 0; k < 4 && i + k < n; k++)
-            memcpy(template->cells[i + k].target.value, values + k * TTF_CELL_DIMS,
+            memcpy(list[i + k].target.value, values + k * TTF_CELL_DIMS,
                    TTF_CELL_DIMS * sizeof(*values));
     }
 }
 
 /* Evenly fewer of very many: fewer cells bound less, never wrongly. */
-static void thin_out(struct ttf_rank_template *template)
+static void thin_out(struct ttf_rank_template *template, unsigned level)
 {
-    size_t n = template->n_cells;
+    size_t n = template->n_cells[level];
 
     if (n <= TTF_CELLS_MAX)
         return;
     for (size_t i = 0; i < TTF_CELLS_MAX; i++)
-        template->cells[i] = template->cells[i * n / TTF_CELLS_MAX];
-    template->n_cells = TTF_CELLS_MAX;
+        template->cells[level][i] = template->cells[level][i * n / TTF_CELLS_MAX];
+    template->n_cells[level] = TTF_CELLS_MAX;
+}
+
+static void gather_cells(struct ttf_rank_template *template, const struct ttf_rank_search *search,
+                         const struct ttf_rank_query *query, unsigned level)
+{
+    uint32_t cell = search->views->levels[level].side;
+
+    memset(template->taken, 0, (size_t)query->width * query->height);
+    template->n_cells[level] = 0;
+    for (uint32_t y = 0; y + cell <= query->height; y++) {
+        for (uint32_t x = 0; x + cell <= query->width; x++) {
+            if (is_free(template, query, cell, x, y))
+                take_cell(template, query, level, cell, x, y);
+        }
+    }
+    thin_out(template, level);
+    project_cells(template, search, query, level);
 }
 
 int ttf_rank_template_gather(struct ttf_rank_template *template,
                              const struct ttf_rank_search *search,
                              const struct ttf_rank_query *query)
 {
-    uint32_t cell = search->views->cells.side;
-    size_t pixels = (size_t)query->width * query->height;
-    int r = make_room(template, pixels, search->matching->stride);
+    int r = make_room(template, (size_t)query->width * query->height, search->matching->stride);
 
     if (r < 0)
         return r;
     gather_runs(template, search->matching, query);
-    memset(template->taken, 0, pixels);
-    template->n_cells = 0;
-    for (uint32_t y = 0; y + cell <= query->height; y++) {
-        for (uint32_t x = 0; x + cell <= query->width; x++) {
-            if (is_free(template, query, cell, x, y))
-                take_cell(template, query, cell, x, y);
-        }
-    }
-    thin_out(template);
-    project_cells(template, search, query);
+    gather_cells(template, search, query, 0);
     return 0;
+}
+
+void ttf_rank_template_refine(struct ttf_rank_template *template,
+                              const struct ttf_rank_search *search,
+                              const struct ttf_rank_query *query)
+{
+    gather_cells(template, search, query, 1);
 }
 
 void ttf_rank_template_free(struct ttf_rank_template *template)
 {
     free(template->runs);
-    free(template->cells);
+    for (int level = 0; level < TTF_CELL_LEVELS; level++)
+        free(template->cells[level]);
     free(template->coefs);
-    free(template->strongest);
     free(template->taken);
     memset(template, 0, sizeof(*template));
 }

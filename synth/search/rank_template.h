@@ -18,19 +18,23 @@ struct ttf_rank_cell {
 
 /* Zero-initialise; grows as needed. */
 struct ttf_rank_template {
-    size_t n_pixels, n_runs, n_cells;
+    size_t n_pixels, n_runs, n_cells[TTF_CELL_LEVELS];
     struct ttf_rank_run *runs;
-    struct ttf_rank_cell *cells;
+    struct ttf_rank_cell *cells[TTF_CELL_LEVELS];
     int16_t *coefs;     /* n_pixels x stride */
-    int16_t *strongest; /* n_pixels x TTF_STRONGEST */
     uint8_t *taken;     /* of the block's pixels: in a cell already */
     size_t room_pixels; /* of blocks */
 };
 
-/* -ENOMEM. */
+/* Pixels and coarse cells. -ENOMEM. */
 TTF_MUST_USE int ttf_rank_template_gather(struct ttf_rank_template *template,
                                           const struct ttf_rank_search *search,
                                           const struct ttf_rank_query *query);
+
+/* The fine cells, for a query that needs them. */
+void ttf_rank_template_refine(struct ttf_rank_template *template,
+                              const struct ttf_rank_search *search,
+                              const struct ttf_rank_query *query);
 void ttf_rank_template_free(struct ttf_rank_template *template);
 
 #endif

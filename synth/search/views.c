@@ -34,7 +34,8 @@ void ttf_view_geometry(uint32_t width, uint32_t height, uint32_t first, unsigned
 struct fill {
     struct ttf_view *view;
     const struct ttf_matching *matching;
-    const struct ttf_cells *cells;
+    const struct ttf_cells *cells; /* of the level that is being filled */
+    int16_t *out;
 };
 
 static void copy_row(void *ctx, unsigned y, unsigned worker)
@@ -48,18 +49,6 @@ static void copy_row(void *ctx, unsigned y, unsigned worker)
         memcpy(view->own + ((size_t)y * view->width + x) * stride,
                fill->matching->coefs + ttf_view_id(view, x, y) * stride,
                stride * sizeof(*view->own));
-}
-
-static void strongest_row(void *ctx, unsigned y, unsigned worker)
-{
-    const struct fill *fill = ctx;
-    const struct ttf_view *view = fill->view;
-    size_t row = (size_t)y * view->width;
-
-    (void)worker;
-    for (size_t i = row; i < row + view->width; i++)
-        memcpy(view->strongest + i * TTF_STRONGEST, view->coefs + i * fill->matching->stride,
-               TTF_STRONGEST * sizeof(*view->strongest));
 }
 
 struct four_cells {
@@ -82,7 +71,7 @@ static void cells_row(void *ctx, unsigned y, unsigned worker)
     const struct fill *fill = ctx;
     const struct ttf_view *view = fill->view;
     struct four_cells four = {view, fill->matching->stride, fill->cells->side, y, {0}};
-    int16_t *out = view->cells + (size_t)y * view->width * TTF_CELL_DIMS;
+    int16_t *out = fill->out + (size_t)y * view->width * TTF_CELL_DIMS;
     uint32_t n = view->width - four.side + 1;
     int16_t values[4 * TTF_CELL_DIMS];
 
@@ -96,26 +85,30 @@ static void cells_row(void *ctx, unsigned y, unsigned worker)
     }
 }
 
-static int fill_view(struct fill *fill, struct ttf_pool *pool)
+static int fill_view(struct ttf_view *view, const struct ttf_views *views,
+                     const struct ttf_matching *matching, struct ttf_pool *pool)
 {
-    struct ttf_view *view = fill->view;
     size_t pixels = (size_t)view->width * view->height;
-    uint32_t side = fill->cells->side;
+    struct fill fill = {.view = view, .matching = matching};
 
     if (view->turn != 0) {
-        view->own = malloc(pixels * fill->matching->stride * sizeof(*view->own));
+        view->own = malloc(pixels * matching->stride * sizeof(*view->own));
         if (!view->own)
             return -ENOMEM;
-        ttf_pool_run(pool, view->height, copy_row, fill);
+        ttf_pool_run(pool, view->height, copy_row, &fill);
         view->coefs = view->own;
     }
-    view->strongest = malloc(pixels * TTF_STRONGEST * sizeof(*view->strongest));
-    view->cells = calloc(pixels * TTF_CELL_DIMS, sizeof(*view->cells));
-    if (!view->strongest || !view->cells)
-        return -ENOMEM;
-    ttf_pool_run(pool, view->height, strongest_row, fill);
-    if (view->height >= side && view->width >= side)
-        ttf_pool_run(pool, view->height - side + 1, cells_row, fill);
+    for (unsigned level = 0; level < TTF_CELL_LEVELS; level++) {
+        uint32_t side = views->levels[level].side;
+
+        view->cells[level] = calloc(pixels * TTF_CELL_DIMS, sizeof(*view->cells[level]));
+        if (!view->cells[level])
+            return -ENOMEM;
+        fill.cells = &views->levels[level];
+        fill.out = view->cells[level];
+        if (view->height >= side && view->width >= side)
+            ttf_pool_run(pool, view->height - side + 1, cells_row, &fill);
+    }
     return 0;
 }
 
@@ -125,7 +118,6 @@ static int add_view(struct ttf_views *views, const struct ttf_sources *sources,
                     struct ttf_pool *pool)
 {
     struct ttf_view *view = &views->list[views->n++];
-    struct fill fill = {view, matching, &views->cells};
     const struct ttf_sequence *sequence = sources->list[input];
 
     ttf_view_geometry(sequence->width, sequence->height, sources->first[input], turn, view);
@@ -133,11 +125,11 @@ static int add_view(struct ttf_views *views, const struct ttf_sources *sources,
     if (!matching->coefs)
         return 0;
     view->coefs = matching->coefs + (size_t)sources->first[input] * matching->stride;
-    return fill_view(&fill, pool);
+    return fill_view(view, views, matching, pool);
 }
 
 int ttf_views_create(const struct ttf_sources *sources, const struct ttf_matching *matching,
-                     unsigned turns, uint32_t cell, struct ttf_pool *pool, struct ttf_views *ret)
+                     unsigned turns, uint32_t overlap, struct ttf_pool *pool, struct ttf_views *ret)
 {
     struct ttf_views views = {0};
     int r = 0;
@@ -145,9 +137,9 @@ int ttf_views_create(const struct ttf_sources *sources, const struct ttf_matchin
     views.list = calloc((size_t)sources->n * TTF_TURN_COUNT, sizeof(*views.list));
     if (!views.list)
         return -ENOMEM;
-    if (matching->coefs)
+    for (unsigned level = 0; matching->coefs && level < TTF_CELL_LEVELS && r == 0; level++)
         r = ttf_cells_find(matching->coefs, sources->list[0]->width, sources->list[0]->height,
-                           matching->stride, cell, &views.cells);
+                           matching->stride, ttf_cells_side(level, overlap), &views.levels[level]);
     for (unsigned i = 0; i < sources->n && r == 0; i++) {
         for (unsigned turn = 0; turn < TTF_TURN_COUNT && r == 0; turn++) {
             if (turns & (1u << turn))
@@ -166,10 +158,11 @@ void ttf_views_free(struct ttf_views *views)
 {
     for (unsigned i = 0; views->list && i < views->n; i++) {
         free(views->list[i].own);
-        free(views->list[i].cells);
-        free(views->list[i].strongest);
+        for (unsigned level = 0; level < TTF_CELL_LEVELS; level++)
+            free(views->list[i].cells[level]);
     }
     free(views->list);
-    ttf_cells_free(&views->cells);
+    for (unsigned level = 0; level < TTF_CELL_LEVELS; level++)
+        ttf_cells_free(&views->levels[level]);
     memset(views, 0, sizeof(*views));
 }

@@ -3,8 +3,8 @@
  * views.h: the pictures that blocks are looked for in: each input as it is and, where asked, mirrored
  * and turned. A pixel (x, y) of a view is the source pixel of id origin + x * step_x + y * step_y.
  *
- * Beside coefficients a view holds what excludes most positions (rank_search.h): cells (cells.h),
- * and each pixel's strongest few numbers apart.
+ * Beside coefficients a view holds what excludes most positions (rank_search.h): cells of two sizes
+ * (cells.h).
  */
 #ifndef TTF_SYNTH_SEARCH_VIEWS_H
 #define TTF_SYNTH_SEARCH_VIEWS_H
@@ -17,22 +17,20 @@
 #include "ttf/base/attr.h"
 #include "ttf/dataset/pool.h"
 
-#define TTF_STRONGEST 4
-
 struct ttf_view {
     uint32_t width, height;
     unsigned input, turn; /* TTF_TURN_COUNT: see quilt.h */
     int64_t origin, step_x, step_y;
     const int16_t *coefs; /* height x width x stride */
     int16_t *own;         /* the same, if they are not the matching's own */
-    int16_t *cells;       /* height x width x TTF_CELL_DIMS: of the cell whose corner is (x, y) */
-    int16_t *strongest;   /* height x width x TTF_STRONGEST */
+    /* height x width x TTF_CELL_DIMS: of the cell whose corner is (x, y); coarse ones, then fine ones */
+    int16_t *cells[TTF_CELL_LEVELS];
 };
 
 struct ttf_views {
     unsigned n;
     struct ttf_view *list;
-    struct ttf_cells cells;
+    struct ttf_cells levels[TTF_CELL_LEVELS];
 };
 
 /* Where the pixels of a turned input of this size lie: fills all of *ret but its arrays. */
@@ -45,12 +43,12 @@ static inline uint32_t ttf_view_id(const struct ttf_view *view, uint32_t x, uint
 }
 
 /*
- * turns: a set of bits 1 << turn. cell: its side, 1..TTF_CELL_SIDE_MAX. The matching must outlive them;
+ * turns: a set of bits 1 << turn. overlap: the narrowest there will be, pixels. The matching must outlive them;
  * of one without numbers only the geometry is filled in. -ENOMEM.
  */
 TTF_MUST_USE int ttf_views_create(const struct ttf_sources *sources,
                                   const struct ttf_matching *matching, unsigned turns,
-                                  uint32_t cell, struct ttf_pool *pool, struct ttf_views *ret);
+                                  uint32_t overlap, struct ttf_pool *pool, struct ttf_views *ret);
 void ttf_views_free(struct ttf_views *views); /* zeroed ones are fine */
 
 #endif

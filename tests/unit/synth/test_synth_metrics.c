@@ -67,7 +67,7 @@ static void activity_is_what_its_definition_says(void **state)
     (void)state;
     assert_non_null(activity);
     for (uint32_t t = 0; t < N; t++)
-        ttf_activity_add(activity, NULL, s.codes + (size_t)t * W * H * 3);
+        assert_int_equal(ttf_activity_add(activity, NULL, s.codes + (size_t)t * W * H * 3), 0);
     ttf_activity_figures(activity, &figures);
     assert_int_equal(figures.frames, N);
     assert_true(fabs(figures.mean_difference - plain_difference(&s)) < 1e-9);
@@ -84,7 +84,7 @@ static void a_still_sequence_has_no_activity(void **state)
 
     (void)state;
     for (uint32_t t = 0; t < N; t++)
-        ttf_activity_add(activity, NULL, s.codes + (size_t)t * W * H * 3);
+        assert_int_equal(ttf_activity_add(activity, NULL, s.codes + (size_t)t * W * H * 3), 0);
     ttf_activity_figures(activity, &figures);
     assert_true(figures.mean_difference == 0.0 && figures.second_difference == 0.0);
     assert_true(figures.mean_rgb[0] == 90.0 && figures.mean_rgb[2] == 130.0);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * agreement.h: does matching in k-space choose as matching over all frames would? Of queries that a
- * map's blocks really were: the overlap as it lay there when the block was placed.
+ * agreement.h: does matching in k-space choose as matching over all frames would? The position that
+ * k-space takes for the best is the one of the candidates within tolerance that is likely to be
+ * (rank_search.h: what rank k misses of two pixels adds up).
  */
 #ifndef TTF_SYNTH_AGREEMENT_H
 #define TTF_SYNTH_AGREEMENT_H
@@ -25,7 +26,8 @@ struct ttf_agreement {
 };
 
 /*
- * The map's first `most` queries in a hashed order (0: all). Loads all frames of the one input (3 n bytes
+ * Of queries that a map's blocks really were: the overlap as it lay there when the block was placed.
+ * The first `most` of them in a hashed order (0: all). Loads all frames of the one input (3 n bytes
  * per pixel). -EINVAL of maps of several inputs, turned blocks or a tileable output, of an
  * input of another size, or without a rank to judge; -ENOMEM; the sequence's.
  */
@@ -33,5 +35,15 @@ TTF_MUST_USE int ttf_quilt_agreement(const struct ttf_quilt_config *config,
                                      struct ttf_sequence *input, const struct ttf_quilt_map *map,
                                      unsigned most, struct ttf_pool *pool,
                                      struct ttf_agreement *ret, struct ttf_err *err);
+
+/*
+ * The same, of queries that no search has made alike: the left and upper neighbour are of hashed places of the
+ * input. Harder: there is hardly a position that fits.
+ */
+TTF_MUST_USE int ttf_quilt_agreement_anywhere(const struct ttf_quilt_config *config,
+                                              struct ttf_sequence *input,
+                                              const struct ttf_quilt_map *map, unsigned most,
+                                              struct ttf_pool *pool, struct ttf_agreement *ret,
+                                              struct ttf_err *err);
 
 #endif

@@ -22,8 +22,12 @@ struct ttf_activity *ttf_activity_create(uint32_t width, uint32_t height,
                                          const struct ttf_encoding *encoding);
 void ttf_activity_destroy(struct ttf_activity *activity);
 
-/* The next frame, width x height x 3 codes. pool: may be NULL. */
-void ttf_activity_add(struct ttf_activity *activity, struct ttf_pool *pool, const uint16_t *frame);
+/* The next frame, width x height x 3 codes. pool: may be NULL. -ENOMEM, of the first frame alone. */
+TTF_MUST_USE int ttf_activity_add(struct ttf_activity *activity, struct ttf_pool *pool,
+                                  const uint16_t *frame);
+
+/* The same of display codes: several times as fast. */
+void ttf_activity_add8(struct ttf_activity *activity, struct ttf_pool *pool, const uint8_t *frame);
 
 struct ttf_activity_figures {
     uint32_t frames;

@@ -154,6 +154,11 @@ struct ttf_quilt_input {
     uint32_t width, height, first;
 };
 
+/* Neighbouring pixels of one row, from source ids that follow one another. */
+struct ttf_quilt_run {
+    uint32_t source, length;
+};
+
 /*
  * For each output pixel, the source pixel it was copied from, by id, and the block that brought
  * it. One map for all frames.
@@ -174,6 +179,9 @@ struct ttf_quilt_map {
     uint32_t overlap_x, overlap_y; /* as used; of a tileable one the least */
     bool tileable;
     uint32_t feather_px;
+    /* source again, as runs of pixels that are neighbours in both: what frames are copied by (ttf_quilt_map_index) */
+    struct ttf_quilt_run *runs;
+    uint32_t *row_runs; /* height + 1: where each row's begin */
     /* time: of jitter, one f for each block, n_times values each (frames x 65536); NULL: none */
     uint32_t n_times;
     uint32_t *times;
@@ -187,6 +195,9 @@ bool ttf_quilt_neighbour(const struct ttf_quilt_map *map, uint32_t id, unsigned 
 
 /* Frees what the map holds and zeroes it. A zeroed map is fine. */
 void ttf_quilt_map_free(struct ttf_quilt_map *map);
+
+/* Fills runs and row_runs from source; plans, copies and replays have them. A map without is composed slower. -ENOMEM. */
+TTF_MUST_USE int ttf_quilt_map_index(struct ttf_quilt_map *map);
 
 /* -ENOMEM. */
 TTF_MUST_USE int ttf_quilt_map_copy(const struct ttf_quilt_map *map, struct ttf_quilt_map *ret);
