@@ -272,7 +272,7 @@ static int compare_searches(const struct ttf_quilt_config *config, struct ttf_se
             r = ttf_err_set(err, -ECANCELED, NULL, "cancelled");
         else if (i > 0 && hash_of(&a, i) <= a.last_asked) {
             gather_known(&a, &map->blocks[i]);
-            if (getenv("RANDQ"))
+            if (anywhere)
                 random_known(&a, &map->blocks[i], i);
             r = one_query(&a, &map->blocks[i]);
             if (r < 0)
