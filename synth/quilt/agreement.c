@@ -75,10 +75,10 @@ static int choose_queries(struct agreement *a, unsigned most)
     return 0;
 }
 
-/* Pixels of the largest block. */
+/* Pixels of the largest block, at least 1. */
 static size_t largest_block(const struct ttf_quilt_map *map)
 {
-    size_t most = 0;
+    size_t most = 1;
 
     for (unsigned i = 0; i < map->n_blocks; i++) {
         size_t own = (size_t)map->blocks[i].width * map->blocks[i].height;
@@ -164,8 +164,8 @@ static int one_query(struct agreement *a, const struct ttf_quilt_block *b)
     const struct ttf_rank_query query = {
         .width = b->width, .height = b->height, .known = a->known, .rerank = true};
     const struct ttf_overlap overlap = {b->width, b->height, b->left, b->top, a->known, b->width};
-    struct ttf_rank_result rank;
-    struct ttf_candidates full;
+    struct ttf_rank_result rank = {0};
+    struct ttf_candidates full = {0};
     uint64_t chosen;
     double cost = 0.0;
     int r = ttf_rank_search_run(&a->rank, a->room, &query, &rank);
