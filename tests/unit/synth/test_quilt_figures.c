@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a run's report says of its frames. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <jansson.h>
+
+#include "quilts.h"
+
+#define W 48u
+#define H 44u
+#define N 24u
+
+static struct ttf_quilt_config small_config(void)
+{
+    struct ttf_quilt_config config;
+
+    ttf_quilt_defaults(&config);
+    config.width = 83;
+    config.height = 70;
+    config.block_width = config.block_height = 20;
+    return config;
+}
+
+static void measured_runs_are_16_bit_and_threads_change_no_figure(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N);
+    struct ttf_pool *pool = ttf_pool_create(5);
+    struct ttf_quilt_report a, b;
+
+    (void)state;
+    config.jitter_frames = 2;
+    config.feather_px = 2;
+    for (int jittered = 0; jittered < 2; jittered++) {
+        config.jitter_frames = jittered ? 2 : 0;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &a, NULL);
+        quilt_run_ok(&config, input.sequence, pool, &taker, &b, NULL);
+        assert_true(a.map_digest == b.map_digest && a.coherence == b.coherence);
+        assert_true(a.flicker_copied == b.flicker_copied && a.synchrony == b.synchrony);
+        assert_true(a.colour.mean == b.colour.mean && a.seams.excess == b.seams.excess);
+    }
+    ttf_pool_destroy(pool);
+    quilt_taker_free(&taker);
+    texture_free(&input);
+}
+
+static void copies_at_their_own_time_are_exactly_as_active(void **state)
+{
+    static const enum texture textures[] = {TEXTURE_SPOTS, TEXTURE_NOISE, TEXTURE_STRIPES};
+
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        struct texture_sequence input = texture_make(textures[i], W, H, N);
+        struct ttf_quilt_config config = small_config();
+        struct quilt_taker taker = quilt_taker_make(&config, N);
+        struct ttf_quilt_report report;
+
+        config.seed = (uint64_t)i;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+        assert_true(report.coherence_copied == 1.0 && report.flicker_copied == 1.0);
+        quilt_taker_free(&taker);
+        texture_free(&input);
+    }
+}
+
+static void jitter_takes_repeated_blocks_out_of_step(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker;
+    struct ttf_quilt_report still, jittered;
+
+    (void)state;
+    config.width = config.height = 120; /* many times its input */
+    taker = quilt_taker_make(&config, N);
+    quilt_run_ok(&config, input.sequence, NULL, &taker, &still, NULL);
+    config.jitter_frames = 3;
+    quilt_run_ok(&config, input.sequence, NULL, &taker, &jittered, NULL);
+    assert_true(still.synchrony_pairs > 1000 && jittered.synchrony_pairs > 1000);
+    assert_true(still.synchrony > 0.999);
+    assert_true(jittered.synchrony < 0.7);
+    assert_true(jittered.coherence_copied > 0.5 && jittered.coherence_copied < 1.2);
+    quilt_taker_free(&taker);
+    texture_free(&input);
+}
+
+static json_t *json_of(const struct ttf_quilt_report *report)
+{
+    struct ttf_json json;
+    const char *text;
+    json_t *root;
+    size_t bytes;
+
+    ttf_json_init(&json, true);
+    ttf_quilt_report_json(report, &json);
+    assert_int_equal(ttf_json_finish(&json, &text, &bytes), 0);
+    root = json_loads(text, 0, NULL);
+    assert_non_null(root);
+    ttf_json_free(&json);
+    return root;
+}
+
+static void without_measuring_the_report_has_no_figures_of_frames(void **state)
+{
+    static const char *const figures[] = {"temporal_coherence", "synchrony", "colour_distance",
+                                          "seams"};
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N);
+    struct ttf_quilt_report report;
+
+    (void)state;
+    for (int measure = 0; measure < 2; measure++) {
+        json_t *root;
+
+        config.measure = measure;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+        root = json_of(&report);
+        assert_int_equal(json_is_true(json_object_get(root, "measured")), measure);
+        for (int i = 0; i < 4; i++)
+            assert_int_equal(json_object_get(root, figures[i]) != NULL, measure);
+        assert_non_null(json_object_get(root, "repetition")); /* of the map, not of frames */
+        assert_true(report.repetition.max_uses > 0);
+        json_decref(root);
+    }
+    quilt_taker_free(&taker);
+    texture_free(&input);
+}
+
+static void odd_inputs_have_defined_reports(void **state)
+{
+    static const uint32_t lengths[] = {1, 2, 3};
+    static const enum texture textures[] = {TEXTURE_CONSTANT, TEXTURE_SPOTS};
+
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        struct texture_sequence input = texture_make(textures[i % 2], W, H, lengths[i / 2]);
+        struct ttf_quilt_config config = small_config();
+        struct quilt_taker taker = quilt_taker_make(&config, lengths[i / 2]);
+        struct ttf_quilt_report report;
+
+        config.jitter_frames = 2;
+        config.agreement_queries = 4;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+        json_decref(json_of(&report)); /* no NaN anywhere */
+        config.jitter_frames = config.agreement_queries = 0;
+        config.per_frame = true;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+        json_decref(json_of(&report));
+        quilt_taker_free(&taker);
+        texture_free(&input);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(measured_runs_are_16_bit_and_threads_change_no_figure),
+        cmocka_unit_test(copies_at_their_own_time_are_exactly_as_active),
+        cmocka_unit_test(jitter_takes_repeated_blocks_out_of_step),
+        cmocka_unit_test(without_measuring_the_report_has_no_figures_of_frames),
+        cmocka_unit_test(odd_inputs_have_defined_reports),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
