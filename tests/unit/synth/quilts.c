@@ -43,9 +43,8 @@ void quilt_refused(const struct ttf_quilt_config *config, struct ttf_sequence *i
 
 /* ---- blocks against the map ---- */
 
-/* The source pixel that a block shows at (x, y): its corner turned back, then steps as quilt.h words them. */
-static uint32_t shown(const struct ttf_quilt_map *map, const struct ttf_quilt_block *block,
-                      uint32_t x, uint32_t y)
+uint32_t quilt_block_shows(const struct ttf_quilt_map *map, const struct ttf_quilt_block *block,
+                           uint32_t x, uint32_t y)
 {
     const struct ttf_quilt_input *input = &map->inputs[block->input];
     uint32_t across = block->turn & 4 ? input->height : input->width;
@@ -80,8 +79,9 @@ void quilt_blocks_are_what_is_shown(const struct ttf_quilt_map *map)
             assert_true(map->owner[at] < map->n_blocks);
             block = &map->blocks[map->owner[at]];
             assert_int_equal(map->source[at],
-                             shown(map, block, (x + map->width - block->out_x) % map->width,
-                                   (y + map->height - block->out_y) % map->height));
+                             quilt_block_shows(map, block,
+                                               (x + map->width - block->out_x) % map->width,
+                                               (y + map->height - block->out_y) % map->height));
             if (x > block->out_x)
                 stay_neighbours(map, at - 1, at, 1, 0);
             if (y > block->out_y)

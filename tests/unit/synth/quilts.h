@@ -18,7 +18,11 @@ void quilt_plan_ok(const struct ttf_quilt_config *config, struct ttf_sequence *i
 void quilt_refused(const struct ttf_quilt_config *config, struct ttf_sequence *input, int code,
                    const char *where);
 
-/* Every output pixel is the one that its block shows there, by the words of quilt.h on turns. */
+/* The source pixel that a block shows at its (x, y), by the words of quilt.h on turns. */
+uint32_t quilt_block_shows(const struct ttf_quilt_map *map, const struct ttf_quilt_block *block,
+                           uint32_t x, uint32_t y);
+
+/* Every output pixel is the one that its block shows there. */
 void quilt_blocks_are_what_is_shown(const struct ttf_quilt_map *map);
 
 /*

@@ -7,6 +7,8 @@
 
 #include <cmocka.h>
 #include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
 
 #include "quilts.h"
 
@@ -66,6 +68,38 @@ static void copies_at_their_own_time_are_exactly_as_active(void **state)
         quilt_taker_free(&taker);
         texture_free(&input);
     }
+}
+
+/* Mean absolute difference of successive frames that were taken, display codes. */
+static double activity_of(const struct quilt_taker *taker)
+{
+    static uint8_t table[65536];
+    double sum = 0.0;
+
+    ttf_display8_table(&texture_encoding, table);
+    for (size_t i = taker->frame; i < taker->room * taker->frame; i++)
+        sum += abs(table[taker->codes[i]] - table[taker->codes[i - taker->frame]]);
+    return sum / ((double)taker->frame * (taker->room - 1));
+}
+
+static void figures_are_of_what_was_put_out(void **state)
+{
+    static const uint32_t kinds[][3] = {{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {3, 3, 0}, {0, 3, 1}};
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N);
+    struct ttf_quilt_report report;
+
+    (void)state;
+    for (int i = 0; i < 5; i++) {
+        config.jitter_frames = kinds[i][0];
+        config.feather_px = kinds[i][1];
+        config.per_frame = kinds[i][2];
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+        assert_true(fabs(report.output.mean_difference - activity_of(&taker)) < 1e-9);
+    }
+    quilt_taker_free(&taker);
+    texture_free(&input);
 }
 
 static void jitter_takes_repeated_blocks_out_of_step(void **state)
@@ -162,6 +196,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(measured_runs_are_16_bit_and_threads_change_no_figure),
         cmocka_unit_test(copies_at_their_own_time_are_exactly_as_active),
+        cmocka_unit_test(figures_are_of_what_was_put_out),
         cmocka_unit_test(jitter_takes_repeated_blocks_out_of_step),
         cmocka_unit_test(without_measuring_the_report_has_no_figures_of_frames),
         cmocka_unit_test(odd_inputs_have_defined_reports),

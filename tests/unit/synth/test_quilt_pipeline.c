@@ -116,14 +116,16 @@ static void blends_and_times_between_frames_stay_16_bit(void **state)
 
 static void several_inputs_are_copied_bit_for_bit(void **state)
 {
-    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
-    struct texture_sequence other = texture_make(TEXTURE_NOISE, 30, 50, N);
+    struct texture_sequence whole = texture_make(TEXTURE_SPOTS, 80, 50, N);
+    struct texture_sequence input = texture_crop(&whole, 0, 0, W, H);
+    struct texture_sequence other = texture_crop(&whole, W, 0, 80 - W, 50);
     struct ttf_quilt_config config = small_config();
     struct quilt_taker taker = quilt_taker_make(&config, N);
     struct ttf_quilt_check check;
     struct ttf_quilt_report report;
     struct ttf_sequence *output;
     struct ttf_quilt_map map;
+    size_t used[2] = {0};
 
     (void)state;
     config.more = &other.sequence;
@@ -131,6 +133,9 @@ static void several_inputs_are_copied_bit_for_bit(void **state)
     config.flips = config.rotations = config.tileable = true;
     quilt_run_ok(&config, input.sequence, NULL, &taker, &report, &map);
     assert_int_equal(report.inputs, 2);
+    for (unsigned i = 0; i < map.n_blocks; i++)
+        used[map.blocks[i].input]++;
+    assert_true(used[0] > 3 && used[1] > 3);
     assert_true(report.coherence_copied == 1.0);
     output = quilt_taken(&taker, &config);
     assert_int_equal(ttf_quilt_verify(&config, input.sequence, output, &map, &check, NULL), 0);
@@ -143,6 +148,7 @@ static void several_inputs_are_copied_bit_for_bit(void **state)
     ttf_sequence_destroy(output);
     ttf_quilt_map_free(&map);
     quilt_taker_free(&taker);
+    texture_free(&whole);
     texture_free(&input);
     texture_free(&other);
 }

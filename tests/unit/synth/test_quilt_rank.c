@@ -30,10 +30,9 @@ static struct ttf_quilt_config small_config(void)
 
 /* ---- against the plain reference ---- */
 
-static void matches_reference(enum texture texture, uint32_t width, uint32_t height, uint32_t n,
-                              const struct ttf_quilt_config *config, unsigned threads)
+static void input_matches_reference(struct ttf_sequence *input,
+                                    const struct ttf_quilt_config *config, unsigned threads)
 {
-    struct texture_sequence input = texture_make(texture, width, height, n);
     struct ttf_pool *pool = ttf_pool_create(threads);
     struct ttf_sources sources;
     struct ttf_matching matching;
@@ -42,17 +41,27 @@ static void matches_reference(enum texture texture, uint32_t width, uint32_t hei
     uint32_t *want;
 
     assert_non_null(pool);
-    quilt_plan_ok(config, input.sequence, pool, &map);
-    assert_int_equal(ttf_sources_of(config, input.sequence, &sources, NULL), 0);
-    assert_int_equal(ttf_matching_build(config, &sources, 0, n, NULL, &matching, NULL), 0);
-    reference = reference_of_matching(&matching, width);
+    quilt_plan_ok(config, input, pool, &map);
+    assert_int_equal(ttf_sources_of(config, input, &sources, NULL), 0);
+    assert_int_equal(ttf_matching_build(config, &sources, 0, input->n, NULL, &matching, NULL), 0);
+    reference = reference_of_matching(&matching, input->width);
     want = reference_plan(&reference, config);
     assert_memory_equal(map.source, want, (size_t)config->width * config->height * sizeof(*want));
     quilt_blocks_are_what_is_shown(&map);
+    assert_int_equal(map.rank.numbers, matching.k);
+    assert_true(!(config->rank_error > 0.0) || map.rank.error <= config->rank_error);
     free(want);
     ttf_matching_free(&matching);
     ttf_quilt_map_free(&map);
     ttf_pool_destroy(pool);
+}
+
+static void matches_reference(enum texture texture, uint32_t width, uint32_t height, uint32_t n,
+                              const struct ttf_quilt_config *config, unsigned threads)
+{
+    struct texture_sequence input = texture_make(texture, width, height, n);
+
+    input_matches_reference(input.sequence, config, threads);
     texture_free(&input);
 }
 
@@ -88,6 +97,30 @@ static void any_rank_and_kind_of_factorisation_matches_as_well(void **state)
     config.rank = TTF_QUILT_RANK_FULL; /* rank_error is heeded instead */
     config.rank_error = 0.03;
     matches_reference(TEXTURE_SPOTS, 40, 36, 20, &config, 5);
+}
+
+static void noise_decides_which_repeats_are_alike(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_STRIPES, 40, 30, 12);
+    struct ttf_quilt_config config = small_config();
+    unsigned most = 0;
+
+    (void)state;
+    for (uint32_t i = 0; i < 40 * 30 * 12 * 3; i++)
+        input.codes[i] = (uint16_t)(input.codes[i] + 2000 + texture_hash(i, 1, 2) % 700);
+    for (int per_channel = 0; per_channel < 2; per_channel++) {
+        struct ttf_quilt_map map;
+
+        config.per_channel = per_channel;
+        config.rank = per_channel ? 4 : 12;
+        input_matches_reference(input.sequence, &config, 2);
+        quilt_plan_ok(&config, input.sequence, NULL, &map);
+        for (unsigned i = 1; i < map.n_blocks; i++)
+            most = map.blocks[i].candidates > most ? map.blocks[i].candidates : most;
+        assert_in_range(most, 2, 200); /* not just the one that goes on, nor any */
+        ttf_quilt_map_free(&map);
+    }
+    texture_free(&input);
 }
 
 static void elongated_blocks_and_wide_overlaps_work_as_well(void **state)
@@ -222,10 +255,27 @@ static int keep(void *ctx, const struct ttf_quilt_factors *factors)
     return 0;
 }
 
+/* A sequence whose first 24 frames are gone. */
+struct late {
+    struct ttf_sequence base, *whole;
+};
+
+static int late_read(struct ttf_sequence *sequence, uint32_t t, uint32_t y0, uint32_t rows,
+                     uint16_t *dst, struct ttf_err *err)
+{
+    const struct late *late = (const struct late *)sequence;
+
+    if (t < 24)
+        return ttf_err_set(err, -EIO, "frame", "cannot be read");
+    return ttf_sequence_read_rows(late->whole, t, y0, rows, dst, err);
+}
+
 static void known_factors_are_gone_on_with(void **state)
 {
     struct texture_sequence long_one = texture_make(TEXTURE_SPOTS, 40, 36, 40);
     struct ttf_quilt_config config = small_config();
+    static const struct ttf_sequence_ops ops = {.read_rows = late_read};
+    struct late late = {*long_one.sequence, long_one.sequence};
     struct kept kept = {0};
     struct ttf_sequence *shorter;
     struct ttf_quilt_map first, again, grown;
@@ -242,7 +292,8 @@ static void known_factors_are_gone_on_with(void **state)
     quilt_plan_ok(&config, shorter, NULL, &again); /* nothing is new */
     assert_int_equal(again.rank.known_frames, 25);
     assert_true(fabs(again.rank.error - first.rank.error) < 1e-4);
-    quilt_plan_ok(&config, long_one.sequence, NULL, &grown);
+    late.base.ops = &ops; /* what is known is not read again, but for its last frame */
+    quilt_plan_ok(&config, &late.base, NULL, &grown);
     assert_int_equal(grown.rank.known_frames, 25);
     quilt_blocks_are_what_is_shown(&grown);
     config.rank += 8;
@@ -314,6 +365,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_map_is_that_of_the_plainest_implementation),
         cmocka_unit_test(any_rank_and_kind_of_factorisation_matches_as_well),
+        cmocka_unit_test(noise_decides_which_repeats_are_alike),
         cmocka_unit_test(elongated_blocks_and_wide_overlaps_work_as_well),
         cmocka_unit_test(any_output_size_is_covered_to_its_last_pixel),
         cmocka_unit_test(everything_asked_for_at_once_is_the_same_for_any_threads),
