@@ -27,6 +27,7 @@ struct agreement {
     struct ttf_trajectories trajectories;
     struct ttf_search *full;
     uint32_t *known;
+    uint64_t last_asked; /* the largest hash of a query that is compared */
     unsigned costs, jump_costs;
     struct ttf_agreement sums;
 };
@@ -42,7 +43,53 @@ static void finish(struct agreement *a)
     free(a->known);
 }
 
-static int start(struct agreement *a, struct ttf_sequence *input, struct ttf_err *err)
+static uint64_t hash_of(const struct agreement *a, unsigned block)
+{
+    return ttf_random64(a->config->seed, TTF_PURPOSE_QUERY, block);
+}
+
+static int by_number(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* Of all blocks but the first, which is no query, the `most` first by hash; 0: all. */
+static int choose_queries(struct agreement *a, unsigned most)
+{
+    unsigned n = a->map->n_blocks - 1;
+    uint64_t *hashes;
+
+    a->last_asked = UINT64_MAX;
+    if (most == 0 || most >= n)
+        return 0;
+    hashes = malloc(n * sizeof(*hashes));
+    if (!hashes)
+        return -ENOMEM;
+    for (unsigned i = 0; i < n; i++)
+        hashes[i] = hash_of(a, i + 1);
+    qsort(hashes, n, sizeof(*hashes), by_number);
+    a->last_asked = hashes[most - 1];
+    free(hashes);
+    return 0;
+}
+
+/* Pixels of the largest block. */
+static size_t largest_block(const struct ttf_quilt_map *map)
+{
+    size_t most = 0;
+
+    for (unsigned i = 0; i < map->n_blocks; i++) {
+        size_t own = (size_t)map->blocks[i].width * map->blocks[i].height;
+
+        most = own > most ? own : most;
+    }
+    return most;
+}
+
+static int start(struct agreement *a, struct ttf_sequence *input, unsigned most,
+                 struct ttf_err *err)
 {
     const struct ttf_quilt_map *map = a->map;
     struct ttf_quilt_config plain = *a->config;
@@ -59,8 +106,8 @@ static int start(struct agreement *a, struct ttf_sequence *input, struct ttf_err
         r = ttf_matching_build(&plain, &a->sources, 0, input->n, a->pool, &a->matching, err);
     if (r < 0)
         return r;
-    a->known = malloc((size_t)plain.block_width * plain.block_height * sizeof(*a->known));
-    if (!a->known || ttf_quilt_map_copy(map, &a->own) < 0 ||
+    a->known = malloc(largest_block(map) * sizeof(*a->known));
+    if (!a->known || choose_queries(a, most) < 0 || ttf_quilt_map_copy(map, &a->own) < 0 ||
         ttf_views_create(&a->sources, &a->matching, 1u, narrow, a->pool, &a->views) < 0 ||
         ttf_rank_workspace_create(&a->room) < 0 ||
         ttf_search_create(&a->trajectories, narrow, plain.tolerance, a->matching.noise, NULL,
@@ -175,18 +222,17 @@ static void gather_known(const struct agreement *a, const struct ttf_quilt_block
     }
 }
 
-/* Of n blocks (the first is no query), about `most` by hash, or all. */
-static bool is_asked(const struct agreement *a, unsigned i, unsigned most)
-{
-    unsigned n = a->map->n_blocks - 1;
-
-    return i > 0 && (most == 0 || most >= n ||
-                     ttf_pick(ttf_random64(a->config->seed, TTF_PURPOSE_QUERY, i), n) < most);
-}
-
-static int check(const struct ttf_quilt_map *map, struct ttf_err *err)
+static int check(const struct ttf_quilt_config *config, const struct ttf_quilt_map *map,
+                 const struct ttf_sequence *input, struct ttf_err *err)
 {
     bool turned = false;
+
+    if (config->rank == TTF_QUILT_RANK_FULL && !(config->rank_error > 0.0))
+        return ttf_err_set(err, -EINVAL, "agreement",
+                           "without a rank there is only the search over all frames");
+    if (map->inputs[0].width != input->width || map->inputs[0].height != input->height)
+        return ttf_err_set(err, -EINVAL, "agreement", "the map is of an input of %u x %u pixels",
+                           map->inputs[0].width, map->inputs[0].height);
 
     for (unsigned i = 0; i < map->n_blocks; i++)
         turned = turned || map->blocks[i].turn != 0;
@@ -217,17 +263,17 @@ static int compare_searches(const struct ttf_quilt_config *config, struct ttf_se
                             struct ttf_pool *pool, struct ttf_agreement *ret, struct ttf_err *err)
 {
     struct agreement a = {.config = config, .map = map, .pool = pool};
-    int r = check(map, err);
+    int r = check(config, map, input, err);
 
     if (r < 0)
         return r;
-    r = start(&a, input, err);
+    r = start(&a, input, most, err);
     for (unsigned i = 0; i < map->n_blocks && r == 0; i++) {
         if (config->cancel && *config->cancel)
             r = ttf_err_set(err, -ECANCELED, NULL, "cancelled");
-        else if (is_asked(&a, i, most)) {
+        else if (i > 0 && hash_of(&a, i) <= a.last_asked) {
             gather_known(&a, &map->blocks[i]);
-            if (getenv("RANDQ"))
+            if (anywhere)
                 random_known(&a, &map->blocks[i], i);
             r = one_query(&a, &map->blocks[i]);
             if (r < 0)

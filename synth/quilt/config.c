@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "quilt/placement.h"
+#include "quilt/time_jitter.h"
 #include "search/features.h"
 #include "search/matching.h"
 #include "search/rank_kernels.h"
@@ -13,6 +14,9 @@
 
 #define SIDE_MAX  32768u
 #define BLOCK_MIN 4u
+
+/* Times are 32-bit numbers of 1 / TTF_TIME_ONE frames. */
+#define TIMED_FRAMES_MAX (UINT32_MAX / TTF_TIME_ONE + 1)
 
 static const char *const metric_names[TTF_METRIC_COUNT] = {"display", "linear"};
 
@@ -126,7 +130,38 @@ static int validate_rank(const struct ttf_quilt_config *config, struct ttf_err *
     return 0;
 }
 
-static int validate_time(const struct ttf_quilt_config *config, struct ttf_err *err)
+/* What agreement.h cannot do, before anything is searched for. */
+static int validate_agreement(const struct ttf_quilt_config *config, struct ttf_err *err)
+{
+    bool full = config->rank == TTF_QUILT_RANK_FULL && !(config->rank_error > 0.0);
+
+    if (config->agreement_queries > 0 &&
+        (full || config->n_more > 0 || config->flips || config->rotations || config->tileable ||
+         config->per_frame))
+        return ttf_err_set(err, -EINVAL, "agreement",
+                           "only a search with a rank for one map of one input, unturned and not "
+                           "tileable, is compared with that over all frames");
+    return 0;
+}
+
+static int validate_rates(const struct ttf_quilt_config *config, struct ttf_err *err)
+{
+    const struct ttf_rate_map *rate = config->rate;
+
+    if (rate->width != config->width || rate->height != config->height)
+        return ttf_err_set(err, -EINVAL, "rate map",
+                           "it is of %u x %u pixels, the output of %u x %u", rate->width,
+                           rate->height, config->width, config->height);
+    for (size_t i = 0; i < (size_t)rate->width * rate->height; i++) {
+        if (!isfinite(rate->m[i]) || rate->m[i] < 0.0f)
+            return ttf_err_set(err, -EINVAL, "rate map", "%g at pixel %zu, %zu is no rate",
+                               (double)rate->m[i], i % rate->width, i / rate->width);
+    }
+    return 0;
+}
+
+static int validate_time(const struct ttf_quilt_config *config, uint32_t frames,
+                         struct ttf_err *err)
 {
     if (config->jitter_frames > 1u << 20)
         return ttf_err_set(err, -EINVAL, "jitter", "%u frames are more than %u",
@@ -134,11 +169,14 @@ static int validate_time(const struct ttf_quilt_config *config, struct ttf_err *
     if (config->per_frame && (config->jitter_frames > 0 || config->rate || config->n_more > 0))
         return ttf_err_set(err, -EINVAL, "per_frame",
                            "frames quilted alone have no time of their own and one source");
-    if (config->rate &&
-        (config->rate->width != config->width || config->rate->height != config->height))
-        return ttf_err_set(err, -EINVAL, "rate map",
-                           "it is of %u x %u pixels, the output of %u x %u", config->rate->width,
-                           config->rate->height, config->width, config->height);
+    if (config->per_frame && config->replay)
+        return ttf_err_set(err, -EINVAL, "per_frame", "one map is not replayed frame by frame");
+    if ((config->rate || config->jitter_frames > 0) && frames > TIMED_FRAMES_MAX)
+        return ttf_err_set(err, -EINVAL, config->rate ? "rate map" : "jitter",
+                           "times between frames are told of at most %u frames, not of %u",
+                           TIMED_FRAMES_MAX, frames);
+    if (config->rate)
+        return validate_rates(config, err);
     return 0;
 }
 
@@ -186,7 +224,9 @@ int ttf_quilt_validate(const struct ttf_quilt_config *config, struct ttf_sequenc
         return ttf_err_set(err, -EINVAL, "metric", "there is no metric %d", (int)config->metric);
     r = validate_rank(config, err);
     if (r == 0)
-        r = validate_time(config, err);
+        r = validate_agreement(config, err);
+    if (r == 0)
+        r = validate_time(config, input->n, err);
     if (r == 0)
         r = validate_tiles(config, err);
     if (r == 0)

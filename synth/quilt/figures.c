@@ -21,7 +21,6 @@ struct ttf_figures {
     const struct ttf_sources *sources;
     const struct ttf_quilt_map *map;
     uint32_t frames;
-    bool plain_differs; /* the output is not just copied at its own time */
     struct ttf_activity *in[TTF_QUILT_INPUTS_MAX], *out;
     struct ttf_activity *plain; /* of what was copied, without jitter and feathering; or NULL */
     /* display codes of a frame: of the sources, and of the output */
@@ -47,8 +46,6 @@ int ttf_figures_create(const struct ttf_quilt_config *config, const struct ttf_s
     f->config = config;
     f->sources = sources;
     f->frames = frames;
-    f->plain_differs = (config->jitter_frames > 0 || config->feather_px > 1) && !config->rate &&
-                       !config->per_frame;
     f->out = ttf_activity_create(config->width, config->height, encoding);
     f->colour = ttf_colour_distance_create(encoding);
     ok = f->out && f->colour;
@@ -56,12 +53,10 @@ int ttf_figures_create(const struct ttf_quilt_config *config, const struct ttf_s
         f->in[i] = ttf_activity_create(sources->list[i]->width, sources->list[i]->height, encoding);
         ok = ok && f->in[i] && ttf_activity_keep_pixels(f->in[i]) == 0;
     }
-    if (f->plain_differs)
-        f->plain = ttf_activity_create(config->width, config->height, encoding);
     f->table = malloc(65536);
     f->source8 = malloc((size_t)sources->pixels * 3);
     f->output8 = malloc((size_t)config->width * config->height * 3);
-    ok = ok && (f->plain || !f->plain_differs) && f->table && f->source8 && f->output8;
+    ok = ok && f->table && f->source8 && f->output8;
     if (ok)
         ttf_display8_table(encoding, f->table);
     if (!ok) {
@@ -97,6 +92,15 @@ size_t ttf_figures_bytes(const struct ttf_figures *f)
     return in * 11 + out * (f->plain ? 11 : 7);
 }
 
+/* Where the output is not just copied at its own time: what it would be then. */
+static int watch_plain(struct ttf_figures *f, const struct ttf_quilt_map *map)
+{
+    if (f->config->rate || f->config->per_frame || (!map->times && map->n_layers == 0))
+        return 0;
+    f->plain = ttf_activity_create(map->width, map->height, &f->sources->list[0]->encoding);
+    return f->plain ? 0 : -ENOMEM;
+}
+
 int ttf_figures_map(struct ttf_figures *f, const struct ttf_quilt_map *map)
 {
     const struct ttf_encoding *encoding = &f->sources->list[0]->encoding;
@@ -110,7 +114,7 @@ int ttf_figures_map(struct ttf_figures *f, const struct ttf_quilt_map *map)
         return 0;
     f->synchrony = ttf_synchrony_create(map->source, (size_t)map->width * map->height,
                                         SYNCHRONY_PAIRS, f->config->seed, encoding);
-    return f->synchrony ? 0 : -ENOMEM;
+    return f->synchrony ? watch_plain(f, map) : -ENOMEM;
 }
 
 /* Each of the first frames of `parts` equal parts. */
@@ -145,7 +149,7 @@ static void encode(const struct ttf_figures *f, const uint16_t *codes, size_t n,
 /* Whether output pixels are source pixels at their own time: then display codes are copied, not encoded anew. */
 static bool is_copied(const struct ttf_figures *f)
 {
-    return !f->plain_differs && !f->config->rate && f->map->n_layers == 0;
+    return !f->plain && !f->config->rate && f->map->n_layers == 0;
 }
 
 static void add_activity(struct ttf_figures *f, const uint16_t *source, const uint16_t *output,

@@ -7,6 +7,9 @@
 #include "seam/boundary_cut.h"
 #include "search/hash.h"
 
+/* Farther than any two places of an input. */
+#define AVOID_MOST (UINT32_MAX / 4)
+
 static int64_t now_ns(const struct ttf_quilt_config *config)
 {
     return config->now_ns ? config->now_ns(config->now_ctx) : 0;
@@ -58,27 +61,42 @@ static unsigned find_hints(const struct ttf_plan *plan, unsigned i, struct ttf_r
     return n;
 }
 
-/* Places about those where blocks nearby were taken that are sure to be placed by now (plan.c, waves). */
+/* A block at most TTF_AVOID_BLOCKS away, over the border of a tileable output; false: none, or not before block i. */
+static bool nearby(const struct ttf_plan *plan, unsigned i, int right, int down, unsigned *ret)
+{
+    int columns = (int)plan->placement.columns, rows = (int)plan->placement.rows;
+    int column = (int)i % columns + right, row = (int)i / columns + down;
+
+    if (plan->config->tileable) {
+        column = (column + TTF_AVOID_BLOCKS * columns) % columns;
+        row = (row + TTF_AVOID_BLOCKS * rows) % rows;
+    }
+    if (column < 0 || column >= columns || row < 0 || row >= rows)
+        return false;
+    *ret = (unsigned)(row * columns + column);
+    return *ret < i;
+}
+
+/* Places about those where blocks nearby were taken: of all before in raster order (plan.c, waves). */
 static unsigned find_excluded(const struct ttf_plan *plan, unsigned i,
                               struct ttf_position_rect *ret)
 {
-    int columns = (int)plan->placement.columns, avoid = (int)plan->config->avoid_px;
-    int column = (int)i % columns, row = (int)i / columns;
-    unsigned n = 0;
+    uint32_t asked = plan->config->avoid_px, avoid = asked < AVOID_MOST ? asked : AVOID_MOST;
+    unsigned n = 0, at;
 
-    for (int r = row - TTF_AVOID_BLOCKS; avoid > 0 && r <= row; r++) {
-        for (int c = column - TTF_AVOID_BLOCKS; c <= column + TTF_AVOID_BLOCKS; c++) {
+    for (int down = -TTF_AVOID_BLOCKS; avoid > 0 && down <= TTF_AVOID_BLOCKS; down++) {
+        for (int right = -TTF_AVOID_BLOCKS; right <= TTF_AVOID_BLOCKS; right++) {
             const struct ttf_quilt_block *other;
 
-            if (r < 0 || c < 0 || c >= columns || c + 2 * r >= column + 2 * row)
+            if (!nearby(plan, i, right, down, &at))
                 continue;
-            other = &plan->map.blocks[r * columns + c];
-            ret[n++] = (struct ttf_position_rect){
-                .view = view_of(plan, other),
-                .x0 = other->src_x > (uint32_t)avoid ? other->src_x - (uint32_t)avoid : 0,
-                .y0 = other->src_y > (uint32_t)avoid ? other->src_y - (uint32_t)avoid : 0,
-                .x1 = other->src_x + (uint32_t)avoid + 1,
-                .y1 = other->src_y + (uint32_t)avoid + 1};
+            other = &plan->map.blocks[at];
+            ret[n++] =
+                (struct ttf_position_rect){.view = view_of(plan, other),
+                                           .x0 = other->src_x > avoid ? other->src_x - avoid : 0,
+                                           .y0 = other->src_y > avoid ? other->src_y - avoid : 0,
+                                           .x1 = other->src_x + avoid + 1,
+                                           .y1 = other->src_y + avoid + 1};
         }
     }
     return n;

@@ -16,6 +16,23 @@ static uint32_t count(uint32_t size, uint32_t block, uint32_t step)
     return size <= block ? 1 : 1 + (size - block + step - 1) / step;
 }
 
+/*
+ * Of a tileable output: blocks until `size` is covered around, but at least half a block apart,
+ * so that only the last one reaches over the border and knows both its neighbours.
+ */
+static uint32_t count_around(uint32_t size, uint32_t block, uint32_t step)
+{
+    uint32_t n = (size + step - 1) / step, most = 2 * size / block;
+
+    return n < most ? n : most;
+}
+
+/* The least overlap of n blocks spread evenly. */
+static uint32_t least_overlap(uint32_t size, uint32_t block, uint32_t n)
+{
+    return block - (size + n - 1) / n;
+}
+
 void ttf_placement_make(const struct ttf_quilt_config *config, struct ttf_placement *ret)
 {
     ret->overlap_x = ttf_placement_overlap(config->overlap_x, config->block_width);
@@ -23,8 +40,10 @@ void ttf_placement_make(const struct ttf_quilt_config *config, struct ttf_placem
     ret->step_x = config->block_width - ret->overlap_x;
     ret->step_y = config->block_height - ret->overlap_y;
     if (config->tileable) {
-        ret->columns = (config->width + ret->step_x - 1) / ret->step_x;
-        ret->rows = (config->height + ret->step_y - 1) / ret->step_y;
+        ret->columns = count_around(config->width, config->block_width, ret->step_x);
+        ret->rows = count_around(config->height, config->block_height, ret->step_y);
+        ret->overlap_x = least_overlap(config->width, config->block_width, ret->columns);
+        ret->overlap_y = least_overlap(config->height, config->block_height, ret->rows);
         return;
     }
     ret->columns = count(config->width, config->block_width, ret->step_x);

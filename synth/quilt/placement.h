@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * placement.h: where blocks lie in the output: a grid in raster order. Its last blocks are clipped;
- * those of a tileable output are spread evenly instead, and the last of a row and column
- * reach around to the first.
+ * those of a tileable output are spread evenly instead, at least half a block apart, and the last
+ * of a row and column reach around to the first.
  */
 #ifndef TTF_SYNTH_QUILT_PLACEMENT_H
 #define TTF_SYNTH_QUILT_PLACEMENT_H
@@ -14,7 +14,7 @@
 struct ttf_placement {
     uint32_t columns, rows; /* of blocks */
     uint32_t step_x, step_y;
-    uint32_t overlap_x, overlap_y;
+    uint32_t overlap_x, overlap_y; /* of a tileable output the least */
 };
 
 /* The overlap of a side of `block` pixels: what was asked for, or max(2, round(block / 6)). */

@@ -2,7 +2,8 @@
 /*
  * The plan: the matching data, then all blocks. Block (column c, row r) overlaps (c-1, r),
  * (c-1, r-1), (c, r-1) and (c+1, r-1), which all lie on earlier waves c + 2 r: so the blocks of one
- * wave can be placed side by side, and the result is that of raster order. (A tileable
+ * wave can be placed side by side, and the result is that of raster order. Where repetition is
+ * avoided a block looks as far as (c+3, r-1), and waves are c + 4 r. (A tileable
  * output's edges meet blocks of other waves: it is placed in raster order.)
  */
 #include <errno.h>
@@ -101,6 +102,7 @@ static int plan_alloc(struct ttf_plan *plan, struct ttf_err *err)
 
 struct wave {
     struct ttf_plan *plan;
+    uint32_t lag;       /* waves that a row is behind the one above */
     uint32_t first_row; /* block of tile i: row first_row + i, on the wave */
     uint32_t index;
     int results[64]; /* by tile % 64; negative stays */
@@ -110,7 +112,7 @@ static void wave_tile(void *ctx, unsigned tile, unsigned worker)
 {
     struct wave *wave = ctx;
     uint32_t row = wave->first_row + tile, columns = wave->plan->placement.columns;
-    unsigned i = row * columns + (wave->index - 2 * row);
+    unsigned i = row * columns + (wave->index - wave->lag * row);
     int r = ttf_place_block(wave->plan, &wave->plan->rooms[worker], i);
 
     if (r < 0)
@@ -120,8 +122,9 @@ static void wave_tile(void *ctx, unsigned tile, unsigned worker)
 static int run_wave(struct wave *wave)
 {
     uint32_t columns = wave->plan->placement.columns, rows = wave->plan->placement.rows;
-    uint32_t first = wave->index + 1 > columns ? (wave->index + 2 - columns) / 2 : 0;
-    uint32_t last = wave->index / 2 < rows - 1 ? wave->index / 2 : rows - 1;
+    uint32_t lag = wave->lag;
+    uint32_t first = wave->index + 1 > columns ? (wave->index + lag - columns) / lag : 0;
+    uint32_t last = wave->index / lag < rows - 1 ? wave->index / lag : rows - 1;
 
     wave->first_row = first;
     if (first <= last)
@@ -136,8 +139,9 @@ static int run_wave(struct wave *wave)
 static int place_in_waves(struct ttf_plan *plan, struct ttf_err *err)
 {
     const struct ttf_quilt_config *config = plan->config;
-    uint32_t waves = plan->placement.columns + 2 * (plan->placement.rows - 1);
-    struct wave wave = {.plan = plan};
+    uint32_t lag = config->avoid_px > 0 ? TTF_AVOID_BLOCKS + 1 : 2;
+    uint32_t waves = plan->placement.columns + lag * (plan->placement.rows - 1);
+    struct wave wave = {.plan = plan, .lag = lag};
     int r;
 
     for (uint32_t i = 0; i < waves; i++) {

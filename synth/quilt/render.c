@@ -43,12 +43,13 @@ static int64_t now_ns(const struct ttf_render *r)
     return config->now_ns ? config->now_ns(config->now_ctx) : 0;
 }
 
+/* What the map says counts: a replayed one may be blended or of its own times, whatever was asked for. */
 static bool is_narrow(const struct ttf_render_job *job)
 {
     const struct ttf_quilt_config *config = job->config;
 
-    return job->sink->frame8 && !job->figures && !config->per_frame && !config->jitter_frames &&
-           !config->rate && config->feather_px <= 1;
+    return job->sink->frame8 && !job->figures && !config->per_frame && !config->rate &&
+           !job->map->times && job->map->n_layers == 0;
 }
 
 static int alloc_stages(struct ttf_render *r)

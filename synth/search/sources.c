@@ -30,9 +30,9 @@ int ttf_sources_of(const struct ttf_quilt_config *config, struct ttf_sequence *i
     struct ttf_sources sources = {.n = 1 + config->n_more, .list = {input}, .frames = input->n};
     uint64_t pixels = 0;
 
-    if (sources.n > TTF_QUILT_INPUTS_MAX)
-        return ttf_err_set(err, -EINVAL, "sources", "%u inputs are more than %u", sources.n,
-                           TTF_QUILT_INPUTS_MAX);
+    if (config->n_more > TTF_QUILT_INPUTS_MAX - 1)
+        return ttf_err_set(err, -EINVAL, "sources", "%u further inputs are more than %u",
+                           config->n_more, TTF_QUILT_INPUTS_MAX - 1);
     for (unsigned i = 0; i < sources.n; i++) {
         struct ttf_sequence *own = i == 0 ? input : config->more[i - 1];
         int r = check_like_first(input, own, i, err);

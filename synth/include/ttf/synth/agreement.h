@@ -26,10 +26,16 @@ struct ttf_agreement {
 };
 
 /*
+<<<<<<< HEAD
  * Of queries that a map's blocks really were: the overlap as it lay there when the block was placed.
  * `most` of them by hash (0: all). Loads all frames of the one input (3 n bytes
  * per pixel). -EINVAL of maps of several inputs, turned blocks or a tileable output;
  * -ENOMEM; the sequence's.
+=======
+ * The map's first `most` queries in a hashed order (0: all). Loads all frames of the one input (3 n bytes
+ * per pixel). -EINVAL of maps of several inputs, turned blocks or a tileable output, of an
+ * input of another size, or without a rank to judge; -ENOMEM; the sequence's.
+>>>>>>> qtest
  */
 TTF_MUST_USE int ttf_quilt_agreement(const struct ttf_quilt_config *config,
                                      struct ttf_sequence *input, const struct ttf_quilt_map *map,

@@ -78,7 +78,7 @@ struct ttf_quilt_config {
     unsigned
         agreement_queries; /* compare so many of the map's queries with the full-time search; 0: none */
 
-    /* Time (eq. 6 to 8). */
+    /* Time (eq. 6 to 8), of an input of at most 65,536 frames. */
     uint32_t jitter_frames;          /* e: each block its own time, at most so far off; 0: none */
     bool jitter_round;               /* whole frames only; default: interpolated */
     const struct ttf_rate_map *rate; /* M, of the output's size; NULL: 1 everywhere. Borrowed */

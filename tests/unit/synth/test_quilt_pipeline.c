@@ -1,0 +1,460 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whole runs beyond the plain one: 8-bit sinks, replayed maps, several inputs, errors in the pipeline, figures. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "quilts.h"
+
+#define W 48u
+#define H 44u
+#define N 24u
+
+static struct ttf_quilt_config small_config(void)
+{
+    struct ttf_quilt_config config;
+
+    ttf_quilt_defaults(&config);
+    config.width = 83;
+    config.height = 70;
+    config.block_width = config.block_height = 20;
+    return config;
+}
+
+/* ---- 8-bit sinks ---- */
+
+static void is_the_16_bit_run_as_display_codes(const struct ttf_quilt_config *config,
+                                               struct ttf_sequence *input)
+{
+    struct quilt_taker wide = quilt_taker_make(config, N), narrow = quilt_taker_make(config, N);
+    const struct ttf_quilt_sink sink = quilt_sink(&narrow, true);
+    static uint8_t table[65536];
+
+    ttf_display8_table(&texture_encoding, table);
+    quilt_run_ok(config, input, NULL, &wide, NULL, NULL);
+    for (unsigned threads = 1; threads <= 5; threads += 2) {
+        struct ttf_pool *pool = ttf_pool_create(threads);
+
+        narrow.next = 0;
+        memset(narrow.codes8, 0, N * narrow.frame);
+        assert_int_equal(ttf_quilt_run(config, input, pool, &sink, NULL, NULL, NULL), 0);
+        assert_true(narrow.next == N && !narrow.out_of_order);
+        for (size_t i = 0; i < N * wide.frame; i++)
+            assert_int_equal(narrow.codes8[i], table[wide.codes[i]]);
+        ttf_pool_destroy(pool);
+    }
+    quilt_taker_free(&wide);
+    quilt_taker_free(&narrow);
+}
+
+static void eight_bit_frames_are_the_16_bit_ones_as_display_codes(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_NOISE, W, H, N);
+    struct texture_sequence other = texture_make(TEXTURE_NOISE, 61, 31, N);
+    struct ttf_quilt_config config = small_config();
+
+    (void)state;
+    config.measure = false;
+    is_the_16_bit_run_as_display_codes(&config, input.sequence);
+    config.more = &other.sequence;
+    config.n_more = 1;
+    config.flips = true;
+    config.width = 7; /* less than there are parts */
+    config.height = 5;
+    is_the_16_bit_run_as_display_codes(&config, input.sequence);
+    texture_free(&input);
+    texture_free(&other);
+}
+
+/* Blends and times between frames need 16 bits: then the 16-bit sink is used, also for a replayed map. */
+static void wide_although_narrow_is_offered(struct ttf_quilt_config config,
+                                            struct ttf_sequence *input)
+{
+    struct quilt_taker want = quilt_taker_make(&config, N), got = quilt_taker_make(&config, N);
+    const struct ttf_quilt_sink sink = quilt_sink(&got, true);
+    struct ttf_quilt_map map;
+
+    quilt_run_ok(&config, input, NULL, &want, NULL, &map);
+    assert_int_equal(ttf_quilt_run(&config, input, NULL, &sink, NULL, NULL, NULL), 0);
+    assert_memory_equal(got.codes, want.codes, N * got.frame * sizeof(*got.codes));
+    got.next = 0;
+    memset(got.codes, 0, N * got.frame * sizeof(*got.codes));
+    config.replay = &map; /* what the map says counts, whatever the settings beside it */
+    config.feather_px = 0;
+    config.jitter_frames = 0;
+    assert_int_equal(ttf_quilt_run(&config, input, NULL, &sink, NULL, NULL, NULL), 0);
+    assert_memory_equal(got.codes, want.codes, N * got.frame * sizeof(*got.codes));
+    ttf_quilt_map_free(&map);
+    quilt_taker_free(&want);
+    quilt_taker_free(&got);
+}
+
+static void blends_and_times_between_frames_stay_16_bit(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+
+    (void)state;
+    config.measure = false;
+    config.feather_px = 3;
+    wide_although_narrow_is_offered(config, input.sequence);
+    config.feather_px = 0;
+    config.jitter_frames = 3;
+    wide_although_narrow_is_offered(config, input.sequence);
+    config.feather_px = 3;
+    wide_although_narrow_is_offered(config, input.sequence);
+    texture_free(&input);
+}
+
+static void measured_runs_are_16_bit_and_threads_change_no_figure(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N);
+    struct ttf_pool *pool = ttf_pool_create(5);
+    struct ttf_quilt_report a, b;
+
+    (void)state;
+    config.jitter_frames = 2;
+    config.feather_px = 2;
+    for (int jittered = 0; jittered < 2; jittered++) {
+        config.jitter_frames = jittered ? 2 : 0;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &a, NULL);
+        quilt_run_ok(&config, input.sequence, pool, &taker, &b, NULL);
+        assert_true(a.map_digest == b.map_digest && a.coherence == b.coherence);
+        assert_true(a.flicker_copied == b.flicker_copied && a.synchrony == b.synchrony);
+        assert_true(a.colour.mean == b.colour.mean && a.seams.excess == b.seams.excess);
+    }
+    ttf_pool_destroy(pool);
+    quilt_taker_free(&taker);
+    texture_free(&input);
+}
+
+/* ---- the check ---- */
+
+static void several_inputs_are_copied_bit_for_bit(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct texture_sequence other = texture_make(TEXTURE_NOISE, 30, 50, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N);
+    struct ttf_quilt_check check;
+    struct ttf_quilt_report report;
+    struct ttf_sequence *output;
+    struct ttf_quilt_map map;
+
+    (void)state;
+    config.more = &other.sequence;
+    config.n_more = 1;
+    config.flips = config.rotations = config.tileable = true;
+    quilt_run_ok(&config, input.sequence, NULL, &taker, &report, &map);
+    assert_int_equal(report.inputs, 2);
+    assert_true(report.coherence_copied == 1.0);
+    output = quilt_taken(&taker, &config);
+    assert_int_equal(ttf_quilt_verify(&config, input.sequence, output, &map, &check, NULL), 0);
+    assert_int_equal(check.unmatched, 0);
+    assert_int_equal(ttf_quilt_verify(&config, input.sequence, output, NULL, &check, NULL), 0);
+    assert_int_equal(check.unmatched, 0);
+    config.n_more = 0; /* the map is of two */
+    assert_int_equal(ttf_quilt_verify(&config, input.sequence, output, &map, &check, NULL),
+                     -EINVAL);
+    ttf_sequence_destroy(output);
+    ttf_quilt_map_free(&map);
+    quilt_taker_free(&taker);
+    texture_free(&input);
+    texture_free(&other);
+}
+
+/* ---- replay ---- */
+
+static void a_map_is_replayed_on_another_exposure(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct texture_sequence darker = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N);
+    struct ttf_quilt_report first, second;
+    struct ttf_quilt_check check;
+    struct ttf_sequence *output;
+    struct ttf_quilt_map map;
+
+    (void)state;
+    for (size_t i = 0; i < (size_t)W * H * N * 3; i++)
+        darker.codes[i] = (uint16_t)(darker.codes[i] / 2 + i % 7);
+    config.agreement_queries = 5;
+    quilt_run_ok(&config, input.sequence, NULL, &taker, &first, &map);
+    assert_int_equal(first.agreement.queries, 5);
+    config.replay = &map;
+    config.agreement_queries = 0;
+    quilt_run_ok(&config, darker.sequence, NULL, &taker, &second, NULL);
+    assert_true(first.map_digest == second.map_digest);
+    assert_true(second.coherence_copied == 1.0);
+    output = quilt_taken(&taker, &config);
+    assert_int_equal(ttf_quilt_verify(&config, darker.sequence, output, &map, &check, NULL), 0);
+    assert_int_equal(check.unmatched, 0);
+    ttf_sequence_destroy(output);
+    ttf_quilt_map_free(&map);
+    quilt_taker_free(&taker);
+    texture_free(&input);
+    texture_free(&darker);
+}
+
+static void a_jittered_map_is_replayed_with_its_times(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker a = quilt_taker_make(&config, N), b = quilt_taker_make(&config, N);
+    struct ttf_quilt_report first, second;
+    struct ttf_quilt_map map;
+
+    (void)state;
+    config.jitter_frames = 3;
+    config.feather_px = 2;
+    quilt_run_ok(&config, input.sequence, NULL, &a, &first, &map);
+    config.replay = &map;
+    config.jitter_frames = 0;
+    config.feather_px = 0;
+    quilt_run_ok(&config, input.sequence, NULL, &b, &second, NULL);
+    assert_memory_equal(a.codes, b.codes, N * a.frame * sizeof(*a.codes));
+    assert_true(first.flicker_copied == second.flicker_copied);
+    assert_true(first.copied.mean_difference == second.copied.mean_difference);
+    assert_true(first.coherence_copied == second.coherence_copied);
+    ttf_quilt_map_free(&map);
+    quilt_taker_free(&a);
+    quilt_taker_free(&b);
+    texture_free(&input);
+}
+
+static void a_map_of_other_sizes_is_not_replayed(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, 4);
+    struct texture_sequence wider = texture_make(TEXTURE_SPOTS, W + 1, H, 4);
+    struct texture_sequence longer = texture_make(TEXTURE_SPOTS, W, H, 5);
+    struct ttf_quilt_config config = small_config();
+    struct ttf_quilt_map map;
+
+    (void)state;
+    config.jitter_frames = 1;
+    quilt_plan_ok(&config, input.sequence, NULL, &map);
+    config.replay = &map;
+    quilt_refused(&config, wider.sequence, -EINVAL, "map");
+    quilt_refused(&config, longer.sequence, -EINVAL, "map"); /* its times are too few */
+    config.more = &input.sequence;
+    config.n_more = 1;
+    quilt_refused(&config, input.sequence, -EINVAL, "map");
+    config.n_more = 0;
+    config.width--;
+    quilt_refused(&config, input.sequence, -EINVAL, "map");
+    config.width++;
+    config.jitter_frames = 0;
+    config.per_frame = true; /* each frame alone has no one map */
+    quilt_refused(&config, input.sequence, -EINVAL, "per_frame");
+    ttf_quilt_map_free(&map);
+    texture_free(&input);
+    texture_free(&wider);
+    texture_free(&longer);
+}
+
+/* ---- errors on the way ---- */
+
+struct leaky {
+    struct ttf_sequence base;
+    struct texture_sequence *texture;
+    uint32_t fail_at;
+    unsigned passes; /* over its first row of that frame before it fails */
+};
+
+static int leaky_read(struct ttf_sequence *sequence, uint32_t t, uint32_t y0, uint32_t rows,
+                      uint16_t *dst, struct ttf_err *err)
+{
+    struct leaky *leaky = (struct leaky *)sequence;
+
+    if (t == leaky->fail_at && y0 == 0 && leaky->passes-- == 0)
+        return ttf_err_set(err, -EIO, "frame", "cannot be read");
+    return ttf_sequence_read_rows(leaky->texture->sequence, t, y0, rows, dst, err);
+}
+
+static void errors_in_the_pipeline_end_it_as_what_they_are(unsigned threads, bool narrow,
+                                                           uint32_t jitter)
+{
+    static const struct ttf_sequence_ops ops = {.read_rows = leaky_read};
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct leaky leaky = {.base = *input.sequence, .texture = &input, .fail_at = 9, .passes = 1};
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N);
+    const struct ttf_quilt_sink sink = quilt_sink(&taker, narrow);
+    struct ttf_pool *pool = ttf_pool_create(threads);
+    struct ttf_err err = {0};
+
+    leaky.base.ops = &ops;
+    config.measure = false;
+    config.jitter_frames = jitter;
+    taker.fail_at = 4;
+    assert_int_equal(ttf_quilt_run(&config, input.sequence, pool, &sink, NULL, NULL, &err),
+                     -ENOSPC);
+    assert_string_equal(err.where, "disk");
+    assert_int_equal(taker.next, 5);
+    taker.next = 0;
+    taker.fail_at = UINT32_MAX;
+    assert_int_equal(ttf_quilt_run(&config, &leaky.base, pool, &sink, NULL, NULL, &err), -EIO);
+    assert_string_equal(err.where, "frame");
+    assert_true(taker.next <= 10 && taker.next >= 5);
+    taker.next = 0;
+    taker.cancel_at = 7;
+    config.cancel = &taker.cancel;
+    assert_int_equal(ttf_quilt_run(&config, input.sequence, pool, &sink, NULL, NULL, &err),
+                     -ECANCELED);
+    assert_int_equal(taker.next, 8);
+    assert_false(taker.out_of_order);
+    ttf_pool_destroy(pool);
+    quilt_taker_free(&taker);
+    texture_free(&input);
+}
+
+static void any_thread_may_meet_the_error(void **state)
+{
+    (void)state;
+    for (unsigned threads = 1; threads <= 5; threads += 2) {
+        errors_in_the_pipeline_end_it_as_what_they_are(threads, false, 0);
+        errors_in_the_pipeline_end_it_as_what_they_are(threads, true, 0);
+        errors_in_the_pipeline_end_it_as_what_they_are(threads, true, 2);
+    }
+}
+
+/* ---- figures ---- */
+
+static void copies_at_their_own_time_are_exactly_as_active(void **state)
+{
+    static const enum texture textures[] = {TEXTURE_SPOTS, TEXTURE_NOISE, TEXTURE_STRIPES};
+
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        struct texture_sequence input = texture_make(textures[i], W, H, N);
+        struct ttf_quilt_config config = small_config();
+        struct quilt_taker taker = quilt_taker_make(&config, N);
+        struct ttf_quilt_report report;
+
+        config.seed = (uint64_t)i;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+        assert_true(report.coherence_copied == 1.0 && report.flicker_copied == 1.0);
+        quilt_taker_free(&taker);
+        texture_free(&input);
+    }
+}
+
+static void jitter_takes_repeated_blocks_out_of_step(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker;
+    struct ttf_quilt_report still, jittered;
+
+    (void)state;
+    config.width = config.height = 120; /* many times its input */
+    taker = quilt_taker_make(&config, N);
+    quilt_run_ok(&config, input.sequence, NULL, &taker, &still, NULL);
+    config.jitter_frames = 3;
+    quilt_run_ok(&config, input.sequence, NULL, &taker, &jittered, NULL);
+    assert_true(still.synchrony_pairs > 1000 && jittered.synchrony_pairs > 1000);
+    assert_true(still.synchrony > 0.999);
+    assert_true(jittered.synchrony < 0.7);
+    assert_true(jittered.coherence_copied > 0.5 && jittered.coherence_copied < 1.2);
+    quilt_taker_free(&taker);
+    texture_free(&input);
+}
+
+static json_t *json_of(const struct ttf_quilt_report *report)
+{
+    struct ttf_json json;
+    const char *text;
+    json_t *root;
+    size_t bytes;
+
+    ttf_json_init(&json, true);
+    ttf_quilt_report_json(report, &json);
+    assert_int_equal(ttf_json_finish(&json, &text, &bytes), 0);
+    root = json_loads(text, 0, NULL);
+    assert_non_null(root);
+    ttf_json_free(&json);
+    return root;
+}
+
+static void without_measuring_the_report_has_no_figures_of_frames(void **state)
+{
+    static const char *const figures[] = {"temporal_coherence", "synchrony", "colour_distance",
+                                          "seams"};
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N);
+    struct ttf_quilt_report report;
+
+    (void)state;
+    for (int measure = 0; measure < 2; measure++) {
+        json_t *root;
+
+        config.measure = measure;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+        root = json_of(&report);
+        assert_int_equal(json_is_true(json_object_get(root, "measured")), measure);
+        for (int i = 0; i < 4; i++)
+            assert_int_equal(json_object_get(root, figures[i]) != NULL, measure);
+        assert_non_null(json_object_get(root, "repetition")); /* of the map, not of frames */
+        assert_true(report.repetition.max_uses > 0);
+        json_decref(root);
+    }
+    quilt_taker_free(&taker);
+    texture_free(&input);
+}
+
+static void odd_inputs_have_defined_reports(void **state)
+{
+    static const uint32_t lengths[] = {1, 2, 3};
+    static const enum texture textures[] = {TEXTURE_CONSTANT, TEXTURE_SPOTS};
+
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        struct texture_sequence input = texture_make(textures[i % 2], W, H, lengths[i / 2]);
+        struct ttf_quilt_config config = small_config();
+        struct quilt_taker taker = quilt_taker_make(&config, lengths[i / 2]);
+        struct ttf_quilt_report report;
+
+        config.jitter_frames = 2;
+        config.agreement_queries = 4;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+        json_decref(json_of(&report)); /* no NaN anywhere */
+        config.jitter_frames = config.agreement_queries = 0;
+        config.per_frame = true;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+        json_decref(json_of(&report));
+        quilt_taker_free(&taker);
+        texture_free(&input);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(eight_bit_frames_are_the_16_bit_ones_as_display_codes),
+        cmocka_unit_test(blends_and_times_between_frames_stay_16_bit),
+        cmocka_unit_test(measured_runs_are_16_bit_and_threads_change_no_figure),
+        cmocka_unit_test(several_inputs_are_copied_bit_for_bit),
+        cmocka_unit_test(a_map_is_replayed_on_another_exposure),
+        cmocka_unit_test(a_jittered_map_is_replayed_with_its_times),
+        cmocka_unit_test(a_map_of_other_sizes_is_not_replayed),
+        cmocka_unit_test(any_thread_may_meet_the_error),
+        cmocka_unit_test(copies_at_their_own_time_are_exactly_as_active),
+        cmocka_unit_test(jitter_takes_repeated_blocks_out_of_step),
+        cmocka_unit_test(without_measuring_the_report_has_no_figures_of_frames),
+        cmocka_unit_test(odd_inputs_have_defined_reports),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
