@@ -48,7 +48,8 @@ static bool is_narrow(const struct ttf_render_job *job)
     const struct ttf_quilt_config *config = job->config;
 
     return job->sink->frame8 && !job->figures && !config->per_frame && !config->jitter_frames &&
-           !config->rate && config->feather_px <= 1;
+           !config->rate && config->feather_px <= 1 && !job->map->times &&
+           job->map->n_layers == 0; /* a replayed map's own */
 }
 
 static int alloc_stages(struct ttf_render *r)
