@@ -106,7 +106,7 @@ static int start(struct agreement *a, struct ttf_sequence *input, unsigned most,
         r = ttf_matching_build(&plain, &a->sources, 0, input->n, a->pool, &a->matching, err);
     if (r < 0)
         return r;
-    a->known = malloc(largest_block(map) * sizeof(*a->known));
+    a->known = malloc((largest_block(map) + 1) * sizeof(*a->known));
     if (!a->known || choose_queries(a, most) < 0 || ttf_quilt_map_copy(map, &a->own) < 0 ||
         ttf_views_create(&a->sources, &a->matching, 1u, narrow, a->pool, &a->views) < 0 ||
         ttf_rank_workspace_create(&a->room) < 0 ||
@@ -165,7 +165,7 @@ static int one_query(struct agreement *a, const struct ttf_quilt_block *b)
         .width = b->width, .height = b->height, .known = a->known, .rerank = true};
     const struct ttf_overlap overlap = {b->width, b->height, b->left, b->top, a->known, b->width};
     struct ttf_rank_result rank;
-    struct ttf_candidates full;
+    struct ttf_candidates full = {0};
     uint64_t chosen;
     double cost = 0.0;
     int r = ttf_rank_search_run(&a->rank, a->room, &query, &rank);

@@ -181,7 +181,7 @@ int ttf_matching_of_factors(const struct ttf_factors *factors, unsigned n, unsig
     struct ttf_matching out = {.pixels = factors->pixels, .k = n * k, .scale = 1.0, .noise = noise};
     unsigned tiles = (unsigned)((out.pixels + TILE - 1) / TILE);
     struct column columns[NUMBERS_MAX];
-    struct quantise q = {&out, columns, calloc(tiles, sizeof(float)), factors, n};
+    struct quantise q = {&out, columns, calloc((size_t)tiles + 1, sizeof(float)), factors, n};
     float largest = 0.0f;
 
     out.stride = (out.k + TTF_COEF_LANES - 1) / TTF_COEF_LANES * TTF_COEF_LANES;
