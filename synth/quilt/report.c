@@ -40,6 +40,8 @@ static void put_parameters(const struct ttf_quilt_report *report, struct ttf_jso
     ttf_json_kint(json, "jitter_frames", config->jitter_frames);
     if (config->jitter_frames > 0)
         ttf_json_kstring(json, "jitter", config->jitter_round ? "rounded" : "interpolated");
+    if (config->jitter_frames > 0)
+        ttf_json_kint(json, "jitter_every", config->jitter_every);
     ttf_json_kbool(json, "rate_map", config->rate != NULL);
     ttf_json_kbool(json, "flips", config->flips);
     ttf_json_kbool(json, "rotations", config->rotations);

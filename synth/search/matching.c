@@ -185,7 +185,7 @@ int ttf_matching_of_factors(const struct ttf_factors *factors, unsigned n, unsig
     float largest = 0.0f;
 
     out.stride = (out.k + TTF_COEF_LANES - 1) / TTF_COEF_LANES * TTF_COEF_LANES;
-    out.coefs = calloc(out.pixels * out.stride, sizeof(*out.coefs));
+    out.coefs = calloc(out.pixels * out.stride + TTF_COEF_LANES, sizeof(*out.coefs));
     out.missed = malloc(out.pixels * sizeof(*out.missed));
     if (!out.coefs || !out.missed || !q.largest) {
         ttf_matching_free(&out);
