@@ -11,7 +11,7 @@
  * What work costs one thread of a small machine, in nanoseconds: stated, not measured, and on the safe
  * side. The search's is for positions that a first look excludes, as nearly all are.
  */
-#define POSITION_NS 25.0 /* one position of one block */
+#define POSITION_NS 40.0 /* one position of one block */
 #define LEARN_NS    2.5  /* one number of one pixel of one frame, in the compression */
 #define COMPOSE_NS  30.0 /* one output pixel of one frame: copied, measured, written */
 #define SAMPLE_NS   20.0 /* one input pixel of one frame on its way through preparation */
