@@ -152,7 +152,7 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
     [OPT_MAP] = {"map", 0, "FILE", CLI_TEXT, O(map), 0, 0,
                  "lay blocks as such a file says, searching for none; inputs must be of its sizes"},
     [OPT_AGREEMENT] = {"agreement", 0, "N", CLI_WHOLE, O(agreement), 1, 1000000,
-                       "compare N of the matches with those over all frames, for the report"},
+                       "compare about N of the matches with those over all frames, for the report"},
     [OPT_FIGURES] = {"figures", 0, NULL, CLI_FLAG, O(figures), 0, 0,
                      "measure the result for the report (default of --sink dataset)"},
     [OPT_NO_FIGURES] = {"no-figures", 0, NULL, CLI_FLAG, O(no_figures), 0, 0,

@@ -3,7 +3,9 @@
 #include "quilt_options.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define PREVIEW_MEMORY (64 << 20)
@@ -176,6 +178,48 @@ static int check_words(struct cli *cli)
 
 /* ---- where things go ---- */
 
+/* Where a path will lie: its folder's real name and its own. -errno without such a folder. */
+static int real_name(const char *path, char *ret, size_t size)
+{
+    char folder[PATH_MAX], real[PATH_MAX];
+    size_t n = strlen(path);
+    const char *base;
+
+    while (n > 1 && path[n - 1] == '/')
+        n--;
+    for (base = path + n; base > path && base[-1] != '/';)
+        base--;
+    if (n >= sizeof folder)
+        return -ENAMETOOLONG;
+    (void)snprintf(folder, sizeof folder, "%.*s", base > path ? (int)(base - path) : 1,
+                   base > path ? path : ".");
+    if (!realpath(folder, real))
+        return -errno;
+    (void)snprintf(ret, size, "%s/%.*s", real[1] ? real : "", (int)(path + n - base), base);
+    return 0;
+}
+
+/* A file beside the result: in a folder that is there, not in a dataset, and not the result. */
+static int check_beside(struct cli *cli, const char *option, const char *path, const char *other)
+{
+    char file[2 * PATH_MAX], out[2 * PATH_MAX];
+    int r = real_name(path, file, sizeof file);
+    size_t n;
+
+    if (r < 0) {
+        ttf_err_set(&cli->err, r, option, "%s: there is no such folder", path);
+        return ttf_err_hint(&cli->err, "make the folder first"), r;
+    }
+    r = cli_refuse_inside_dataset(cli, path);
+    if (r < 0 || !other || real_name(other, out, sizeof out) < 0)
+        return r;
+    n = strlen(out);
+    if (strncmp(file, out, n) != 0 || (file[n] && file[n] != '/'))
+        return 0;
+    ttf_err_set(&cli->err, -EINVAL, option, "%s lies where %s will be", path, other);
+    return ttf_err_hint(&cli->err, "name another place"), -EINVAL;
+}
+
 static int check_outputs(struct cli *cli, enum quilt_sink_kind kind)
 {
     const struct cli_options *o = &cli->opt;
@@ -191,9 +235,11 @@ static int check_outputs(struct cli *cli, enum quilt_sink_kind kind)
     if (r == 0 && o->save_map)
         r = cli_refuse_existing(cli, o->save_map);
     if (r == 0 && o->save_map)
-        r = cli_refuse_inside_dataset(cli, o->save_map);
+        r = check_beside(cli, "--save-map", o->save_map, o->output);
     if (r == 0 && o->factors)
-        r = cli_refuse_inside_dataset(cli, o->factors);
+        r = check_beside(cli, "--factors", o->factors, o->output);
+    if (r == 0 && o->factors && o->save_map)
+        r = check_beside(cli, "--factors", o->factors, o->save_map);
     return r;
 }
 
