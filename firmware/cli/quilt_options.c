@@ -330,6 +330,18 @@ void quilt_config_shrink(struct ttf_quilt_config *c, uint32_t shrink)
     c->feather_px /= shrink;
 }
 
+/* What sets the pace: a composite's is its photograph. */
+static const char *pace_name(const struct cli *cli)
+{
+    const struct cli_options *o = &cli->opt;
+
+    if (o->rate_map)
+        return "--rate-map";
+    if (cli_given(o, OPT_LIGHT))
+        return "--light";
+    return o->curvature ? "--curvature" : o->args[0];
+}
+
 int quilt_options_name(struct cli *cli, int code)
 {
     static const char *const FIELDS[][2] = {
@@ -339,9 +351,10 @@ int quilt_options_name(struct cli *cli, int code)
         {"rank", "--rank"},         {"rank_error", "--rank-error"},
         {"jitter", "--jitter"},     {"per_frame", "--per-frame"},
         {"tileable", "--tileable"}, {"sources", "--source"},
-        {"factors", "--factors"},   {"map", "--map"},
-        {"rate map", "--rate-map"}};
+        {"factors", "--factors"},   {"map", "--map"}};
 
+    if (code < 0 && strcmp(cli->err.where, "rate map") == 0)
+        (void)snprintf(cli->err.where, sizeof cli->err.where, "%.255s", pace_name(cli));
     for (unsigned i = 0; code < 0 && i < TTF_COUNT_OF(FIELDS); i++)
         if (strcmp(cli->err.where, FIELDS[i][0]) == 0)
             (void)snprintf(cli->err.where, sizeof cli->err.where, "%s", FIELDS[i][1]);

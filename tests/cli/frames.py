@@ -3,6 +3,7 @@
 
 frames.py picture KIND OUT W H    halves (left black, right white), hill (heights), tilt (normals),
                                   photo (a red object and its shadow on a grey ground), plain
+frames.py nudged FOLDER N W H      a still texture whose frames are moved and lit unevenly
 frames.py pngs FOLDER OUT         exported PNGs, one behind another
 frames.py edges RAW W H           step across the edges over the mean step inside, last frame
 frames.py slope RAW W H           mean red of the right quarter less that of the left, frame 0
@@ -33,6 +34,15 @@ def colour(kind, x, y, w, h):
 def picture(kind, out, w, h):
     pictures.write_png(out, w, h, [bytes(v for x in range(w) for v in colour(kind, x, y, w, h))
                                    for y in range(h)])
+
+
+def nudged(folder, n, w, h):
+    def level(x, y):
+        return ((x // 5 * 7919 + y // 5 * 104729) * 2654435761 >> 8) % 120 + 60
+    for t in range(n):
+        dx, gain = (2 if t % 5 == 3 else 0), (1.1 if t % 4 == 1 else 1.0)
+        rows = [bytes(int(level(x + dx, y) * gain) for x in range(w) for _ in range(3)) for y in range(h)]
+        pictures.write_png(f"{folder}/n{t}.png", w, h, rows)
 
 
 def frames(path, w, h):
@@ -86,6 +96,8 @@ def pngs(folder, out):
 command, args = sys.argv[1], sys.argv[2:]
 if command == "picture":
     picture(args[0], args[1], int(args[2]), int(args[3]))
+elif command == "nudged":
+    nudged(args[0], *map(int, args[1:]))
 elif command == "pngs":
     pngs(*args)
 else:
