@@ -362,14 +362,15 @@ int cli_option_take(struct cli_options *options, enum cli_option option, const c
                     struct ttf_err *err)
 {
     const struct cli_option_def *def = &OPTIONS[option];
+    const char *typed = value ? value : "";
 
-    if (def->arg && !*value) {
+    if (def->arg && !*typed) {
         ttf_err_set(err, -EINVAL, NULL, "is empty");
         ttf_err_hint(err, "%s", def->text);
         return named(def, err);
     }
-    options->given[option] = value ? value : "";
-    return take_value(options, def, value, err);
+    options->given[option] = typed;
+    return take_value(options, def, typed, err);
 }
 
 void cli_options_free(struct cli_options *options)

@@ -103,7 +103,7 @@ static int take_line(struct cli *cli, const char *path, unsigned number, char *l
 {
     char where[300];
     char *text = trimmed(line), *comma = strchr(text, ',');
-    double x, y;
+    double x = 0, y = 0;
     int r;
 
     if (!*text || *text == '#')
@@ -141,9 +141,10 @@ int quilt_curve_read(struct cli *cli, const char *path, struct ttf_spline **ret,
             *next++ = '\0';
         r = take_line(cli, path, number, line, &points);
     }
-    if (r == 0 && points.n < 3)
-        r = ttf_err_set(&cli->err, -EINVAL, path, "a curve needs 3 points or more, here are %u",
-                        points.n);
+    if (r == 0 && (points.n < 3 || !points.xs)) {
+        r = -EINVAL;
+        ttf_err_set(&cli->err, r, path, "a curve needs 3 points or more, here are %u", points.n);
+    }
     if (r == 0)
         r = ttf_spline_create(points.xs, points.ys, points.n, ret, &cli->err);
     if (r == 0) {

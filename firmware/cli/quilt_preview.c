@@ -97,7 +97,8 @@ static double time_of(const struct estimate *e, uint32_t shrink, uint32_t step)
     const struct cli_options *o = e->options;
     struct ttf_quilt_config c = shrunk(e, shrink);
     double in = (double)pixels_of(e, shrink), out = (double)c.width * c.height;
-    double n = (first->n - 1) / step + 1.0, passes = 2 + o->stabilise + o->deflicker;
+    uint32_t frames = (first->n - 1) / step + 1;
+    double n = frames, passes = 2 + o->stabilise + o->deflicker;
     double blocks = (double)blocks_of(c.width, c.block_width) * blocks_of(c.height, c.block_height);
     double turns = (c.flips ? 2 : 1) * (c.rotations ? 4 : 1);
     double numbers = c.rank_error > 0 ? TTF_QUILT_RANK_MAX : c.rank ? c.rank : 3 * n;

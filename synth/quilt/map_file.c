@@ -42,13 +42,16 @@ static void wrong(struct reading *r, const char *key, const char *fmt, ...)
     (void)vsnprintf(what, sizeof(what), fmt, args);
     va_end(args);
     (void)snprintf(where, sizeof(where), "%s%s", r->at, key);
-    r->code = ttf_err_set(r->err, -EINVAL, where, "%s", what);
+    r->code = -EINVAL;
+    (void)ttf_err_set(r->err, r->code, where, "%s", what);
 }
 
 static void no_memory(struct reading *r)
 {
-    if (!r->code)
-        r->code = ttf_err_set(r->err, -ENOMEM, NULL, "no memory for a map");
+    if (r->code)
+        return;
+    r->code = -ENOMEM;
+    (void)ttf_err_set(r->err, r->code, NULL, "no memory for a map");
 }
 
 /* ---- typed fields ---- */
