@@ -25,10 +25,8 @@ static int control(struct quilt_job *job)
     config.soften_px = o->soften;
     r = ttf_shadow_find(&config, &c->photo, job->config.width, job->config.height, &c->shadow,
                         &job->cli->err);
-    if (r < 0) {
-        ttf_err_prefix(&job->cli->err, "%s", o->args[0]);
-        return r;
-    }
+    if (r < 0)
+        return cli_by_option(job->cli, r, o->args[0], NULL);
     ttf_pixbuf_free(&c->photo);
     return ttf_shadow_rate_map(&c->shadow, o->least, &job->rate, &job->cli->err);
 }

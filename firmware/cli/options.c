@@ -116,6 +116,9 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
     [OPT_JITTER_ROUNDED] = {"jitter-rounded", 0, NULL, CLI_FLAG, O(jitter_rounded), 0, 0,
                             "whole frames only, where times fall between two (default: "
                             "interpolated)"},
+    [OPT_JITTER_EVERY] = {"jitter-every", 0, "FRAMES", CLI_WHOLE, O(jitter_every), 1, 1048576,
+                          "frames from one step of a block's time to the next (default: 16; 1: at "
+                          "every frame, as the paper, which blurs noise over time)"},
     [OPT_RATE_MAP] = {"rate-map", 0, "PICTURE", CLI_TEXT, O(rate_map), 0, 0,
                       "how fast each place ages: white at full pace, black not at all"},
     [OPT_LIGHT] = {"light", 0, "X,Y,Z", CLI_POINT, O(light), -1000, 1000,
@@ -152,7 +155,7 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
     [OPT_MAP] = {"map", 0, "FILE", CLI_TEXT, O(map), 0, 0,
                  "lay blocks as such a file says, searching for none; inputs must be of its sizes"},
     [OPT_AGREEMENT] = {"agreement", 0, "N", CLI_WHOLE, O(agreement), 1, 1000000,
-                       "compare N of the matches with those over all frames, for the report"},
+                       "compare about N of the matches with those over all frames, for the report"},
     [OPT_FIGURES] = {"figures", 0, NULL, CLI_FLAG, O(figures), 0, 0,
                      "measure the result for the report (default of --sink dataset)"},
     [OPT_NO_FIGURES] = {"no-figures", 0, NULL, CLI_FLAG, O(no_figures), 0, 0,
@@ -187,6 +190,7 @@ void cli_options_defaults(struct cli_options *options)
     memset(options, 0, sizeof *options);
     options->tolerance = 0.1;
     options->rank = 15;
+    options->jitter_every = 16;
     options->deflicker_window = 9;
     options->height_scale = 0.1;
     options->rate_gain = 1;
@@ -362,14 +366,15 @@ int cli_option_take(struct cli_options *options, enum cli_option option, const c
                     struct ttf_err *err)
 {
     const struct cli_option_def *def = &OPTIONS[option];
+    const char *typed = value ? value : "";
 
-    if (def->arg && !*value) {
+    if (def->arg && !*typed) {
         ttf_err_set(err, -EINVAL, NULL, "is empty");
         ttf_err_hint(err, "%s", def->text);
         return named(def, err);
     }
-    options->given[option] = value ? value : "";
-    return take_value(options, def, value, err);
+    options->given[option] = typed;
+    return take_value(options, def, typed, err);
 }
 
 void cli_options_free(struct cli_options *options)

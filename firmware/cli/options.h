@@ -69,6 +69,7 @@ enum cli_option {
     OPT_AVOID,
     OPT_JITTER,
     OPT_JITTER_ROUNDED,
+    OPT_JITTER_EVERY,
     OPT_RATE_MAP,
     OPT_LIGHT,
     OPT_NORMALS,
@@ -119,7 +120,7 @@ struct cli_options {
     bool flips, rotations, tileable, jitter_rounded, stabilise, deflicker, flatten, keep_gradient;
     bool figures, no_figures, preview;
     int64_t rank; /* 0: full */
-    int64_t avoid, jitter, deflicker_window, agreement, memory_bytes, time_ns;
+    int64_t avoid, jitter, jitter_every, deflicker_window, agreement, memory_bytes, time_ns;
     double rank_error, height_scale, rate_offset, rate_gain, flatten_sigma;
     double light[3];
     double least, threshold, soften;

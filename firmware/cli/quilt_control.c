@@ -13,18 +13,10 @@
 #define CURVE_FILE_MAX ((size_t)16 << 20)
 #define SMOOTH_PX      2.0 /* heights of 8 bits are terraces (rate_map.h) */
 
-/* An error on its way up, with the option it came by. */
-static int by_option(struct cli *cli, int code, const char *option)
-{
-    if (code < 0)
-        ttf_err_prefix(&cli->err, "%s", option);
-    return code;
-}
-
 static int read_picture(struct cli *cli, const char *option, const char *path,
                         struct ttf_pixbuf *ret)
 {
-    return by_option(cli, ttf_image_read(cli->io, path, 0, ret, NULL, &cli->err), option);
+    return cli_by_option(cli, ttf_image_read(cli->io, path, 0, ret, NULL, &cli->err), option, path);
 }
 
 static int of_picture(struct cli *cli, uint32_t width, uint32_t height, struct ttf_rate_map *ret)
@@ -34,10 +26,10 @@ static int of_picture(struct cli *cli, uint32_t width, uint32_t height, struct t
     int r = read_picture(cli, "--rate-map", o->rate_map, &picture);
 
     if (r == 0)
-        r = by_option(cli,
-                      ttf_rate_map_of_picture(&picture, width, height, o->rate_offset, o->rate_gain,
-                                              ret, &cli->err),
-                      "--rate-map");
+        r = cli_by_option(cli,
+                          ttf_rate_map_of_picture(&picture, width, height, o->rate_offset,
+                                                  o->rate_gain, ret, &cli->err),
+                          "--rate-map", NULL);
     ttf_pixbuf_free(&picture);
     return r;
 }
@@ -61,7 +53,8 @@ static int of_light(struct cli *cli, uint32_t width, uint32_t height, struct ttf
     light.normals = o->normals ? &surface : NULL;
     light.heights = o->heights ? &surface : NULL;
     if (r == 0)
-        r = by_option(cli, ttf_rate_map_of_light(&light, width, height, ret, &cli->err), "--light");
+        r = cli_by_option(cli, ttf_rate_map_of_light(&light, width, height, ret, &cli->err),
+                          "--light", NULL);
     ttf_pixbuf_free(&surface);
     return r;
 }
@@ -110,7 +103,7 @@ static int take_line(struct cli *cli, const char *path, unsigned number, char *l
 {
     char where[300];
     char *text = trimmed(line), *comma = strchr(text, ',');
-    double x, y;
+    double x = 0, y = 0;
     int r;
 
     if (!*text || *text == '#')
@@ -148,9 +141,10 @@ int quilt_curve_read(struct cli *cli, const char *path, struct ttf_spline **ret,
             *next++ = '\0';
         r = take_line(cli, path, number, line, &points);
     }
-    if (r == 0 && points.n < 3)
-        r = ttf_err_set(&cli->err, -EINVAL, path, "a curve needs 3 points or more, here are %u",
-                        points.n);
+    if (r == 0 && (points.n < 3 || !points.xs)) {
+        r = -EINVAL;
+        ttf_err_set(&cli->err, r, path, "a curve needs 3 points or more, here are %u", points.n);
+    }
     if (r == 0)
         r = ttf_spline_create(points.xs, points.ys, points.n, ret, &cli->err);
     if (r == 0) {
@@ -177,10 +171,11 @@ static int of_heights(struct cli *cli, uint32_t width, uint32_t height, struct t
     int r = read_picture(cli, "--curvature", o->curvature, &heights);
 
     if (r == 0)
-        r = by_option(cli,
-                      ttf_rate_map_of_heights(&heights, o->height_scale, SMOOTH_PX, width, height,
-                                              o->rate_offset, o->rate_gain, ret, &cli->err),
-                      "--curvature");
+        r = cli_by_option(cli,
+                          ttf_rate_map_of_heights(&heights, o->height_scale, SMOOTH_PX, width,
+                                                  height, o->rate_offset, o->rate_gain, ret,
+                                                  &cli->err),
+                          "--curvature", NULL);
     ttf_pixbuf_free(&heights);
     return r;
 }
@@ -203,7 +198,7 @@ static int of_curvature(struct cli *cli, uint32_t width, uint32_t height, struct
         r = ttf_rate_map_of_curve(&curve, width, height, o->rate_offset, o->rate_gain, ret,
                                   &cli->err);
     ttf_spline_destroy(spline);
-    return by_option(cli, r, "--curvature");
+    return cli_by_option(cli, r, "--curvature", o->curvature);
 }
 
 int quilt_control_make(struct cli *cli, uint32_t width, uint32_t height, struct ttf_rate_map *ret)

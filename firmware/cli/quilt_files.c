@@ -38,10 +38,8 @@ int quilt_factors_open(struct cli *cli, struct quilt_factors *ret, struct ttf_qu
     if (r == -ENOENT)
         return 0;
     r = ttf_io_slurp(cli->io, path, FACTORS_MAX, &ret->bytes, &size, &cli->err);
-    if (r < 0) {
-        ttf_err_prefix(&cli->err, "--factors");
-        return r;
-    }
+    if (r < 0)
+        return cli_by_option(cli, r, "--factors", path);
     config->known = (struct ttf_quilt_factors){ret->bytes, size};
     return 0;
 }

@@ -97,9 +97,7 @@ int quilt_input_reduce(struct cli *cli, struct quilt_input *input, uint32_t shri
 
     if (r == 0)
         push(input, reduced);
-    else
-        ttf_err_prefix(&cli->err, "--preview");
-    return r;
+    return cli_by_option(cli, r, "--preview", NULL);
 }
 
 static int stabilise(struct cli *cli, struct quilt_input *input,
@@ -108,10 +106,10 @@ static int stabilise(struct cli *cli, struct quilt_input *input,
     struct ttf_sequence *over = NULL;
     int r = ttf_stabilise_create(quilt_input_top(input), 0, &over, &prepared->stabilise, &cli->err);
 
-    if (r < 0) {
-        ttf_err_prefix(&cli->err, "--stabilise");
-        return r;
-    }
+    if (r == -ERANGE)
+        ttf_err_hint(&cli->err, "leave out the frames from there on (--frames), or this option");
+    if (r < 0)
+        return cli_by_option(cli, r, "--stabilise", NULL);
     prepared->stabilised = true;
     push(input, over);
     return 0;
@@ -124,10 +122,8 @@ static int deflicker(struct cli *cli, struct quilt_input *input,
     int r = ttf_deflicker_create(quilt_input_top(input), (uint32_t)cli->opt.deflicker_window, &over,
                                  &prepared->deflicker, &cli->err);
 
-    if (r < 0) {
-        ttf_err_prefix(&cli->err, "--deflicker");
-        return r;
-    }
+    if (r < 0)
+        return cli_by_option(cli, r, "--deflicker", NULL);
     prepared->deflickered = true;
     push(input, over);
     return 0;
@@ -152,10 +148,8 @@ int quilt_input_flatten(struct cli *cli, struct quilt_input *input, double sigma
 
     if (r == 0)
         r = ttf_flatten_create(quilt_input_top(input), &input->gradient, &over, &cli->err);
-    if (r < 0) {
-        ttf_err_prefix(&cli->err, "--flatten");
-        return r;
-    }
+    if (r < 0)
+        return cli_by_option(cli, r, "--flatten", NULL);
     ttf_gradient_range(&input->gradient, &prepared->gradient_least, &prepared->gradient_most);
     prepared->flattened = true;
     push(input, over);

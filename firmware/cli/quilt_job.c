@@ -32,8 +32,7 @@ static int open_inputs(struct quilt_job *job)
     job->n_inputs = r == 0;
     for (unsigned i = 0; i < cli->opt.n_sources && r == 0; i++) {
         r = quilt_input_open(cli, cli->opt.sources[i], &job->inputs[1 + i]);
-        if (r < 0)
-            ttf_err_prefix(&cli->err, "--source");
+        r = cli_by_option(cli, r, "--source", cli->opt.sources[i]);
         job->n_inputs += r == 0;
     }
     return r;

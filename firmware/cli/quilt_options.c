@@ -3,7 +3,9 @@
 #include "quilt_options.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define PREVIEW_MEMORY (64 << 20)
@@ -148,6 +150,8 @@ static int check_control(struct cli *cli)
         !cli_given(o, OPT_LEAST))
         return refuse(cli, "--jitter-rounded", "there are no times between frames",
                       "give --jitter or a control of the pace too");
+    if (cli_given(o, OPT_JITTER_EVERY) && !cli_given(o, OPT_JITTER))
+        return refuse(cli, "--jitter-every", "no block has a time of its own", "give --jitter too");
     return 0;
 }
 
@@ -176,6 +180,48 @@ static int check_words(struct cli *cli)
 
 /* ---- where things go ---- */
 
+/* Where a path will lie: its folder's real name and its own. -errno without such a folder. */
+static int real_name(const char *path, char *ret, size_t size)
+{
+    char folder[PATH_MAX], real[PATH_MAX];
+    size_t n = strlen(path);
+    const char *base;
+
+    while (n > 1 && path[n - 1] == '/')
+        n--;
+    for (base = path + n; base > path && base[-1] != '/';)
+        base--;
+    if (n >= sizeof folder)
+        return -ENAMETOOLONG;
+    (void)snprintf(folder, sizeof folder, "%.*s", base > path ? (int)(base - path) : 1,
+                   base > path ? path : ".");
+    if (!realpath(folder, real))
+        return -errno;
+    (void)snprintf(ret, size, "%s/%.*s", real[1] ? real : "", (int)(path + n - base), base);
+    return 0;
+}
+
+/* A file beside the result: in a folder that is there, not in a dataset, and not the result. */
+static int check_beside(struct cli *cli, const char *option, const char *path, const char *other)
+{
+    char file[2 * PATH_MAX], out[2 * PATH_MAX];
+    int r = real_name(path, file, sizeof file);
+    size_t n;
+
+    if (r < 0) {
+        ttf_err_set(&cli->err, r, option, "%s: there is no such folder", path);
+        return ttf_err_hint(&cli->err, "make the folder first"), r;
+    }
+    r = cli_refuse_inside_dataset(cli, path);
+    if (r < 0 || !other || real_name(other, out, sizeof out) < 0)
+        return r;
+    n = strlen(out);
+    if (strncmp(file, out, n) != 0 || (file[n] && file[n] != '/'))
+        return 0;
+    ttf_err_set(&cli->err, -EINVAL, option, "%s lies where %s will be", path, other);
+    return ttf_err_hint(&cli->err, "name another place"), -EINVAL;
+}
+
 static int check_outputs(struct cli *cli, enum quilt_sink_kind kind)
 {
     const struct cli_options *o = &cli->opt;
@@ -191,9 +237,11 @@ static int check_outputs(struct cli *cli, enum quilt_sink_kind kind)
     if (r == 0 && o->save_map)
         r = cli_refuse_existing(cli, o->save_map);
     if (r == 0 && o->save_map)
-        r = cli_refuse_inside_dataset(cli, o->save_map);
+        r = check_beside(cli, "--save-map", o->save_map, o->output);
     if (r == 0 && o->factors)
-        r = cli_refuse_inside_dataset(cli, o->factors);
+        r = check_beside(cli, "--factors", o->factors, o->output);
+    if (r == 0 && o->factors && o->save_map)
+        r = check_beside(cli, "--factors", o->factors, o->save_map);
     return r;
 }
 
@@ -256,6 +304,7 @@ int quilt_options_config(struct cli *cli, enum quilt_sink_kind kind, struct ttf_
     ret->feather_px = (uint32_t)o->feather;
     ret->jitter_frames = (uint32_t)o->jitter;
     ret->jitter_round = o->jitter_rounded;
+    ret->jitter_every = (uint32_t)o->jitter_every;
     ret->measure = o->figures || (kind == QUILT_SINK_DATASET && !o->no_figures);
     set_matching(o, ret);
     return 0;
@@ -284,18 +333,38 @@ void quilt_config_shrink(struct ttf_quilt_config *c, uint32_t shrink)
     c->feather_px /= shrink;
 }
 
+/* What sets the pace: a composite's is its photograph. */
+static const char *pace_name(const struct cli *cli)
+{
+    const struct cli_options *o = &cli->opt;
+
+    if (o->rate_map)
+        return "--rate-map";
+    if (cli_given(o, OPT_LIGHT))
+        return "--light";
+    return o->curvature ? "--curvature" : o->args[0];
+}
+
 int quilt_options_name(struct cli *cli, int code)
 {
-    static const char *const FIELDS[][2] = {
-        {"size", "--size"},         {"block", "--block"},
-        {"overlap", "--overlap"},   {"tolerance", "--tolerance"},
-        {"metric", "--metric"},     {"feather", "--feather"},
-        {"rank", "--rank"},         {"rank_error", "--rank-error"},
-        {"jitter", "--jitter"},     {"per_frame", "--per-frame"},
-        {"tileable", "--tileable"}, {"sources", "--source"},
-        {"factors", "--factors"},   {"map", "--map"},
-        {"rate map", "--rate-map"}};
+    static const char *const FIELDS[][2] = {{"size", "--size"},
+                                            {"block", "--block"},
+                                            {"overlap", "--overlap"},
+                                            {"tolerance", "--tolerance"},
+                                            {"metric", "--metric"},
+                                            {"feather", "--feather"},
+                                            {"rank", "--rank"},
+                                            {"rank_error", "--rank-error"},
+                                            {"jitter", "--jitter"},
+                                            {"jitter_every", "--jitter-every"},
+                                            {"per_frame", "--per-frame"},
+                                            {"tileable", "--tileable"},
+                                            {"sources", "--source"},
+                                            {"factors", "--factors"},
+                                            {"map", "--map"}};
 
+    if (code < 0 && strcmp(cli->err.where, "rate map") == 0)
+        (void)snprintf(cli->err.where, sizeof cli->err.where, "%.255s", pace_name(cli));
     for (unsigned i = 0; code < 0 && i < TTF_COUNT_OF(FIELDS); i++)
         if (strcmp(cli->err.where, FIELDS[i][0]) == 0)
             (void)snprintf(cli->err.where, sizeof cli->err.where, "%s", FIELDS[i][1]);

@@ -11,7 +11,7 @@
  * What work costs one thread of a small machine, in nanoseconds: stated, not measured, and on the safe
  * side. The search's is for positions that a first look excludes, as nearly all are.
  */
-#define POSITION_NS 25.0 /* one position of one block */
+#define POSITION_NS 40.0 /* one position of one block */
 #define LEARN_NS    2.5  /* one number of one pixel of one frame, in the compression */
 #define COMPOSE_NS  30.0 /* one output pixel of one frame: copied, measured, written */
 #define SAMPLE_NS   20.0 /* one input pixel of one frame on its way through preparation */
@@ -97,7 +97,8 @@ static double time_of(const struct estimate *e, uint32_t shrink, uint32_t step)
     const struct cli_options *o = e->options;
     struct ttf_quilt_config c = shrunk(e, shrink);
     double in = (double)pixels_of(e, shrink), out = (double)c.width * c.height;
-    double n = (first->n - 1) / step + 1.0, passes = 2 + o->stabilise + o->deflicker;
+    uint32_t frames = (first->n - 1) / step + 1;
+    double n = frames, passes = 2 + o->stabilise + o->deflicker;
     double blocks = (double)blocks_of(c.width, c.block_width) * blocks_of(c.height, c.block_height);
     double turns = (c.flips ? 2 : 1) * (c.rotations ? 4 : 1);
     double numbers = c.rank_error > 0 ? TTF_QUILT_RANK_MAX : c.rank ? c.rank : 3 * n;

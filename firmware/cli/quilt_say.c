@@ -11,7 +11,7 @@ static void say_prepared(const struct quilt_job *job)
 
     if (cli->opt.preview)
         cli_say(cli,
-                "preview           shrunk by %u, every %u. frame: estimated %zu MiB of %zu, %.1f s "
+                "preview           shrunk by %u, one frame of %u: estimated %zu MiB of %zu, %.1f s "
                 "of %.1f",
                 job->preview.shrink, job->preview.step, job->preview.bytes >> 20,
                 job->config.memory_bytes >> 20, (double)job->preview.total_ns / 1e9,

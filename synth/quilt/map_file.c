@@ -42,13 +42,16 @@ static void wrong(struct reading *r, const char *key, const char *fmt, ...)
     (void)vsnprintf(what, sizeof(what), fmt, args);
     va_end(args);
     (void)snprintf(where, sizeof(where), "%s%s", r->at, key);
-    r->code = ttf_err_set(r->err, -EINVAL, where, "%s", what);
+    r->code = -EINVAL;
+    (void)ttf_err_set(r->err, r->code, where, "%s", what);
 }
 
 static void no_memory(struct reading *r)
 {
-    if (!r->code)
-        r->code = ttf_err_set(r->err, -ENOMEM, NULL, "no memory for a map");
+    if (r->code)
+        return;
+    r->code = -ENOMEM;
+    (void)ttf_err_set(r->err, r->code, NULL, "no memory for a map");
 }
 
 /* ---- typed fields ---- */
@@ -256,9 +259,10 @@ static void read_cuts(struct reading *r, const json_t *object, struct ttf_quilt_
     read_cut(r, cuts, "bottom", block->width, block->bottom, to.bottom);
 }
 
-static void read_times(struct reading *r, const json_t *object, uint32_t *to)
+static void read_times(struct reading *r, const json_t *object, unsigned block)
 {
     const json_t *list;
+    uint32_t *to;
 
     if (r->map.n_times == 0) {
         if (json_object_get(object, "times"))
@@ -266,6 +270,7 @@ static void read_times(struct reading *r, const json_t *object, uint32_t *to)
         return;
     }
     list = array(r, object, "times", r->map.n_times);
+    to = r->map.times + (size_t)block * r->map.n_times;
     for (uint32_t t = 0; t < r->map.n_times && !r->code; t++)
         to[t] =
             (uint32_t)number(r, "times", json_array_get(list, t), t ? to[t - 1] : 0, UINT32_MAX);
@@ -316,7 +321,7 @@ static void read_block(struct reading *r, const json_t *object, unsigned i)
     if (!r->code)
         cover(r, block);
     if (!r->code)
-        read_times(r, object, r->map.times + (size_t)i * r->map.n_times);
+        read_times(r, object, i);
 }
 
 /* ---- all of it ---- */

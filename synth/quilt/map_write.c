@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* map_write.c: a map as JSON; see map_file.h. */
+#include <stdio.h>
+
 #include "quilt/map_format.h"
 #include "quilt/paste.h"
 #include "ttf/synth/map_file.h"
 
+/* On one line also where the rest is not. */
 static void put_pair(struct ttf_json *json, const char *key, uint32_t a, uint32_t b)
 {
+    char text[32];
+
     if (key)
         ttf_json_key(json, key);
-    ttf_json_array(json);
-    ttf_json_int(json, a);
-    ttf_json_int(json, b);
-    ttf_json_array_end(json);
+    (void)snprintf(text, sizeof(text), "[%u,%u]", a, b);
+    ttf_json_raw(json, text);
 }
 
 static void put_cut(struct ttf_json *json, const char *key, const uint16_t *cut, uint32_t n)
