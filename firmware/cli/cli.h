@@ -76,6 +76,12 @@ int cli_need(struct cli *cli, const char *value, const char *option, const char 
 int cli_refuse_existing(struct cli *cli, const char *path);
 
 /*
+ * An error that came by an option, on its way up: where it names a field of the library, it names the
+ * option instead; a file (path, if it may be without a slash) keeps its place. Returns code.
+ */
+int cli_by_option(struct cli *cli, int code, const char *option, const char *path);
+
+/*
  * -EINVAL if path lies inside of a dataset: a sealed one would no longer be what its digest says,
  * and one that grows would be taken for damaged. The dataset's own folder is not inside.
  */

@@ -8,10 +8,10 @@
 
 #include "cli.h"
 
-#define CLI_COMMAND_OPTIONS_MAX 20
+#define CLI_COMMAND_OPTIONS_MAX 80
 #define CLI_EXAMPLES_MAX        4
 
-/* An option a command takes; text NULL: the option's own. */
+/* An option a command takes; text NULL: the option's own. OPT_GROUP: a head over those that follow. */
 struct cli_command_option {
     enum cli_option option;
     const char *text;
@@ -53,7 +53,9 @@ int cmd_help(struct cli *cli);
 int cmd_import(struct cli *cli);
 int cmd_info(struct cli *cli);
 int cmd_plan_check(struct cli *cli);
+int cmd_synth_composite(struct cli *cli);
 int cmd_synth_quilt(struct cli *cli);
+int cmd_synth_rank(struct cli *cli);
 int cmd_verify(struct cli *cli);
 
 #endif

@@ -9,21 +9,45 @@
 
 #include "commands.h"
 
+/* Appends to a text that is cut where it is full. */
+static void add(char *buf, size_t size, const char *before, const char *text)
+{
+    size_t n = strlen(buf);
+
+    (void)snprintf(buf + n, size - n, "%s%s", before, text);
+}
+
+/* What changes no bit of the result. */
+static bool says_nothing(enum cli_option option)
+{
+    return option == OPT_GROUP || option == OPT_OUTPUT || option == OPT_JSON ||
+           option == OPT_QUIET || option == OPT_THREADS;
+}
+
+static void add_option(const struct cli_options *o, enum cli_option option, char *buf, size_t size)
+{
+    const char *name = cli_option_def(option)->name;
+    bool repeated = option == OPT_SOURCE;
+
+    for (unsigned i = 0; i < (repeated ? o->n_sources : 1); i++) {
+        const char *value = repeated ? o->sources[i] : o->given[option];
+
+        add(buf, size, " --", name);
+        if (*value)
+            add(buf, size, " ", value);
+    }
+}
+
 const char *derive_command(const struct cli *cli, char *buf, size_t size)
 {
     const struct cli_options *o = &cli->opt;
-    size_t n = (size_t)snprintf(buf, size, "%s", cli->command->name);
 
-    for (unsigned i = 0; i < o->n_args && n < size; i++)
-        n += (size_t)snprintf(buf + n, size - n, " %s", o->args[i]);
-    if (o->size[0] && n < size)
-        n += (size_t)snprintf(buf + n, size - n, " --size %ux%u", o->size[0], o->size[1]);
-    if (o->block[0] && n < size)
-        n += (size_t)snprintf(buf + n, size - n, " --block %ux%u", o->block[0], o->block[1]);
-    if (o->calibration && n < size)
-        n += (size_t)snprintf(buf + n, size - n, " --calibration %s", o->calibration);
-    if (o->per_frame && n < size)
-        (void)snprintf(buf + n, size - n, " --per-frame");
+    (void)snprintf(buf, size, "%s", cli->command->name);
+    for (unsigned i = 0; i < o->n_args; i++)
+        add(buf, size, " ", o->args[i]);
+    for (const struct cli_command_option *at = cli->command->options; at->option != OPT_END; at++)
+        if (!says_nothing(at->option) && cli_given(o, at->option))
+            add_option(o, at->option, buf, size);
     return buf;
 }
 

@@ -127,6 +127,11 @@ static void man_options(FILE *out, const struct cli_command *c)
     for (const struct cli_command_option *o = c->options; o->option != OPT_END; o++) {
         const struct cli_option_def *def = cli_option_def(o->option);
 
+        if (o->option == OPT_GROUP) {
+            (void)fputs(".SS ", out);
+            troff(out, o->text);
+            continue;
+        }
         (void)fputs(".TP\n", out);
         if (def->letter)
             (void)fprintf(out, "\\fB\\-%c\\fR, ", def->letter);

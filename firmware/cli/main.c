@@ -86,6 +86,10 @@ static int parse_options(struct cli *cli, int argc, char **argv)
     for (const struct cli_command_option *o = c->options; o->option != OPT_END; o++) {
         const struct cli_option_def *def = cli_option_def(o->option);
 
+        if (o->option == OPT_GROUP) { /* argp takes an entry without name and key for a head */
+            parse->options[n++] = (struct argp_option){.doc = o->text};
+            continue;
+        }
         parse->options[n++] =
             (struct argp_option){.name = def->name,
                                  .key = def->letter ? def->letter : KEY(o->option),

@@ -71,8 +71,9 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
                     "the stream to read (default: the primary one)"},
     [OPT_SIZE] = {"size", 's', "WxH", CLI_SIZE, O(size), 0, 0,
                   "the output's size in pixels (default: twice the input's)"},
-    [OPT_BLOCK] = {"block", 0, "WxH", CLI_SIZE, O(block), 0, 0,
-                   "a block's size in pixels (default: 64x64); elongated ones suit grass"},
+    [OPT_BLOCK] = {"block", 0, "WxH", CLI_BLOCK, O(block), 0, 0,
+                   "a block's size in pixels (default: 64x64), elongated for grass; or auto: from "
+                   "the size of what is seen at late times"},
     [OPT_OVERLAP] = {"overlap", 0, "WxH", CLI_SIZE, O(overlap), 0, 0,
                      "overlap of blocks per axis (default: a sixth of the block)"},
     [OPT_TOLERANCE] = {"tolerance", 0, "SHARE", CLI_DECIMAL, O(tolerance), 0, 10,
@@ -91,6 +92,88 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
     [OPT_CHECK] = {"check", 0, NULL, CLI_FLAG, O(check), 0, 0,
                    "read the result back and compare every trajectory with its source's, bit for "
                    "bit"},
+    [OPT_RANK] = {"rank", 0, "K", CLI_RANK, O(rank), 1, 64,
+                  "numbers that a pixel's life is compressed to for matching (default: 15), or "
+                  "full: match all frames"},
+    [OPT_RANK_ERROR] =
+        {"rank-error", 0, "PERCENT", CLI_DECIMAL, O(rank_error), 1e-6, 100,
+         "the smallest rank up to 64 that misses at most so much, instead of --rank"},
+    [OPT_SVD] = {"svd", 0, "HOW", CLI_TEXT, O(svd), 0, 0,
+                 "compress all channels at once (joint, default) or each alone (channels)"},
+    [OPT_FACTORS] = {"factors", 0, "FILE", CLI_TEXT, O(factors), 0, 0,
+                     "keep the compression here, and go on from there when the dataset has grown"},
+    [OPT_SOURCE] = {"source", 0, "DATASET", CLI_SOURCE, O(sources), 0, 0,
+                    "a further input of the same material, as many frames; may be repeated"},
+    [OPT_FLIPS] = {"flips", 0, NULL, CLI_FLAG, O(flips), 0, 0, "blocks may be mirrored too"},
+    [OPT_ROTATIONS] = {"rotations", 0, NULL, CLI_FLAG, O(rotations), 0, 0,
+                       "blocks may be turned by 90, 180 and 270 degrees too"},
+    [OPT_TILEABLE] = {"tileable", 0, NULL, CLI_FLAG, O(tileable), 0, 0,
+                      "the output's edges fit each other"},
+    [OPT_AVOID] = {"avoid", 0, "PX", CLI_WHOLE, O(avoid), 0, 32768,
+                   "take no block from within so many pixels of where one nearby was taken"},
+    [OPT_JITTER] = {"jitter", 0, "FRAMES", CLI_WHOLE, O(jitter), 0, 1048576,
+                    "each block its own time, at most so many frames off (default: 0)"},
+    [OPT_JITTER_ROUNDED] = {"jitter-rounded", 0, NULL, CLI_FLAG, O(jitter_rounded), 0, 0,
+                            "whole frames only, where times fall between two (default: "
+                            "interpolated)"},
+    [OPT_JITTER_EVERY] = {"jitter-every", 0, "FRAMES", CLI_WHOLE, O(jitter_every), 1, 1048576,
+                          "frames from one step of a block's time to the next (default: 16; 1: at "
+                          "every frame, as the paper, which blurs noise over time)"},
+    [OPT_RATE_MAP] = {"rate-map", 0, "PICTURE", CLI_TEXT, O(rate_map), 0, 0,
+                      "how fast each place ages: white at full pace, black not at all"},
+    [OPT_LIGHT] = {"light", 0, "X,Y,Z", CLI_POINT, O(light), -1000, 1000,
+                   "ageing by light from here, in widths of the output from its top left corner, "
+                   "as 0.5,0.3,0.4"},
+    [OPT_NORMALS] = {"normals", 0, "PICTURE", CLI_TEXT, O(normals), 0, 0,
+                     "with --light: the surface's normals (tangent space, y up)"},
+    [OPT_HEIGHTS] = {"heights", 0, "PICTURE", CLI_TEXT, O(heights), 0, 0,
+                     "with --light: the surface's heights (grey)"},
+    [OPT_HEIGHT_SCALE] = {"height-scale", 0, "S", CLI_DECIMAL, O(height_scale), -1000, 1000,
+                          "the height that white stands for, in widths of the output (default: "
+                          "0.1)"},
+    [OPT_CURVATURE] = {"curvature", 0, "WHAT", CLI_TEXT, O(curvature), 0, 0,
+                       "ageing by curvature: of 'sigmoid', of a curve (FILE.csv, lines x,y), or of "
+                       "a picture of heights"},
+    [OPT_RATE_OFFSET] = {"rate-offset", 0, "N", CLI_DECIMAL, O(rate_offset), -1000000, 1000000,
+                         "added to every rate (default: 0)"},
+    [OPT_RATE_GAIN] = {"rate-gain", 0, "N", CLI_DECIMAL, O(rate_gain), -1000000, 1000000,
+                       "what every rate is multiplied by before (default: 1)"},
+    [OPT_STABILISE] = {"stabilise", 0, NULL, CLI_FLAG, O(stabilise), 0, 0,
+                       "first take out the camera's nudges; crops the input a little"},
+    [OPT_DEFLICKER] = {"deflicker", 0, NULL, CLI_FLAG, O(deflicker), 0, 0,
+                       "then even out the light from frame to frame"},
+    [OPT_DEFLICKER_WINDOW] = {"deflicker-window", 0, "N", CLI_WHOLE, O(deflicker_window), 3, 9999,
+                              "with --deflicker: over so many frames, odd (default: 9)"},
+    [OPT_FLATTEN] = {"flatten", 0, NULL, CLI_FLAG, O(flatten), 0, 0,
+                     "then take the slow gradient of light out of the picture"},
+    [OPT_FLATTEN_SIGMA] = {"flatten-sigma", 0, "PX", CLI_DECIMAL, O(flatten_sigma), 0.5, 32768,
+                           "with --flatten: what is slow (default: the larger side of a block)"},
+    [OPT_KEEP_GRADIENT] = {"keep-gradient", 0, NULL, CLI_FLAG, O(keep_gradient), 0, 0,
+                           "with --flatten: lay the gradient over the output again"},
+    [OPT_SAVE_MAP] = {"save-map", 0, "FILE", CLI_TEXT, O(save_map), 0, 0,
+                      "write where every block came from, as JSON"},
+    [OPT_MAP] = {"map", 0, "FILE", CLI_TEXT, O(map), 0, 0,
+                 "lay blocks as such a file says, searching for none; inputs must be of its sizes"},
+    [OPT_AGREEMENT] = {"agreement", 0, "N", CLI_WHOLE, O(agreement), 1, 1000000,
+                       "compare about N of the matches with those over all frames, for the report"},
+    [OPT_FIGURES] = {"figures", 0, NULL, CLI_FLAG, O(figures), 0, 0,
+                     "measure the result for the report (default of --sink dataset)"},
+    [OPT_NO_FIGURES] = {"no-figures", 0, NULL, CLI_FLAG, O(no_figures), 0, 0,
+                        "do not (default of --sink raw and null): faster"},
+    [OPT_PREVIEW] = {"preview", 0, NULL, CLI_FLAG, O(preview), 0, 0,
+                     "smaller and of fewer frames, within --memory and --time"},
+    [OPT_MEMORY] = {"memory", 0, "SIZE", CLI_BYTES, O(memory_bytes), 1048576, 1e15,
+                    "refuse more matching data than this; with --preview: all that is held "
+                    "(default: 64MiB)"},
+    [OPT_TIME] = {"time", 0, "TIME", CLI_TIME, O(time_ns), 1e8, 1e15,
+                  "with --preview: about how long it may take (default: 10s)"},
+    [OPT_LEAST] = {"least", 0, "RATE", CLI_DECIMAL, O(least), 0, 1,
+                   "how fast the darkest shadow ages (default: 0.2)"},
+    [OPT_THRESHOLD] = {"threshold", 0, "SHARE", CLI_DECIMAL, O(threshold), 0, 0.999,
+                       "how far from the ground's colour the object begins, 0 to 1 (default: 0, "
+                       "found)"},
+    [OPT_SOFTEN] = {"soften", 0, "PX", CLI_DECIMAL, O(soften), 0, 64,
+                    "softness of the object's edge (default: 1)"},
     [OPT_MAN] = {"man", 0, NULL, CLI_FLAG, O(man), 0, 0, "print the manual page as troff source"},
     [OPT_JSON] = {"json", 0, NULL, CLI_FLAG, O(json), 0, 0,
                   "print the result as one line of JSON on standard output"},
@@ -106,6 +189,14 @@ void cli_options_defaults(struct cli_options *options)
 {
     memset(options, 0, sizeof *options);
     options->tolerance = 0.1;
+    options->rank = 15;
+    options->jitter_every = 16;
+    options->deflicker_window = 9;
+    options->height_scale = 0.1;
+    options->rate_gain = 1;
+    options->time_ns = 10 * TTF_NS_PER_S;
+    options->least = 0.2;
+    options->soften = 1;
 }
 
 /* Puts "--name" in front of what units.c found wrong. */
@@ -126,6 +217,9 @@ static int check_range(const struct cli_option_def *def, double value, const cha
     if (def->type == CLI_TIME) {
         ttf_unit_format(TTF_UNIT_TIME, (int64_t)def->lo, lo, sizeof lo);
         ttf_unit_format(TTF_UNIT_TIME, (int64_t)def->hi, hi, sizeof hi);
+    } else if (def->type == CLI_BYTES) {
+        ttf_unit_format(TTF_UNIT_BYTES, (int64_t)def->lo, lo, sizeof lo);
+        ttf_unit_format(TTF_UNIT_BYTES, (int64_t)def->hi, hi, sizeof hi);
     } else {
         snprintf(lo, sizeof lo, "%g", def->lo);
         snprintf(hi, sizeof hi, "%g", def->hi);
@@ -160,56 +254,127 @@ static int take_set(struct cli_options *options, const struct cli_option_def *de
     return 0;
 }
 
-int cli_option_take(struct cli_options *options, enum cli_option option, const char *value,
-                    struct ttf_err *err)
+static int take_source(struct cli_options *options, const struct cli_option_def *def,
+                       const char *value, struct ttf_err *err)
 {
-    const struct cli_option_def *def = &OPTIONS[option];
+    if (options->n_sources == CLI_SOURCES_MAX) {
+        ttf_err_set(err, -EINVAL, NULL, "more than %d of them", CLI_SOURCES_MAX);
+        return named(def, err);
+    }
+    options->sources[options->n_sources++] = value;
+    return 0;
+}
+
+/* Three numbers, apart by commas. */
+static int take_point(const struct cli_option_def *def, const char *value, double *ret,
+                      struct ttf_err *err)
+{
+    const char *at = value;
+    double point[3];
+    char part[40];
+
+    for (int i = 0; i < 3; i++) {
+        size_t n = strcspn(at, ",");
+
+        if (n >= sizeof part || (at[n] == ',') != (i < 2)) {
+            ttf_err_set(err, -EINVAL, NULL, "'%.60s' is no point", value);
+            ttf_err_hint(err, "write %s, as 0.5,0.3,0.4", def->arg);
+            return named(def, err);
+        }
+        memcpy(part, at, n);
+        part[n] = '\0';
+        if (ttf_number_parse(part, &point[i], err) < 0)
+            return named(def, err);
+        if (check_range(def, point[i], part, err) < 0)
+            return -EINVAL;
+        at += n + 1;
+    }
+    memcpy(ret, point, sizeof point);
+    return 0;
+}
+
+/* Numbers and quantities of one value. */
+static int take_number(struct cli_options *options, const struct cli_option_def *def,
+                       const char *value, struct ttf_err *err)
+{
     char *at = (char *)options + def->offset;
     int64_t whole = 0;
     double number = 0;
+    int r;
 
-    switch (def->type) {
-    case CLI_FLAG:
-        *(bool *)at = true;
-        return 0;
-    case CLI_TEXT:
-        if (!*value) {
-            ttf_err_set(err, -EINVAL, NULL, "is empty");
-            ttf_err_hint(err, "%s", def->text);
-            return named(def, err);
-        }
-        *(const char **)at = value;
-        return 0;
-    case CLI_TIME:
-        if (ttf_unit_parse(TTF_UNIT_TIME, value, &whole, err) < 0)
-            return named(def, err);
-        number = (double)whole;
-        break;
-    case CLI_SEED:
-        options->has_seed = true;
-        /* fall through */
-    case CLI_WHOLE:
-        if (ttf_integer_parse(value, &whole, err) < 0)
-            return named(def, err);
-        number = (double)whole;
-        break;
-    case CLI_SIZE:
-        return ttf_size_parse(value, (uint32_t *)at, (uint32_t *)at + 1, err) < 0 ? named(def, err)
-                                                                                  : 0;
-    case CLI_DECIMAL:
-        if (ttf_number_parse(value, &number, err) < 0)
-            return named(def, err);
-        break;
-    case CLI_SET:
-        return take_set(options, def, value, err);
-    }
-    if (check_range(def, number, value, err) < 0)
+    if (def->type == CLI_TIME)
+        r = ttf_unit_parse(TTF_UNIT_TIME, value, &whole, err);
+    else if (def->type == CLI_BYTES)
+        r = ttf_unit_parse(TTF_UNIT_BYTES, value, &whole, err);
+    else if (def->type == CLI_DECIMAL)
+        r = ttf_number_parse(value, &number, err);
+    else
+        r = ttf_integer_parse(value, &whole, err);
+    if (r < 0)
+        return named(def, err);
+    if (check_range(def, def->type == CLI_DECIMAL ? number : (double)whole, value, err) < 0)
         return -EINVAL;
     if (def->type == CLI_DECIMAL)
         *(double *)at = number;
     else
         *(int64_t *)at = whole;
     return 0;
+}
+
+static int take_value(struct cli_options *options, const struct cli_option_def *def,
+                      const char *value, struct ttf_err *err)
+{
+    char *at = (char *)options + def->offset;
+
+    switch (def->type) {
+    case CLI_FLAG:
+        *(bool *)at = true;
+        return 0;
+    case CLI_TEXT:
+        *(const char **)at = value;
+        return 0;
+    case CLI_SOURCE:
+        return take_source(options, def, value, err);
+    case CLI_BLOCK:
+        options->block_auto = strcmp(value, "auto") == 0;
+        if (options->block_auto)
+            return 0;
+        /* fall through */
+    case CLI_SIZE:
+        return ttf_size_parse(value, (uint32_t *)at, (uint32_t *)at + 1, err) < 0 ? named(def, err)
+                                                                                  : 0;
+    case CLI_POINT:
+        return take_point(def, value, (double *)at, err);
+    case CLI_SET:
+        return take_set(options, def, value, err);
+    case CLI_RANK:
+        if (strcmp(value, "full") == 0) {
+            *(int64_t *)at = 0;
+            return 0;
+        }
+        break;
+    case CLI_SEED:
+        options->has_seed = true;
+        break;
+    default:
+        break;
+    }
+    return take_number(options, def, value, err);
+}
+
+int cli_option_take(struct cli_options *options, enum cli_option option, const char *value,
+                    struct ttf_err *err)
+{
+    const struct cli_option_def *def = &OPTIONS[option];
+    const char *typed = value ? value : "";
+
+    if (def->arg && !*typed) {
+        ttf_err_set(err, -EINVAL, NULL, "is empty");
+        ttf_err_hint(err, "%s", def->text);
+        return named(def, err);
+    }
+    options->given[option] = typed;
+    return take_value(options, def, typed, err);
 }
 
 void cli_options_free(struct cli_options *options)

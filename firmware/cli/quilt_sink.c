@@ -13,17 +13,16 @@
 static const char *const NAMES[] = {"dataset", "raw", "null"};
 
 struct quilt_sink {
-    enum quilt_sink_kind kind;
+    struct quilt_sink_spec spec;
     struct ttf_io *io;
     const char *path;
-    const struct ttf_sequence *input;
-    const struct ttf_quilt_config *config;
     bool finished;
+    uint16_t *edited; /* a frame that may be written to; NULL: nothing is edited */
     /* dataset */
     struct ttf_writer *writer;
     enum ttf_tiff_compression compression;
     enum ttf_icc icc;
-    int64_t frame; /* commits count */
+    int64_t interval_ns, index_step; /* from one of the input's frames to the next */
     /* raw */
     int file; /* -1: none */
     uint8_t *display, *table;
@@ -40,7 +39,7 @@ int quilt_sink_find(const char *name)
 
 const char *quilt_sink_name(const struct quilt_sink *sink)
 {
-    return NAMES[sink->kind];
+    return NAMES[sink->spec.kind];
 }
 
 const char *quilt_sink_digest(const struct quilt_sink *sink)
@@ -65,11 +64,11 @@ static void describe_stream(const struct quilt_sink *s, struct ttf_reader *paren
     (void)snprintf(out->unit, sizeof out->unit, "%s", in ? in->unit : "1");
     (void)snprintf(out->colour_space, sizeof out->colour_space, "%s",
                    in ? in->colour_space : "linear-srgb");
-    out->width = s->config->width;
-    out->height = s->config->height;
+    out->width = s->spec.config->width;
+    out->height = s->spec.config->height;
     out->samples = 3;
     out->format = TTF_SAMPLE_U16;
-    out->encoding = s->input->encoding;
+    out->encoding = s->spec.input->encoding;
     out->mm_per_px = in ? in->mm_per_px : 0;
     out->primary = true;
 }
@@ -78,7 +77,7 @@ static void describe_stream(const struct quilt_sink *s, struct ttf_reader *paren
 static int begin_segment(struct quilt_sink *s, struct ttf_reader *parent, struct ttf_err *err)
 {
     struct ttf_segment from, segment = {.plan = -1,
-                                        .first_index = s->input->index[0],
+                                        .first_index = s->spec.input->index[0],
                                         .origin_utc_ns = TTF_NS_UNKNOWN,
                                         .uncertainty_ns = TTF_NS_UNKNOWN,
                                         .interval_ns = TTF_NS_PER_S};
@@ -91,8 +90,9 @@ static int begin_segment(struct quilt_sink *s, struct ttf_reader *parent, struct
     return ttf_writer_segment(s->writer, &segment, err);
 }
 
-static int create_dataset(struct cli *cli, struct quilt_sink *s, struct ttf_reader *parent)
+static int create_dataset(struct cli *cli, struct quilt_sink *s)
 {
+    struct ttf_reader *parent = s->spec.parent;
     struct ttf_manifest *m = calloc(1, sizeof *m);
     int r = -ENOMEM;
 
@@ -102,10 +102,10 @@ static int create_dataset(struct cli *cli, struct quilt_sink *s, struct ttf_read
         r = derive_manifest(cli, parent, m);
     } else {
         r = ttf_manifest_init(m, &cli->err);
-        (void)snprintf(m->source, sizeof m->source, "%.255s", cli->opt.args[0]);
+        (void)snprintf(m->source, sizeof m->source, "%.255s", s->spec.source);
     }
     if (r == 0) {
-        m->derived_seed = (int64_t)s->config->seed;
+        m->derived_seed = (int64_t)s->spec.config->seed;
         m->has_derived_seed = parent != NULL;
         describe_stream(s, parent, cli->opt.stream, m);
         /* A camera's own colours, or none, have no primaries that a profile could name. */
@@ -122,10 +122,10 @@ static int create_dataset(struct cli *cli, struct quilt_sink *s, struct ttf_read
 static int create_raw(struct quilt_sink *s, struct ttf_err *err)
 {
     s->table = malloc(65536);
-    s->display = malloc((size_t)s->config->width * s->config->height * 3);
+    s->display = malloc((size_t)s->spec.config->width * s->spec.config->height * 3);
     if (!s->table || !s->display)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
-    ttf_display8_table(&s->input->encoding, s->table);
+    ttf_display8_table(&s->spec.input->encoding, s->table);
     s->file = s->io->ops->open(s->io, s->path, TTF_IO_CREATE_NEW);
     if (s->file < 0)
         return ttf_err_set(err, s->file, s->path, "cannot be written: %s",
@@ -133,26 +133,46 @@ static int create_raw(struct quilt_sink *s, struct ttf_err *err)
     return 0;
 }
 
-int quilt_sink_create(struct cli *cli, enum quilt_sink_kind kind, struct ttf_reader *parent,
-                      const struct ttf_sequence *input, const struct ttf_quilt_config *config,
-                      struct quilt_sink **ret)
+/* What goes on beyond the input's last frame: a slowed output is longer than its input. */
+static void measure_steps(struct quilt_sink *s)
+{
+    const struct ttf_sequence *input = s->spec.input;
+
+    s->index_step = 1;
+    s->interval_ns = TTF_NS_PER_S;
+    for (uint32_t t = 1; t < input->n; t++) {
+        int64_t step = input->index[t] - input->index[t - 1];
+
+        /* the least: slots may lack an image */
+        if (t > 1 && step >= s->index_step)
+            continue;
+        s->index_step = step;
+        s->interval_ns = input->time_ns[t] - input->time_ns[t - 1];
+    }
+}
+
+int quilt_sink_create(struct cli *cli, const struct quilt_sink_spec *spec, struct quilt_sink **ret)
 {
     struct quilt_sink *s = calloc(1, sizeof *s);
     int r = 0;
 
     if (!s)
         return ttf_err_set(&cli->err, -ENOMEM, NULL, "no memory");
-    s->kind = kind;
+    s->spec = *spec;
     s->io = cli->io;
     s->path = cli->opt.output;
-    s->input = input;
-    s->config = config;
     s->file = -1;
+    measure_steps(s);
     if (cli->opt.compress && strcmp(cli->opt.compress, "deflate") == 0)
         s->compression = TTF_TIFF_DEFLATE;
-    if (kind == QUILT_SINK_DATASET)
-        r = create_dataset(cli, s, parent);
-    else if (kind == QUILT_SINK_RAW)
+    if (spec->edit) {
+        s->edited = malloc((size_t)spec->config->width * spec->config->height * 6);
+        if (!s->edited)
+            r = ttf_err_set(&cli->err, -ENOMEM, NULL, "no memory");
+    }
+    if (r == 0 && spec->kind == QUILT_SINK_DATASET)
+        r = create_dataset(cli, s);
+    else if (r == 0 && spec->kind == QUILT_SINK_RAW)
         r = create_raw(s, &cli->err);
     if (r < 0) {
         quilt_sink_destroy(s);
@@ -170,11 +190,11 @@ struct produce {
 static int produce(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
 {
     const struct produce *p = ctx;
-    const struct ttf_pixbuf pixels = {.width = p->sink->config->width,
-                                      .height = p->sink->config->height,
+    const struct ttf_pixbuf pixels = {.width = p->sink->spec.config->width,
+                                      .height = p->sink->spec.config->height,
                                       .samples = 3,
                                       .format = TTF_SAMPLE_U16,
-                                      .stride = (size_t)p->sink->config->width * 6,
+                                      .stride = (size_t)p->sink->spec.config->width * 6,
                                       .data = (void *)p->codes};
     const struct ttf_tiff_spec spec = {.compression = p->sink->compression,
                                        .icc = p->sink->icc,
@@ -182,6 +202,26 @@ static int produce(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
                                        .software = "ttfbox " TTFBOX_VERSION};
 
     return ttf_tiff_write(io, file, &pixels, &spec, err);
+}
+
+/* How many frames output frame t lies beyond the input's last one; 0: not beyond. */
+static int64_t beyond(const struct quilt_sink *s, uint32_t t)
+{
+    return t < s->spec.input->n ? 0 : (int64_t)t - s->spec.input->n + 1;
+}
+
+static int64_t slot_index(const struct quilt_sink *s, uint32_t t)
+{
+    uint32_t n = s->spec.input->n;
+
+    return s->spec.input->index[t < n ? t : n - 1] + beyond(s, t) * s->index_step;
+}
+
+static int64_t slot_time(const struct quilt_sink *s, uint32_t t)
+{
+    uint32_t n = s->spec.input->n;
+
+    return s->spec.input->time_ns[t < n ? t : n - 1] + beyond(s, t) * s->interval_ns;
 }
 
 static int commit(struct quilt_sink *s, uint32_t t, const uint16_t *codes, struct ttf_err *err)
@@ -196,8 +236,8 @@ static int commit(struct quilt_sink *s, uint32_t t, const uint16_t *codes, struc
     if (r < 0)
         return ttf_err_set(err, r, NULL, "no memory");
     image = &record.images[0];
-    record.index = s->input->index[t];
-    record.due_ns = s->input->time_ns[t];
+    record.index = slot_index(s, t);
+    record.due_ns = slot_time(s, t);
     record.middle_ns = TTF_NS_UNKNOWN;
     record.result = TTF_RESULT_CAPTURED;
     (void)snprintf(image->stream, sizeof image->stream, "main");
@@ -212,25 +252,45 @@ static int commit(struct quilt_sink *s, uint32_t t, const uint16_t *codes, struc
     return r;
 }
 
+static int append(struct quilt_sink *s, const uint8_t *codes, struct ttf_err *err)
+{
+    size_t n = (size_t)s->spec.config->width * s->spec.config->height * 3;
+    int r = ttf_io_append_all(s->io, s->file, codes, n);
+
+    return r < 0 ? ttf_err_set(err, r, s->path, "cannot be written: %s", strerrordesc_np(-r)) : 0;
+}
+
 static int take(void *ctx, uint32_t t, const uint16_t *codes, struct ttf_err *err)
 {
     struct quilt_sink *s = ctx;
-    size_t n = (size_t)s->config->width * s->config->height * 3;
-    int r;
+    size_t n = (size_t)s->spec.config->width * s->spec.config->height * 3;
 
-    if (s->kind == QUILT_SINK_NULL)
+    if (s->edited) {
+        memcpy(s->edited, codes, n * sizeof *codes);
+        s->spec.edit(s->spec.edit_ctx, &s->spec.input->encoding, s->edited);
+        codes = s->edited;
+    }
+    if (s->spec.kind == QUILT_SINK_NULL)
         return 0;
-    if (s->kind == QUILT_SINK_DATASET)
+    if (s->spec.kind == QUILT_SINK_DATASET)
         return commit(s, t, codes, err);
     for (size_t i = 0; i < n; i++)
         s->display[i] = s->table[codes[i]];
-    r = ttf_io_append_all(s->io, s->file, s->display, n);
-    return r < 0 ? ttf_err_set(err, r, s->path, "cannot be written: %s", strerrordesc_np(-r)) : 0;
+    return append(s, s->display, err);
+}
+
+/* Display codes as they come: one write each. */
+static int take8(void *ctx, uint32_t t, const uint8_t *codes, struct ttf_err *err)
+{
+    (void)t;
+    return append(ctx, codes, err);
 }
 
 struct ttf_quilt_sink quilt_sink_of(struct quilt_sink *sink)
 {
-    return (struct ttf_quilt_sink){.frame = take, .ctx = sink};
+    bool narrow = sink->spec.kind == QUILT_SINK_RAW && !sink->edited;
+
+    return (struct ttf_quilt_sink){.frame = take, .frame8 = narrow ? take8 : NULL, .ctx = sink};
 }
 
 /* At the dataset's root, outside the seal: it holds times. */
@@ -261,11 +321,11 @@ int quilt_sink_finish(struct quilt_sink *s, const struct ttf_quilt_report *repor
 {
     int r = 0;
 
-    if (s->kind == QUILT_SINK_DATASET) {
+    if (s->spec.kind == QUILT_SINK_DATASET) {
         r = ttf_writer_seal(s->writer, "count", s->digest, err);
         if (r == 0)
             r = write_report(s, report, err);
-    } else if (s->kind == QUILT_SINK_RAW) {
+    } else if (s->spec.kind == QUILT_SINK_RAW) {
         r = s->io->ops->sync(s->io, s->file, false);
         if (r < 0)
             ttf_err_set(err, r, s->path, "cannot be synced: %s", strerrordesc_np(-r));
@@ -291,45 +351,8 @@ void quilt_sink_destroy(struct quilt_sink *s)
         if (!s->finished)
             (void)s->io->ops->unlink(s->io, s->path);
     }
+    free(s->edited);
     free(s->display);
     free(s->table);
     free(s);
-}
-
-/* ---- the first n frames ---- */
-
-struct first_frames {
-    struct ttf_sequence base;
-    struct ttf_sequence *whole;
-};
-
-static int first_rows(struct ttf_sequence *sequence, uint32_t t, uint32_t y0, uint32_t rows,
-                      uint16_t *dst, struct ttf_err *err)
-{
-    return ttf_sequence_read_rows(((struct first_frames *)sequence)->whole, t, y0, rows, dst, err);
-}
-
-static void first_destroy(struct ttf_sequence *sequence)
-{
-    free(sequence);
-}
-
-int quilt_first_frames(struct ttf_sequence *whole, uint32_t n, struct ttf_sequence **ret,
-                       struct ttf_err *err)
-{
-    static const struct ttf_sequence_ops OPS = {.read_rows = first_rows, .destroy = first_destroy};
-    struct first_frames *f;
-
-    *ret = whole;
-    if (n == 0 || n >= whole->n)
-        return 0;
-    f = malloc(sizeof *f);
-    if (!f)
-        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
-    f->base = *whole;
-    f->base.ops = &OPS;
-    f->base.n = n;
-    f->whole = whole;
-    *ret = &f->base;
-    return 0;
 }

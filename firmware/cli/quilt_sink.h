@@ -21,13 +21,20 @@ int quilt_sink_find(const char *name); /* "dataset", "raw", "null"; -ENOENT */
 
 struct quilt_sink;
 
-/*
- * parent: of the input, NULL if it is a picture. input and config must outlive the
- * sink. Errors in cli->err.
- */
-TTF_MUST_USE int quilt_sink_create(struct cli *cli, enum quilt_sink_kind kind,
-                                   struct ttf_reader *parent, const struct ttf_sequence *input,
-                                   const struct ttf_quilt_config *config, struct quilt_sink **ret);
+struct quilt_sink_spec {
+    enum quilt_sink_kind kind;
+    struct ttf_reader *parent;        /* of the input, NULL if it is a picture */
+    const char *source;               /* the input's path */
+    const struct ttf_sequence *input; /* these two must outlive the sink */
+    const struct ttf_quilt_config *config;
+    /* What is done to each frame before it is written, in place; NULL: nothing. Any thread. */
+    void (*edit)(void *ctx, const struct ttf_encoding *encoding, uint16_t *codes);
+    void *edit_ctx;
+};
+
+/* Errors in cli->err. */
+TTF_MUST_USE int quilt_sink_create(struct cli *cli, const struct quilt_sink_spec *spec,
+                                   struct quilt_sink **ret);
 
 /* What ttf_quilt_run writes to. */
 struct ttf_quilt_sink quilt_sink_of(struct quilt_sink *sink);
@@ -41,9 +48,5 @@ const char *quilt_sink_digest(const struct quilt_sink *sink); /* "" until sealed
 
 /* Frees; what was not finished is taken away. NULL allowed. */
 void quilt_sink_destroy(struct quilt_sink *sink);
-
-/* The first n frames of a sequence (0 or beyond its length: itself). The whole must outlive it. */
-TTF_MUST_USE int quilt_first_frames(struct ttf_sequence *whole, uint32_t n,
-                                    struct ttf_sequence **ret, struct ttf_err *err);
 
 #endif

@@ -93,6 +93,19 @@ int cli_need(struct cli *cli, const char *value, const char *option, const char 
     return -EINVAL;
 }
 
+int cli_by_option(struct cli *cli, int code, const char *option, const char *path)
+{
+    struct ttf_err *err = &cli->err;
+
+    if (code >= 0)
+        return code;
+    if (strchr(err->where, '/') || (path && strncmp(err->where, path, strlen(path)) == 0))
+        ttf_err_prefix(err, "%s", option);
+    else
+        (void)snprintf(err->where, sizeof err->where, "%s", option);
+    return code;
+}
+
 int cli_refuse_inside_dataset(struct cli *cli, const char *path)
 {
     char folder[PATH_MAX], real[PATH_MAX], manifest[PATH_MAX + 16];

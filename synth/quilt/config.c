@@ -43,6 +43,7 @@ void ttf_quilt_defaults(struct ttf_quilt_config *config)
                                         .tolerance = 0.1,
                                         .seed = 1,
                                         .rank = 15,
+                                        .jitter_every = 16,
                                         .measure = true,
                                         .metric = TTF_METRIC_DISPLAY};
 }
@@ -166,6 +167,9 @@ static int validate_time(const struct ttf_quilt_config *config, uint32_t frames,
     if (config->jitter_frames > 1u << 20)
         return ttf_err_set(err, -EINVAL, "jitter", "%u frames are more than %u",
                            config->jitter_frames, 1u << 20);
+    if (config->jitter_every < 1 || config->jitter_every > 1u << 20)
+        return ttf_err_set(err, -EINVAL, "jitter_every", "%u frames are not within 1 and %u",
+                           config->jitter_every, 1u << 20);
     if (config->per_frame && (config->jitter_frames > 0 || config->rate || config->n_more > 0))
         return ttf_err_set(err, -EINVAL, "per_frame",
                            "frames quilted alone have no time of their own and one source");

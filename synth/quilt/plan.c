@@ -295,7 +295,8 @@ static int plan_range(const struct ttf_quilt_config *config, struct ttf_sequence
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory for a map of %u x %u pixels", config->width,
                         config->height);
     if (r == 0 && config->jitter_frames > 0 &&
-        ttf_time_jitter_fill(seed, config->jitter_frames, frames, &plan.map) < 0)
+        ttf_time_jitter_fill(seed, config->jitter_frames, config->jitter_every, frames, &plan.map) <
+            0)
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory for the blocks' times");
     if (r == 0) {
         sum_up(&plan);

@@ -40,11 +40,14 @@ static void put_parameters(const struct ttf_quilt_report *report, struct ttf_jso
     ttf_json_kint(json, "jitter_frames", config->jitter_frames);
     if (config->jitter_frames > 0)
         ttf_json_kstring(json, "jitter", config->jitter_round ? "rounded" : "interpolated");
+    if (config->jitter_frames > 0)
+        ttf_json_kint(json, "jitter_every", config->jitter_every);
     ttf_json_kbool(json, "rate_map", config->rate != NULL);
     ttf_json_kbool(json, "flips", config->flips);
     ttf_json_kbool(json, "rotations", config->rotations);
     ttf_json_kbool(json, "tileable", config->tileable);
     ttf_json_kint(json, "avoid_px", config->avoid_px);
+    ttf_json_kbool(json, "replayed", config->replay != NULL);
     ttf_json_kint(json, "inputs", report->inputs);
     ttf_json_kint(json, "threads", report->threads);
     ttf_json_object_end(json);
@@ -123,7 +126,10 @@ static void put_rank(const struct ttf_quilt_report *report, struct ttf_json *jso
 
     ttf_json_key(json, "compression");
     ttf_json_object(json);
-    if (rank->rank == TTF_QUILT_RANK_FULL)
+    if (report->config.replay) { /* nothing was matched */
+        ttf_json_key(json, "rank");
+        ttf_json_null(json);
+    } else if (rank->rank == TTF_QUILT_RANK_FULL)
         ttf_json_kstring(json, "rank", "full");
     else
         ttf_json_kint(json, "rank", rank->rank);

@@ -16,11 +16,16 @@
 /*
  * f of one block: f(0) = 0, f(t+1) = f(t) + 1 + d, d uniform in [-1, 1], or 0 where the step would
  * leave |f(t) - t| <= e. Non-decreasing; not yet clamped to the input's end. n values.
+ *
+ * every 1: a d for each frame, as the paper. Interpolating at ever new fractions then averages the
+ * noise of neighbouring frames away. every > 1 (ours): a d now and then, at moments of the block's own;
+ * the offset f(t) - t is a whole number but for short ramps, so that most frames are copies.
  */
-void ttf_time_jitter(uint64_t seed, unsigned block, uint32_t e_frames, uint32_t n, uint32_t *ret);
+void ttf_time_jitter(uint64_t seed, unsigned block, uint32_t e_frames, uint32_t every, uint32_t n,
+                     uint32_t *ret);
 
 /* map->times, for all blocks. -ENOMEM. */
-TTF_MUST_USE int ttf_time_jitter_fill(uint64_t seed, uint32_t e_frames, uint32_t n,
+TTF_MUST_USE int ttf_time_jitter_fill(uint64_t seed, uint32_t e_frames, uint32_t every, uint32_t n,
                                       struct ttf_quilt_map *map);
 
 /* f at a time between frames (fixed point), clamped to 0 .. (n - 1) frames. times NULL: f(t) = t. */

@@ -84,7 +84,7 @@ static size_t sample_moments(const struct ttf_cells *cells, struct picture *pict
 {
     size_t dims = cells->dims, positions = (size_t)columns * rows;
     size_t samples = positions < SAMPLES ? positions : SAMPLES;
-    float cell[DIMS_MAX];
+    float cell[DIMS_MAX] = {0};
     double wide[DIMS_MAX];
 
     for (size_t s = 0; s < samples; s++) {

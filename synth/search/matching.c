@@ -181,11 +181,11 @@ int ttf_matching_of_factors(const struct ttf_factors *factors, unsigned n, unsig
     struct ttf_matching out = {.pixels = factors->pixels, .k = n * k, .scale = 1.0, .noise = noise};
     unsigned tiles = (unsigned)((out.pixels + TILE - 1) / TILE);
     struct column columns[NUMBERS_MAX];
-    struct quantise q = {&out, columns, calloc(tiles, sizeof(float)), factors, n};
+    struct quantise q = {&out, columns, calloc((size_t)tiles + 1, sizeof(float)), factors, n};
     float largest = 0.0f;
 
     out.stride = (out.k + TTF_COEF_LANES - 1) / TTF_COEF_LANES * TTF_COEF_LANES;
-    out.coefs = calloc(out.pixels * out.stride, sizeof(*out.coefs));
+    out.coefs = calloc(out.pixels * out.stride + TTF_COEF_LANES, sizeof(*out.coefs));
     out.missed = malloc(out.pixels * sizeof(*out.missed));
     if (!out.coefs || !out.missed || !q.largest) {
         ttf_matching_free(&out);

@@ -99,9 +99,10 @@ def mae(a, b):
                for t in range(shape_a[0])) / 65535
 
 
-if sys.argv[1] == "make":
-    make(sys.argv[2], *map(int, sys.argv[3:6]))
-elif sys.argv[1] == "same":
-    sys.exit(read_png(sys.argv[2]) != read_png(sys.argv[3]))
-elif sys.argv[1] == "mae":
-    print(f"{mae(sys.argv[2], sys.argv[3]):.6f}")
+if __name__ == "__main__":
+    if sys.argv[1] == "make":
+        make(sys.argv[2], *map(int, sys.argv[3:6]))
+    elif sys.argv[1] == "same":
+        sys.exit(read_png(sys.argv[2]) != read_png(sys.argv[3]))
+    elif sys.argv[1] == "mae":
+        print(f"{mae(sys.argv[2], sys.argv[3]):.6f}")

@@ -114,6 +114,10 @@ static void jitter_takes_repeated_blocks_out_of_step(void **state)
     taker = quilt_taker_make(&config, N);
     quilt_run_ok(&config, input.sequence, NULL, &taker, &still, NULL);
     config.jitter_frames = 3;
+    config.jitter_every = 4;
+    quilt_run_ok(&config, input.sequence, NULL, &taker, &jittered, NULL);
+    assert_true(jittered.synchrony < 0.9);
+    config.jitter_every = 1;
     quilt_run_ok(&config, input.sequence, NULL, &taker, &jittered, NULL);
     assert_true(still.synchrony_pairs > 1000 && jittered.synchrony_pairs > 1000);
     assert_true(still.synchrony > 0.999);

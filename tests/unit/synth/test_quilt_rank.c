@@ -193,6 +193,7 @@ static void everything_asked_for_at_once_is_the_same_for_any_threads(void **stat
     config.avoid_px = 3;
     config.feather_px = 2;
     config.jitter_frames = 2;
+    config.jitter_every = 3;
     for (int tileable = 0; tileable < 2; tileable++) {
         config.tileable = tileable;
         digest = digest_of(&config, input.sequence, 1);
@@ -218,6 +219,7 @@ static void a_copied_map_is_equal_and_lives_alone(void **state)
     (void)state;
     config.feather_px = 2;
     config.jitter_frames = 2;
+    config.jitter_every = 3;
     quilt_plan_ok(&config, input.sequence, NULL, &map);
     digest = ttf_quilt_map_digest(&map);
     assert_int_equal(ttf_quilt_map_copy(&map, &copy), 0);

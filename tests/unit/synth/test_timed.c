@@ -28,6 +28,7 @@ static struct ttf_quilt_config small_config(void)
     config.width = 61;
     config.height = 47;
     config.block_width = config.block_height = 18;
+    config.jitter_every = 1;
     return config;
 }
 
@@ -165,6 +166,9 @@ static void jittered_frames_are_those_of_the_plainest_implementation(void **stat
     matches_plain(&config, &input);
     config.jitter_round = true;
     matches_plain(&config, &input);
+    config.jitter_round = false;
+    config.jitter_every = 3;
+    matches_plain(&config, &input);
     config.jitter_frames = 1000; /* farther than there are frames */
     matches_plain(&config, &input);
     texture_free(&input);
@@ -296,6 +300,10 @@ static void impossible_times_are_refused_by_name(void **state)
     quilt_refused(&config, &endless, -EINVAL, "jitter");
     config.jitter_frames = (1u << 20) + 1;
     quilt_refused(&config, input.sequence, -EINVAL, "jitter");
+    config.jitter_frames = 1;
+    config.jitter_every = 0;
+    quilt_refused(&config, input.sequence, -EINVAL, "jitter_every");
+    config.jitter_every = 1;
     config.jitter_frames = 0;
     config.rate = &rates;
     quilt_refused(&config, &endless, -EINVAL, "rate map");

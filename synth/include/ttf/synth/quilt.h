@@ -79,7 +79,9 @@ struct ttf_quilt_config {
         agreement_queries; /* compare so many of the map's queries with the full-time search; 0: none */
 
     /* Time (eq. 6 to 8), of an input of at most 65,536 frames. */
-    uint32_t jitter_frames;          /* e: each block its own time, at most so far off; 0: none */
+    uint32_t jitter_frames; /* e: each block its own time, at most so far off; 0: none */
+    uint32_t
+        jitter_every; /* frames from one step of a block's time to the next; default 16; 1: the paper's */
     bool jitter_round;               /* whole frames only; default: interpolated */
     const struct ttf_rate_map *rate; /* M, of the output's size; NULL: 1 everywhere. Borrowed */
 

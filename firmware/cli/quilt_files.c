@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* quilt_files.c: see quilt_files.h. */
+#include "quilt_files.h"
+
+#include <errno.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "ttf/synth/map_file.h"
+
+#define TIME_ONE    65536u /* a frame, in a map's times */
+#define FACTORS_MAX (SIZE_MAX / 4)
+#define MAP_MAX     ((size_t)1 << 31)
+
+/* ---- factors ---- */
+
+static int keep(void *ctx, const struct ttf_quilt_factors *factors)
+{
+    struct quilt_factors *f = ctx;
+
+    return ttf_io_write_file(f->cli->io, f->cli->opt.factors, factors->bytes, factors->size,
+                             &f->err);
+}
+
+int quilt_factors_open(struct cli *cli, struct quilt_factors *ret, struct ttf_quilt_config *config)
+{
+    const char *path = cli->opt.factors;
+    struct ttf_io_stat st;
+    size_t size = 0;
+    int r;
+
+    if (!path)
+        return 0;
+    ret->cli = cli;
+    config->keep_factors = keep;
+    config->keep_ctx = ret;
+    r = cli->io->ops->stat(cli->io, path, &st);
+    if (r == -ENOENT)
+        return 0;
+    r = ttf_io_slurp(cli->io, path, FACTORS_MAX, &ret->bytes, &size, &cli->err);
+    if (r < 0)
+        return cli_by_option(cli, r, "--factors", path);
+    config->known = (struct ttf_quilt_factors){ret->bytes, size};
+    return 0;
+}
+
+void quilt_factors_close(struct quilt_factors *factors)
+{
+    free(factors->bytes);
+    factors->bytes = NULL;
+}
+
+/* ---- maps ---- */
+
+/* How far off its own time any block ever is, in whole frames: what a jitter of so many says. */
+static uint32_t jitter_of(const struct ttf_quilt_map *map)
+{
+    uint64_t most = 0;
+
+    for (unsigned i = 0; map->times && i < map->n_blocks; i++) {
+        for (uint32_t t = 0; t < map->n_times; t++) {
+            int64_t off = (int64_t)map->times[(size_t)i * map->n_times + t] - (int64_t)t * TIME_ONE;
+            uint64_t size = (uint64_t)(off < 0 ? -off : off);
+
+            most = size > most ? size : most;
+        }
+    }
+    most = (most + TIME_ONE - 1) / TIME_ONE;
+    if (most < 1 && map->times)
+        most = 1;
+    return most < 1u << 20 ? (uint32_t)most : 1u << 20;
+}
+
+static uint32_t at_least(uint32_t a, uint32_t b)
+{
+    return a > b ? a : b;
+}
+
+static uint32_t at_most(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * What a report tells and a configuration's rules ask for. A first block may be cut off by a small
+ * output: twice the overlap is what it was at least.
+ */
+static void describe(const struct ttf_quilt_map *map, const struct ttf_sequence *input,
+                     struct ttf_quilt_config *config)
+{
+    const struct ttf_quilt_block *first = &map->blocks[0];
+
+    config->width = map->width;
+    config->height = map->height;
+    config->block_width =
+        at_most(at_least(at_least(first->width, 2 * map->overlap_x), 4), input->width);
+    config->block_height =
+        at_most(at_least(at_least(first->height, 2 * map->overlap_y), 4), input->height);
+    config->overlap_x = at_most(map->overlap_x, config->block_width / 2);
+    config->overlap_y = at_most(map->overlap_y, config->block_height / 2);
+    config->feather_px = at_most(map->feather_px, at_most(config->overlap_x, config->overlap_y));
+    config->tileable =
+        map->tileable && map->width >= config->block_width && map->height >= config->block_height;
+    config->jitter_frames = jitter_of(map);
+    config->replay = map;
+}
+
+int quilt_map_load(struct cli *cli, const struct ttf_sequence *input, struct ttf_quilt_map *ret,
+                   struct ttf_quilt_config *config)
+{
+    char *text = NULL;
+    size_t bytes = 0;
+    int r;
+
+    if (!cli->opt.map)
+        return 0;
+    r = ttf_io_slurp(cli->io, cli->opt.map, MAP_MAX, &text, &bytes, &cli->err);
+    if (r == 0)
+        r = ttf_quilt_map_parse(text, bytes, 0, ret, &cli->err);
+    free(text);
+    if (r < 0) {
+        ttf_err_prefix(&cli->err, "--map %s", cli->opt.map);
+        return r;
+    }
+    describe(ret, input, config);
+    if (cli->opt.check && ret->times) {
+        ttf_err_set(&cli->err, -EINVAL, "--check", "the map gives blocks times of their own");
+        return ttf_err_hint(&cli->err, "such an output is no plain copy of its input"), -EINVAL;
+    }
+    return 0;
+}
+
+int quilt_map_save(struct cli *cli, const struct ttf_quilt_map *map)
+{
+    struct ttf_json json;
+    const char *text;
+    size_t bytes;
+    int r;
+
+    if (!cli->opt.save_map)
+        return 0;
+    ttf_json_init(&json, true);
+    ttf_quilt_map_json(map, &json);
+    r = ttf_json_finish(&json, &text, &bytes);
+    if (r == 0)
+        r = ttf_io_write_file(cli->io, cli->opt.save_map, text, bytes, &cli->err);
+    else
+        ttf_err_set(&cli->err, r, "--save-map", "cannot be made");
+    ttf_json_free(&json);
+    return r;
+}

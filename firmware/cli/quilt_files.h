@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* quilt_files.h: what a quilting keeps beside its output: factors (--factors) and maps (--save-map, --map). */
+#ifndef CLI_QUILT_FILES_H
+#define CLI_QUILT_FILES_H
+
+#include "cli.h"
+#include "ttf/synth/quilt.h"
+
+/* What is passed as ttf_quilt_config.keep_ctx. Zeroed: nothing is kept. */
+struct quilt_factors {
+    struct cli *cli;
+    char *bytes; /* as read; NULL: there was no file */
+    struct ttf_err err;
+};
+
+/* Reads --factors if it is there, and sets known and keep_factors of config. */
+TTF_MUST_USE int quilt_factors_open(struct cli *cli, struct quilt_factors *ret,
+                                    struct ttf_quilt_config *config);
+void quilt_factors_close(struct quilt_factors *factors);
+
+/* --map, with what of config it says. */
+TTF_MUST_USE int quilt_map_load(struct cli *cli, const struct ttf_sequence *input,
+                                struct ttf_quilt_map *ret, struct ttf_quilt_config *config);
+
+/* --save-map: all of it or nothing. */
+TTF_MUST_USE int quilt_map_save(struct cli *cli, const struct ttf_quilt_map *map);
+
+#endif

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* quilt_input.c: see quilt_input.h. */
+#include "quilt_input.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct ttf_sequence *quilt_input_top(const struct quilt_input *input)
+{
+    return input->chain[input->depth - 1];
+}
+
+static void push(struct quilt_input *input, struct ttf_sequence *sequence)
+{
+    input->chain[input->depth++] = sequence;
+}
+
+/* ---- the first n frames ---- */
+
+struct first_frames {
+    struct ttf_sequence base;
+    struct ttf_sequence *whole;
+};
+
+static int first_rows(struct ttf_sequence *sequence, uint32_t t, uint32_t y0, uint32_t rows,
+                      uint16_t *dst, struct ttf_err *err)
+{
+    return ttf_sequence_read_rows(((struct first_frames *)sequence)->whole, t, y0, rows, dst, err);
+}
+
+static void first_destroy(struct ttf_sequence *sequence)
+{
+    free(sequence);
+}
+
+static int take_first(struct cli *cli, struct quilt_input *input)
+{
+    static const struct ttf_sequence_ops OPS = {.read_rows = first_rows, .destroy = first_destroy};
+    struct ttf_sequence *whole = quilt_input_top(input);
+    struct first_frames *f;
+
+    if (cli->opt.frames == 0 || cli->opt.frames >= whole->n)
+        return 0;
+    f = malloc(sizeof *f);
+    if (!f)
+        return ttf_err_set(&cli->err, -ENOMEM, NULL, "no memory");
+    f->base = *whole;
+    f->base.ops = &OPS;
+    f->base.n = (uint32_t)cli->opt.frames;
+    f->whole = whole;
+    push(input, &f->base);
+    return 0;
+}
+
+/* ---- opening ---- */
+
+int quilt_input_open(struct cli *cli, const char *path, struct quilt_input *ret)
+{
+    struct ttf_sequence *whole = NULL;
+    struct ttf_io_stat st;
+    int r = cli->io->ops->stat(cli->io, path, &st);
+
+    if (r < 0)
+        return ttf_err_set(&cli->err, r, path, "%s", strerrordesc_np(-r));
+    if (st.is_dir) {
+        r = ttf_reader_open(cli->io, path, &ret->reader, &cli->err);
+        if (r == 0)
+            r = ttf_sequence_of_dataset(ret->reader, cli->opt.stream, &whole, &cli->err);
+    } else {
+        r = ttf_sequence_of_image(cli->io, path, &whole, &cli->err);
+    }
+    if (r == 0) {
+        push(ret, whole);
+        r = take_first(cli, ret);
+    }
+    if (r < 0)
+        quilt_input_close(ret);
+    return r;
+}
+
+void quilt_input_close(struct quilt_input *input)
+{
+    while (input->depth > 0)
+        ttf_sequence_destroy(input->chain[--input->depth]);
+    ttf_gradient_free(&input->gradient);
+    ttf_reader_close(input->reader);
+    memset(input, 0, sizeof *input);
+}
+
+/* ---- preparing ---- */
+
+int quilt_input_reduce(struct cli *cli, struct quilt_input *input, uint32_t shrink, uint32_t step)
+{
+    struct ttf_sequence *reduced = NULL;
+    int r = ttf_reduce_create(quilt_input_top(input), shrink, step, &reduced, &cli->err);
+
+    if (r == 0)
+        push(input, reduced);
+    return cli_by_option(cli, r, "--preview", NULL);
+}
+
+static int stabilise(struct cli *cli, struct quilt_input *input,
+                     struct ttf_report_prepared *prepared)
+{
+    struct ttf_sequence *over = NULL;
+    int r = ttf_stabilise_create(quilt_input_top(input), 0, &over, &prepared->stabilise, &cli->err);
+
+    if (r == -ERANGE)
+        ttf_err_hint(&cli->err, "leave out the frames from there on (--frames), or this option");
+    if (r < 0)
+        return cli_by_option(cli, r, "--stabilise", NULL);
+    prepared->stabilised = true;
+    push(input, over);
+    return 0;
+}
+
+static int deflicker(struct cli *cli, struct quilt_input *input,
+                     struct ttf_report_prepared *prepared)
+{
+    struct ttf_sequence *over = NULL;
+    int r = ttf_deflicker_create(quilt_input_top(input), (uint32_t)cli->opt.deflicker_window, &over,
+                                 &prepared->deflicker, &cli->err);
+
+    if (r < 0)
+        return cli_by_option(cli, r, "--deflicker", NULL);
+    prepared->deflickered = true;
+    push(input, over);
+    return 0;
+}
+
+int quilt_input_steady(struct cli *cli, struct quilt_input *input,
+                       struct ttf_report_prepared *prepared)
+{
+    int r = cli->opt.stabilise ? stabilise(cli, input, prepared) : 0;
+
+    if (r == 0 && cli->opt.deflicker)
+        r = deflicker(cli, input, prepared);
+    return r;
+}
+
+int quilt_input_flatten(struct cli *cli, struct quilt_input *input, double sigma_px,
+                        struct ttf_report_prepared *prepared)
+{
+    struct ttf_sequence *over = NULL;
+    int r = ttf_gradient_find(quilt_input_top(input), sigma_px, TTF_GRADIENT_MEAN, &input->gradient,
+                              &cli->err);
+
+    if (r == 0)
+        r = ttf_flatten_create(quilt_input_top(input), &input->gradient, &over, &cli->err);
+    if (r < 0)
+        return cli_by_option(cli, r, "--flatten", NULL);
+    ttf_gradient_range(&input->gradient, &prepared->gradient_least, &prepared->gradient_most);
+    prepared->flattened = true;
+    push(input, over);
+    return 0;
+}

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* quilt_job.c: see quilt_job.h. What is said of a result: quilt_say.c. */
+#include "quilt_job.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+#include "quilt_options.h"
+#include "quilt_say.h"
+
+static struct ttf_sequence *first(const struct quilt_job *job)
+{
+    return quilt_input_top(&job->inputs[0]);
+}
+
+static void on_progress(void *ctx, double done)
+{
+    struct quilt_job *job = ctx;
+
+    cli_progress_at(&job->bar, (int64_t)(done * 1000), 1000, NULL);
+}
+
+/* ---- inputs ---- */
+
+static int open_inputs(struct quilt_job *job)
+{
+    struct cli *cli = job->cli;
+    int r = quilt_input_open(cli, job->source, &job->inputs[0]);
+
+    job->n_inputs = r == 0;
+    for (unsigned i = 0; i < cli->opt.n_sources && r == 0; i++) {
+        r = quilt_input_open(cli, cli->opt.sources[i], &job->inputs[1 + i]);
+        r = cli_by_option(cli, r, "--source", cli->opt.sources[i]);
+        job->n_inputs += r == 0;
+    }
+    return r;
+}
+
+/* Smaller and rarer, if so asked. */
+static int reduce(struct quilt_job *job)
+{
+    struct cli *cli = job->cli;
+    const struct quilt_preview *p = &job->preview;
+    int r;
+
+    if (!cli->opt.preview)
+        return 0;
+    r = quilt_preview_choose(cli, job->clock, job->inputs, job->n_inputs, &job->config,
+                             job->default_width || quilt_options_pace(&cli->opt), &job->preview);
+    for (unsigned i = 0; i < job->n_inputs && r == 0 && (p->shrink > 1 || p->step > 1); i++)
+        r = quilt_input_reduce(cli, &job->inputs[i], p->shrink, p->step);
+    if (r < 0)
+        return r;
+    quilt_config_shrink(&job->config, p->shrink);
+    job->prepared.reduced = p->shrink > 1 || p->step > 1;
+    job->prepared.shrink = p->shrink;
+    job->prepared.step = p->step;
+    return 0;
+}
+
+/* The block from what is seen, after the camera stands still and before the light is evened out. */
+static int find_block(struct quilt_job *job)
+{
+    struct ttf_feature_size *feature = &job->prepared.feature;
+    int r;
+
+    if (!job->cli->opt.block_auto)
+        return 0;
+    r = ttf_feature_size_find(first(job), feature, &job->cli->err);
+    if (r < 0)
+        return r;
+    job->prepared.auto_block = true;
+    job->config.block_width = feature->block_width;
+    job->config.block_height = feature->block_height;
+    return 0;
+}
+
+static int prepare_inputs(struct quilt_job *job)
+{
+    struct cli *cli = job->cli;
+    const struct ttf_quilt_config *c = &job->config;
+    double sigma;
+    int r = 0;
+
+    /* the report tells of the first, so it comes last */
+    for (unsigned i = job->n_inputs; i-- > 0 && r == 0;)
+        r = quilt_input_steady(cli, &job->inputs[i], &job->prepared);
+    if (r == 0)
+        r = find_block(job);
+    sigma = c->block_width > c->block_height ? c->block_width : c->block_height;
+    if (cli_given(&cli->opt, OPT_FLATTEN_SIGMA))
+        sigma = cli->opt.flatten_sigma / (job->prepared.reduced ? job->prepared.shrink : 1);
+    for (unsigned i = job->n_inputs; i-- > 0 && r == 0 && cli->opt.flatten;)
+        r = quilt_input_flatten(cli, &job->inputs[i], sigma, &job->prepared);
+    for (unsigned i = 1; i < job->n_inputs && r == 0; i++)
+        job->more[i - 1] = quilt_input_top(&job->inputs[i]);
+    job->config.more = job->more;
+    job->config.n_more = job->n_inputs - 1;
+    return r;
+}
+
+/* ---- configuration ---- */
+
+/* Every pixel is held once more as large as it is, where nothing says how large the output is. */
+static void default_size(struct quilt_job *job)
+{
+    struct ttf_quilt_config *c = &job->config;
+
+    if (c->width)
+        return;
+    c->width = 2 * first(job)->width;
+    c->height = 2 * first(job)->height;
+}
+
+static int make_gradient(struct quilt_job *job)
+{
+    int r;
+
+    if (!job->cli->opt.keep_gradient)
+        return 0;
+    r = ttf_gradient_resample(&job->inputs[0].gradient, job->config.width, job->config.height,
+                              &job->gradient, &job->cli->err);
+    job->prepared.gradient_reapplied = r == 0;
+    return r;
+}
+
+static int configure(struct quilt_job *job)
+{
+    struct cli *cli = job->cli;
+    struct ttf_quilt_config *c = &job->config;
+    int r;
+
+    default_size(job);
+    c->now_ns = cli_now_ns;
+    c->now_ctx = job->clock;
+    c->progress = on_progress;
+    c->progress_ctx = job;
+    c->cancel = cli_stop_flag();
+    r = quilt_map_load(cli, first(job), &job->kept, c);
+    if (r == 0)
+        r = quilt_options_name(cli, ttf_quilt_validate(c, first(job), &cli->err));
+    if (r == 0 && job->control)
+        r = job->control(job);
+    if (r == 0 && job->rate.m)
+        c->rate = &job->rate;
+    if (r == 0)
+        r = quilt_options_name(cli, ttf_quilt_validate(c, first(job), &cli->err));
+    if (r == 0)
+        r = quilt_factors_open(cli, &job->factors, c);
+    return r < 0 ? r : make_gradient(job);
+}
+
+/* ---- the run ---- */
+
+static void edit(void *ctx, const struct ttf_encoding *encoding, uint16_t *codes)
+{
+    const struct quilt_job *job = ctx;
+
+    /* within a frame's own task of the pool: it may not ask the pool again */
+    if (job->gradient.g)
+        ttf_gradient_apply(&job->gradient, encoding, NULL, codes);
+    if (job->edit)
+        job->edit(job->edit_ctx, encoding, codes);
+}
+
+static int open_sink(struct quilt_job *job)
+{
+    const struct quilt_sink_spec spec = {.kind = job->kind,
+                                         .parent = job->inputs[0].reader,
+                                         .source = job->source,
+                                         .input = first(job),
+                                         .config = &job->config,
+                                         .edit = job->gradient.g || job->edit ? edit : NULL,
+                                         .edit_ctx = job};
+
+    return quilt_sink_create(job->cli, &spec, &job->sink);
+}
+
+/* Reads the result back: every pixel's life must be that of the source pixel the map names. */
+static int check(struct quilt_job *job)
+{
+    struct cli *cli = job->cli;
+    struct ttf_reader *reader = NULL;
+    struct ttf_sequence *output = NULL;
+    int r = ttf_reader_open(cli->io, cli->opt.output, &reader, &cli->err);
+
+    if (r == 0)
+        r = ttf_sequence_of_dataset(reader, NULL, &output, &cli->err);
+    if (r == 0)
+        r = ttf_quilt_verify(&job->config, first(job), output,
+                             job->config.per_frame ? NULL : &job->map, &job->check, &cli->err);
+    job->checked = r == 0;
+    ttf_sequence_destroy(output);
+    ttf_reader_close(reader);
+    return r;
+}
+
+static size_t peak_bytes(void)
+{
+    struct rusage usage;
+
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? (size_t)usage.ru_maxrss * 1024 : 0;
+}
+
+static void complete_report(struct quilt_job *job)
+{
+    struct ttf_quilt_report *report = &job->report;
+
+    report->prepared = job->prepared;
+    report->peak_bytes = peak_bytes();
+    for (unsigned i = 0; i < job->n_inputs; i++)
+        report->simulated |=
+            job->inputs[i].reader && ttf_reader_manifest(job->inputs[i].reader)->simulated;
+}
+
+/* What failed in the midst of a run: the disk's own words for factors, options' names for fields. */
+static int explain(struct quilt_job *job, int code)
+{
+    struct cli *cli = job->cli;
+
+    if (code < 0 && job->factors.err.code)
+        cli->err = job->factors.err;
+    return quilt_options_name(cli, code);
+}
+
+static int run(struct quilt_job *job)
+{
+    struct cli *cli = job->cli;
+    struct ttf_quilt_sink sink = quilt_sink_of(job->sink);
+    bool saved = false;
+    int r;
+
+    cli_progress_begin(&job->bar, cli, "quilting");
+    r = explain(job, ttf_quilt_run(&job->config, first(job), job->pool, &sink, &job->report,
+                                   &job->map, &cli->err));
+    if (r == 0) {
+        complete_report(job);
+        r = quilt_map_save(cli, &job->map);
+        saved = r == 0 && cli->opt.save_map;
+    }
+    if (r == 0)
+        r = quilt_sink_finish(job->sink, &job->report, &cli->err);
+    if (r < 0 && saved)
+        (void)cli->io->ops->unlink(cli->io, cli->opt.save_map);
+    if (r == 0 && cli->opt.check)
+        r = check(job);
+    cli_progress_end(&job->bar);
+    return r;
+}
+
+int quilt_job_run(struct quilt_job *job)
+{
+    struct cli *cli = job->cli;
+    int r = quilt_options_check(cli, &job->kind);
+
+    if (r == 0)
+        r = quilt_options_config(cli, job->kind, &job->config);
+    if (r == 0 && job->config.width == 0) {
+        job->config.width = job->default_width;
+        job->config.height = job->default_height;
+    }
+    job->clock = ttf_clock_real_create();
+    if (r == 0)
+        r = open_inputs(job);
+    if (r == 0)
+        r = reduce(job);
+    if (r == 0)
+        r = prepare_inputs(job);
+    if (r == 0)
+        r = configure(job);
+    if (r < 0)
+        return r;
+    /* from here on there is something to take away: a signal only asks for it */
+    cli_stop_catch();
+    job->pool = ttf_pool_create((unsigned)cli->opt.threads);
+    r = job->pool ? open_sink(job) : -ENOMEM;
+    if (r == 0)
+        r = run(job);
+    if (r == 0)
+        quilt_say(job);
+    /* A check that fails is a failure of ours, not damage of the user's. */
+    if (r == 0 && job->checked && job->check.unmatched && !job->config.feather_px)
+        r = CLI_FAILED;
+    return r;
+}
+
+void quilt_job_free(struct quilt_job *job)
+{
+    quilt_sink_destroy(job->sink);
+    quilt_factors_close(&job->factors);
+    ttf_quilt_map_free(&job->map);
+    ttf_quilt_map_free(&job->kept);
+    ttf_rate_map_free(&job->rate);
+    ttf_gradient_free(&job->gradient);
+    ttf_pool_destroy(job->pool);
+    for (unsigned i = 0; i < job->n_inputs; i++)
+        quilt_input_close(&job->inputs[i]);
+    ttf_clock_destroy(job->clock);
+}

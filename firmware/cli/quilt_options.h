@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* quilt_options.h: what was typed as a quilting's configuration; what makes no sense together is refused. */
+#ifndef CLI_QUILT_OPTIONS_H
+#define CLI_QUILT_OPTIONS_H
+
+#include "cli.h"
+#include "quilt_sink.h"
+#include "ttf/synth/quilt.h"
+
+/* All that can be told from the options alone. -EINVAL naming the option; -EEXIST. */
+TTF_MUST_USE int quilt_options_check(struct cli *cli, enum quilt_sink_kind *ret_kind);
+
+/*
+ * Defaults and all values. Sizes are for an input as it is; width 0: not said. Of --block auto the
+ * default, until the input was looked at.
+ */
+TTF_MUST_USE int quilt_options_config(struct cli *cli, enum quilt_sink_kind kind,
+                                      struct ttf_quilt_config *ret);
+
+/* Is there an option that gives pixels a pace of their own? */
+bool quilt_options_pace(const struct cli_options *options);
+
+/* The same for an input that was shrunk: sizes of the output, blocks, overlaps, distances. */
+void quilt_config_shrink(struct ttf_quilt_config *config, uint32_t shrink);
+
+/* An error of a synthesis, which names a field, as one that names the option. Returns code. */
+int quilt_options_name(struct cli *cli, int code);
+
+#endif

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* quilt_say.c: see quilt_say.h. */
+#include "quilt_say.h"
+
+#include <inttypes.h>
+
+static void say_prepared(const struct quilt_job *job)
+{
+    const struct ttf_report_prepared *p = &job->prepared;
+    const struct cli *cli = job->cli;
+
+    if (cli->opt.preview)
+        cli_say(cli,
+                "preview           shrunk by %u, one frame of %u: estimated %zu MiB of %zu, %.1f s "
+                "of %.1f",
+                job->preview.shrink, job->preview.step, job->preview.bytes >> 20,
+                job->config.memory_bytes >> 20, (double)job->preview.total_ns / 1e9,
+                (double)cli->opt.time_ns / 1e9);
+    if (p->stabilised)
+        cli_say(cli, "stabilised        %u frames moved, by %.2f px at most; %u x %u px cut off",
+                p->stabilise.moved, p->stabilise.largest_shift_px, p->stabilise.crop_x,
+                p->stabilise.crop_y);
+    if (p->deflickered)
+        cli_say(cli, "deflickered       gains of %.4f to %.4f", p->deflicker.smallest_gain,
+                p->deflicker.largest_gain);
+    if (p->flattened)
+        cli_say(cli, "flattened         a gradient of %.3f to %.3f%s", (double)p->gradient_least,
+                (double)p->gradient_most, p->gradient_reapplied ? ", laid over the output" : "");
+    if (p->auto_block)
+        cli_say(cli, "block             %u x %u: what is seen is %.1f x %.1f px large",
+                job->config.block_width, job->config.block_height, p->feature.correlation_x_px,
+                p->feature.correlation_y_px);
+}
+
+static void say_figures(const struct quilt_job *job)
+{
+    const struct ttf_quilt_report *p = &job->report;
+    const struct cli *cli = job->cli;
+
+    cli_say(cli,
+            "frames            %u of %u x %u from %u x %u, %u blocks of %u x %u, seed %" PRIu64,
+            p->out_frames, job->config.width, job->config.height, p->source_width, p->source_height,
+            p->blocks, job->config.block_width, job->config.block_height, job->config.seed);
+    if (!job->config.replay && p->rank.rank != TTF_QUILT_RANK_FULL)
+        cli_say(cli, "matched           rank %u, which misses %.2f %%%s", p->rank.rank,
+                100 * p->rank.error, p->rank.known_frames ? "; gone on with known factors" : "");
+    if (p->measured) {
+        cli_say(cli, "coherence         %.4f of the input's mean frame difference", p->coherence);
+        cli_say(cli, "flicker           %.4f of the input's second difference", p->flicker);
+    }
+    cli_say(cli, "time              %.2f s with %u threads", (double)p->total_ns / 1e9, p->threads);
+    if (job->checked)
+        cli_say(cli, "check             %" PRIu64 " of %" PRIu64 " trajectories are no source's%s",
+                job->check.unmatched, job->check.pixels,
+                job->check.unmatched ? "" : ": all copied, bit for bit");
+}
+
+static void put_json(struct quilt_job *job)
+{
+    struct cli *cli = job->cli;
+    struct ttf_json *j = &cli->out;
+
+    if (cli->opt.output)
+        ttf_json_kstring(j, "output", cli->opt.output);
+    ttf_json_kstring(j, "sink", quilt_sink_name(job->sink));
+    ttf_json_kbool(j, "simulated", job->report.simulated);
+    if (*quilt_sink_digest(job->sink))
+        ttf_json_kstring(j, "digest", quilt_sink_digest(job->sink));
+    if (cli->opt.preview) {
+        ttf_json_key(j, "preview");
+        ttf_json_object(j);
+        ttf_json_kint(j, "shrunk_by", job->preview.shrink);
+        ttf_json_kint(j, "frame_step", job->preview.step);
+        ttf_json_kint(j, "estimated_bytes", (int64_t)job->preview.bytes);
+        ttf_json_kint(j, "estimated_ns", job->preview.total_ns);
+        ttf_json_kint(j, "frame_read_ns", job->preview.read_ns);
+        ttf_json_object_end(j);
+    }
+    if (job->checked) {
+        ttf_json_kint(j, "checked_pixels", (int64_t)job->check.pixels);
+        ttf_json_kint(j, "unmatched_pixels", (int64_t)job->check.unmatched);
+    }
+    ttf_json_key(j, "report");
+    ttf_quilt_report_json(&job->report, j);
+}
+
+void quilt_say(struct quilt_job *job)
+{
+    const struct cli *cli = job->cli;
+
+    cli_say(cli, "%s%-17s %s", job->report.simulated ? "SIMULATED\n" : "",
+            quilt_sink_name(job->sink), cli->opt.output ? cli->opt.output : "(nothing kept)");
+    say_prepared(job);
+    say_figures(job);
+    put_json(job);
+}
