@@ -325,7 +325,8 @@ static const struct cli_command COMMANDS[] = {
             "PHOTO shows one object on a plain ground that is a little darker where the object's "
             "shadow falls. A texture of the photograph's size (or --size) is quilted from DATASET; "
             "where the shadow is, it ages more slowly and is darker; the object lies over it. The "
-            "output is a dataset, derived from DATASET, with report.json.",
+            "output is a dataset, derived from DATASET, with report.json, whose figures are of the "
+            "texture before shadow and object.",
         .min_args = 2,
         .max_args = 2,
         .run = cmd_synth_composite,

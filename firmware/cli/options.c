@@ -148,8 +148,10 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
                      "then take the slow gradient of light out of the picture"},
     [OPT_FLATTEN_SIGMA] = {"flatten-sigma", 0, "PX", CLI_DECIMAL, O(flatten_sigma), 0.5, 32768,
                            "with --flatten: what is slow (default: the larger side of a block)"},
-    [OPT_KEEP_GRADIENT] = {"keep-gradient", 0, NULL, CLI_FLAG, O(keep_gradient), 0, 0,
-                           "with --flatten: lay the gradient over the output again"},
+    [OPT_KEEP_GRADIENT] =
+        {"keep-gradient", 0, NULL, CLI_FLAG, O(keep_gradient), 0, 0,
+         "with --flatten: lay the gradient over the output again (the report's figures are of "
+         "the output before)"},
     [OPT_SAVE_MAP] = {"save-map", 0, "FILE", CLI_TEXT, O(save_map), 0, 0,
                       "write where every block came from, as JSON"},
     [OPT_MAP] = {"map", 0, "FILE", CLI_TEXT, O(map), 0, 0,

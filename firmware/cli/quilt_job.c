@@ -48,7 +48,7 @@ static int reduce(struct quilt_job *job)
     if (!cli->opt.preview)
         return 0;
     r = quilt_preview_choose(cli, job->clock, job->inputs, job->n_inputs, &job->config,
-                             job->default_width || quilt_options_pace(&cli->opt), &job->preview);
+                             quilt_options_pace(cli), &job->preview);
     for (unsigned i = 0; i < job->n_inputs && r == 0 && (p->shrink > 1 || p->step > 1); i++)
         r = quilt_input_reduce(cli, &job->inputs[i], p->shrink, p->step);
     if (r < 0)
@@ -60,7 +60,7 @@ static int reduce(struct quilt_job *job)
     return 0;
 }
 
-/* The block from what is seen, after the camera stands still and before the light is evened out. */
+/* The block from what is seen, before the gradient is taken out: what is slow follows from the block. */
 static int find_block(struct quilt_job *job)
 {
     struct ttf_feature_size *feature = &job->prepared.feature;
@@ -103,7 +103,7 @@ static int prepare_inputs(struct quilt_job *job)
 
 /* ---- configuration ---- */
 
-/* Every pixel is held once more as large as it is, where nothing says how large the output is. */
+/* Twice the input as it is by now: preparing may have cut something off. */
 static void default_size(struct quilt_job *job)
 {
     struct ttf_quilt_config *c = &job->config;

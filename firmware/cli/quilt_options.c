@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "commands.h"
+
 #define PREVIEW_MEMORY (64 << 20)
 
 /* ---- what goes together ---- */
@@ -126,9 +128,12 @@ static int check_full(struct cli *cli)
     return 0;
 }
 
-bool quilt_options_pace(const struct cli_options *o)
+bool quilt_options_pace(const struct cli *cli)
 {
-    return o->rate_map || cli_given(o, OPT_LIGHT) || o->curvature;
+    const struct cli_options *o = &cli->opt;
+
+    return o->rate_map || cli_given(o, OPT_LIGHT) || o->curvature ||
+           cli->command->run == cmd_synth_composite;
 }
 
 static int check_control(struct cli *cli)
@@ -136,7 +141,7 @@ static int check_control(struct cli *cli)
     const struct cli_options *o = &cli->opt;
     bool heights = o->heights || (o->curvature && strcmp(o->curvature, "sigmoid") != 0);
 
-    if ((cli_given(o, OPT_RATE_OFFSET) || cli_given(o, OPT_RATE_GAIN)) && !quilt_options_pace(o))
+    if ((cli_given(o, OPT_RATE_OFFSET) || cli_given(o, OPT_RATE_GAIN)) && !quilt_options_pace(cli))
         return refuse(cli, cli_given(o, OPT_RATE_GAIN) ? "--rate-gain" : "--rate-offset",
                       "there is no control of the pace",
                       "give --rate-map, --light or --curvature too");
@@ -146,8 +151,7 @@ static int check_control(struct cli *cli)
     if (cli_given(o, OPT_LIGHT) && !(o->light[2] > 0))
         return refuse(cli, "--light", "a light must be above the plane",
                       "give a third number greater than 0, as 0.5,0.3,0.4");
-    if (o->jitter_rounded && !cli_given(o, OPT_JITTER) && !o->map && !quilt_options_pace(o) &&
-        !cli_given(o, OPT_LEAST))
+    if (o->jitter_rounded && !cli_given(o, OPT_JITTER) && !o->map && !quilt_options_pace(cli))
         return refuse(cli, "--jitter-rounded", "there are no times between frames",
                       "give --jitter or a control of the pace too");
     if (cli_given(o, OPT_JITTER_EVERY) && !cli_given(o, OPT_JITTER))

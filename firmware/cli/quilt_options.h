@@ -17,8 +17,8 @@ TTF_MUST_USE int quilt_options_check(struct cli *cli, enum quilt_sink_kind *ret_
 TTF_MUST_USE int quilt_options_config(struct cli *cli, enum quilt_sink_kind kind,
                                       struct ttf_quilt_config *ret);
 
-/* Is there an option that gives pixels a pace of their own? */
-bool quilt_options_pace(const struct cli_options *options);
+/* Will pixels have a pace of their own: by an option, or by what the command is? */
+bool quilt_options_pace(const struct cli *cli);
 
 /* The same for an input that was shrunk: sizes of the output, blocks, overlaps, distances. */
 void quilt_config_shrink(struct ttf_quilt_config *config, uint32_t shrink);
