@@ -44,8 +44,9 @@ int ttf_err_prefix(struct ttf_err *err, const char *fmt, ...)
     va_start(ap, fmt);
     n = vsnprintf(err->what, sizeof(err->what), fmt, ap);
     va_end(ap);
-    if (n >= 0 && (size_t)n < sizeof(err->what))
-        snprintf(err->what + n, sizeof(err->what) - (size_t)n, ": %s", old);
+    if (n >= 0 && (size_t)n + 2 < sizeof(err->what))
+        snprintf(err->what + n, sizeof(err->what) - (size_t)n, ": %.*s",
+                 (int)(sizeof(err->what) - (size_t)n - 3), old); /* cut to what there is room for */
     return err->code;
 }
 

@@ -186,7 +186,7 @@ int ttf_matching_of_factors(const struct ttf_factors *factors, unsigned n, unsig
 
     out.stride = (out.k + TTF_COEF_LANES - 1) / TTF_COEF_LANES * TTF_COEF_LANES;
     out.coefs = calloc(out.pixels * out.stride + TTF_COEF_LANES, sizeof(*out.coefs));
-    out.missed = malloc(out.pixels * sizeof(*out.missed));
+    out.missed = calloc(out.pixels + 1, sizeof(*out.missed));
     if (!out.coefs || !out.missed || !q.largest) {
         ttf_matching_free(&out);
         free(q.largest);
