@@ -306,6 +306,35 @@ static int add_found(struct ttf_rank_workspace *w, const struct ttf_rank_positio
     return 0;
 }
 
+/* What the cells that a bound is of have of E at least. */
+static double least_of_cells(const struct ttf_rank_workspace *w, unsigned level, uint32_t bound)
+{
+    double length =
+        (sqrt((double)bound) - 1.01 * sqrt((double)w->template.n_cells[level] * TTF_CELL_DIMS)) /
+        (w->search->views->levels[level].scale * (1.0 + 1e-5));
+
+    return length > 0.0 ? length * length : 0.0;
+}
+
+/* Do the pixels that no fine cell holds exclude a position, together with what the cells have at least? */
+static bool rest_excludes(const struct ttf_rank_workspace *w, const struct ttf_rank_position *at,
+                          uint32_t bound)
+{
+    const struct ttf_view *view = &w->search->views->list[at->view];
+    size_t corner = (size_t)at->y * view->width + at->x;
+    double left = w->limit - least_of_cells(w, 1, bound);
+    uint64_t rest;
+
+    if (w->template.n_rest == 0 || !(left < w->limit))
+        return false;
+    if (left < 0.0)
+        return true;
+    rest = w->search->kernels->ssd_runs(view->coefs + corner * w->search->matching->stride,
+                                        w->runs + (size_t)at->view * w->template.n_runs,
+                                        w->template.n_rest, w->template.coefs, (uint64_t)left);
+    return (double)rest > left;
+}
+
 /* All positions that the bounds of `level` let pass, compared in full. The limit only tightens on the way. */
 static int compare_survivors(struct ttf_rank_workspace *w, unsigned level)
 {
@@ -323,9 +352,11 @@ static int compare_survivors(struct ttf_rank_workspace *w, unsigned level)
 
             if (bounds[at] > limit)
                 continue;
-            w->counts.exact++;
             position =
                 (struct ttf_rank_position){i, (uint32_t)(at % columns), (uint32_t)(at / columns)};
+            if (level == 1 && rest_excludes(w, &position, bounds[at]))
+                continue;
+            w->counts.exact++;
             error = error_at(w, &position);
             if ((double)error > w->limit)
                 continue;
@@ -445,6 +476,8 @@ static int run(struct ttf_rank_workspace *w, size_t positions)
     if (within <= positions / FINE_SHARE)
         return compare_survivors(w, 0);
     ttf_rank_template_refine(&w->template, w->search, w->query);
+    if (place_runs(w) < 0)
+        return -ENOMEM;
     bound_all(w, 1);
     look_at_seeds(w, positions, 1);
     return compare_survivors(w, 1);

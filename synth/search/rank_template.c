@@ -25,19 +25,20 @@ static int make_room(struct ttf_rank_template *template, size_t pixels, size_t s
     return 0;
 }
 
+/* Appends the known pixels that lie in a cell, or those that do not, as runs. */
 static void gather_runs(struct ttf_rank_template *template, const struct ttf_matching *matching,
-                        const struct ttf_rank_query *query)
+                        const struct ttf_rank_query *query, bool taken)
 {
     size_t stride = matching->stride;
 
-    template->n_runs = template->n_pixels = 0;
     for (uint32_t y = 0; y < query->height; y++) {
         struct ttf_rank_run *run = NULL;
 
         for (uint32_t x = 0; x < query->width; x++) {
-            uint32_t id = query->known[(size_t)y * query->width + x];
+            size_t at = (size_t)y * query->width + x;
+            uint32_t id = query->known[at];
 
-            if (id == TTF_UNKNOWN_ID) {
+            if (id == TTF_UNKNOWN_ID || (template->taken[at] != 0) != taken) {
                 run = NULL;
                 continue;
             }
@@ -143,11 +144,14 @@ int ttf_rank_template_gather(struct ttf_rank_template *template,
                              const struct ttf_rank_search *search,
                              const struct ttf_rank_query *query)
 {
-    int r = make_room(template, (size_t)query->width * query->height, search->matching->stride);
+    size_t pixels = (size_t)query->width * query->height;
+    int r = make_room(template, pixels, search->matching->stride);
 
     if (r < 0)
         return r;
-    gather_runs(template, search->matching, query);
+    memset(template->taken, 0, pixels);
+    template->n_runs = template->n_pixels = template->n_rest = 0;
+    gather_runs(template, search->matching, query, false);
     gather_cells(template, search, query, 0);
     return 0;
 }
@@ -157,6 +161,10 @@ void ttf_rank_template_refine(struct ttf_rank_template *template,
                               const struct ttf_rank_query *query)
 {
     gather_cells(template, search, query, 1);
+    template->n_runs = template->n_pixels = 0;
+    gather_runs(template, search->matching, query, false);
+    template->n_rest = template->n_runs;
+    gather_runs(template, search->matching, query, true);
 }
 
 void ttf_rank_template_free(struct ttf_rank_template *template)

@@ -20,6 +20,7 @@ struct ttf_rank_cell {
 struct ttf_rank_template {
     size_t n_pixels, n_runs, n_cells[TTF_CELL_LEVELS];
     struct ttf_rank_run *runs;
+    size_t n_rest; /* runs, the first, of pixels that no fine cell holds; 0 before refining */
     struct ttf_rank_cell *cells[TTF_CELL_LEVELS];
     int16_t *coefs;     /* n_pixels x stride */
     uint8_t *taken;     /* of the block's pixels: in a cell already */
@@ -31,7 +32,7 @@ TTF_MUST_USE int ttf_rank_template_gather(struct ttf_rank_template *template,
                                           const struct ttf_rank_search *search,
                                           const struct ttf_rank_query *query);
 
-/* The fine cells, for a query that needs them. */
+/* The fine cells, for a query that needs them; and the runs anew, those first that no fine cell holds. */
 void ttf_rank_template_refine(struct ttf_rank_template *template,
                               const struct ttf_rank_search *search,
                               const struct ttf_rank_query *query);
