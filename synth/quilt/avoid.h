@@ -9,7 +9,8 @@
 #define TTF_AVOID_BLOCKS 3
 
 /* Rectangles that ttf_avoid_find may give. */
-#define TTF_AVOID_RECTS_MAX ((2 * TTF_AVOID_BLOCKS + 1) * (2 * TTF_AVOID_BLOCKS + 1) * TTF_TURN_COUNT)
+#define TTF_AVOID_RECTS_MAX \
+    ((2 * TTF_AVOID_BLOCKS + 1) * (2 * TTF_AVOID_BLOCKS + 1) * TTF_TURN_COUNT)
 
 /*
  * Positions that show the place of a block nearby, however turned, or one within config->avoid_px of it: of
