@@ -146,8 +146,9 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
                               "with --deflicker: over so many frames, odd (default: 9)"},
     [OPT_FLATTEN] = {"flatten", 0, NULL, CLI_FLAG, O(flatten), 0, 0,
                      "then take the slow gradient of light out of the picture"},
-    [OPT_FLATTEN_SIGMA] = {"flatten-sigma", 0, "PX", CLI_DECIMAL, O(flatten_sigma), 0.5, 32768,
-                           "with --flatten: what is slow (default: the larger side of a block)"},
+    [OPT_FLATTEN_SIGMA] =
+        {"flatten-sigma", 0, "PX", CLI_DECIMAL, O(flatten_sigma), 0.5, 32768,
+         "with --flatten: what is slow (default: half the larger side of a block)"},
     [OPT_KEEP_GRADIENT] =
         {"keep-gradient", 0, NULL, CLI_FLAG, O(keep_gradient), 0, 0,
          "with --flatten: lay the gradient over the output again (the report's figures are of "

@@ -89,7 +89,8 @@ static int prepare_inputs(struct quilt_job *job)
         r = quilt_input_steady(cli, &job->inputs[i], &job->prepared);
     if (r == 0)
         r = find_block(job);
-    sigma = c->block_width > c->block_height ? c->block_width : c->block_height;
+    /* what changes across a block is light; half of it leaves neighbours alike (prepare/README.md) */
+    sigma = (c->block_width > c->block_height ? c->block_width : c->block_height) / 2.0;
     if (cli_given(&cli->opt, OPT_FLATTEN_SIGMA))
         sigma = cli->opt.flatten_sigma / (job->prepared.reduced ? job->prepared.shrink : 1);
     for (unsigned i = job->n_inputs; i-- > 0 && r == 0 && cli->opt.flatten;)

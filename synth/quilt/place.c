@@ -2,13 +2,11 @@
 /* One block: the candidates within tolerance, a pick by hash of (seed, block), the cuts. */
 #include <errno.h>
 
+#include "quilt/avoid.h"
 #include "quilt/paste.h"
 #include "quilt/plan_private.h"
 #include "seam/boundary_cut.h"
 #include "search/hash.h"
-
-/* Farther than any two places of an input. */
-#define AVOID_MOST (UINT32_MAX / 4)
 
 static int64_t now_ns(const struct ttf_quilt_config *config)
 {
@@ -57,47 +55,6 @@ static unsigned find_hints(const struct ttf_plan *plan, unsigned i, struct ttf_r
             ret[n++] = (struct ttf_rank_position){view_of(plan, from[k]),
                                                   from[k]->src_x + block->out_x - from[k]->out_x,
                                                   from[k]->src_y + block->out_y - from[k]->out_y};
-    }
-    return n;
-}
-
-/* A block at most TTF_AVOID_BLOCKS away, over the border of a tileable output; false: none, or not before block i. */
-static bool nearby(const struct ttf_plan *plan, unsigned i, int right, int down, unsigned *ret)
-{
-    int columns = (int)plan->placement.columns, rows = (int)plan->placement.rows;
-    int column = (int)i % columns + right, row = (int)i / columns + down;
-
-    if (plan->config->tileable) {
-        column = (column + TTF_AVOID_BLOCKS * columns) % columns;
-        row = (row + TTF_AVOID_BLOCKS * rows) % rows;
-    }
-    if (column < 0 || column >= columns || row < 0 || row >= rows)
-        return false;
-    *ret = (unsigned)(row * columns + column);
-    return *ret < i;
-}
-
-/* Places about those where blocks nearby were taken: of all before in raster order (plan.c, waves). */
-static unsigned find_excluded(const struct ttf_plan *plan, unsigned i,
-                              struct ttf_position_rect *ret)
-{
-    uint32_t asked = plan->config->avoid_px, avoid = asked < AVOID_MOST ? asked : AVOID_MOST;
-    unsigned n = 0, at;
-
-    for (int down = -TTF_AVOID_BLOCKS; avoid > 0 && down <= TTF_AVOID_BLOCKS; down++) {
-        for (int right = -TTF_AVOID_BLOCKS; right <= TTF_AVOID_BLOCKS; right++) {
-            const struct ttf_quilt_block *other;
-
-            if (!nearby(plan, i, right, down, &at))
-                continue;
-            other = &plan->map.blocks[at];
-            ret[n++] =
-                (struct ttf_position_rect){.view = view_of(plan, other),
-                                           .x0 = other->src_x > avoid ? other->src_x - avoid : 0,
-                                           .y0 = other->src_y > avoid ? other->src_y - avoid : 0,
-                                           .x1 = other->src_x + avoid + 1,
-                                           .y1 = other->src_y + avoid + 1};
-        }
     }
     return n;
 }
@@ -159,7 +116,7 @@ static int choose_in_rank(struct ttf_plan *plan, struct ttf_place_room *room, un
     int r;
 
     query.n_hints = find_hints(plan, i, hints);
-    query.n_excluded = find_excluded(plan, i, room->excluded);
+    query.n_excluded = ttf_avoid_find(plan, i, room->excluded);
     r = ttf_rank_search_run(&plan->rank, room->search, &query, &result);
     if (r < 0)
         return r;

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "quilt/avoid.h"
 #include "quilt/map_of_sources.h"
 #include "quilt/paste.h"
 #include "quilt/plan_private.h"
@@ -42,12 +43,11 @@ static int room_alloc(const struct ttf_plan *plan, struct ttf_place_room *room)
 {
     size_t width = plan->config->block_width, height = plan->config->block_height;
     size_t longest = width > height ? width : height;
-    size_t around = 2 * TTF_AVOID_BLOCKS + 1;
 
     room->known = malloc(width * height * sizeof(*room->known));
     room->error = malloc(width * height * sizeof(*room->error));
     room->cut = malloc(longest * sizeof(*room->cut));
-    room->excluded = malloc(around * around * sizeof(*room->excluded));
+    room->excluded = malloc(TTF_AVOID_RECTS_MAX * sizeof(*room->excluded));
     if (!room->known || !room->error || !room->cut || !room->excluded)
         return -ENOMEM;
     return ttf_rank_workspace_create(&room->search);

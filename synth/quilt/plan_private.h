@@ -40,9 +40,6 @@ struct ttf_plan {
     struct ttf_place_room *rooms; /* one for each worker */
 };
 
-/* How far around a block, in blocks, repetition is avoided (config->avoid_px). */
-#define TTF_AVOID_BLOCKS 3
-
 /*
  * Chooses, cuts and pastes block i (its place is known). All blocks that it overlaps must
  * have been placed. -ENOMEM.

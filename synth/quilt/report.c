@@ -199,17 +199,18 @@ static void put_prepared(const struct ttf_quilt_report *report, struct ttf_json 
 static void put_seams(const struct ttf_quilt_report *report, struct ttf_json *json)
 {
     const struct ttf_seams_figures *seams = &report->seams;
+    bool known = seams->frames > 0; /* of a slowed output there are none */
 
     ttf_json_key(json, "seams");
     ttf_json_object(json);
     ttf_json_kint(json, "pairs", (int64_t)seams->pairs);
     ttf_json_kdouble(json, "pair_share", seams->pair_share);
     ttf_json_kint(json, "frames", seams->frames);
-    ttf_json_kdouble(json, "seam_gradient", seams->seam_gradient);
-    ttf_json_kdouble(json, "source_gradient", seams->source_gradient);
-    ttf_json_kdouble(json, "input_gradient", seams->input_gradient);
-    ttf_json_kdouble(json, "excess", seams->excess);
-    ttf_json_kdouble(json, "excess_over_input", seams->input_excess);
+    put_figure(json, "seam_gradient", known, seams->seam_gradient);
+    put_figure(json, "source_gradient", known, seams->source_gradient);
+    put_figure(json, "input_gradient", known, seams->input_gradient);
+    put_figure(json, "excess", known, seams->excess);
+    put_figure(json, "excess_over_input", known, seams->input_excess);
     ttf_json_object_end(json);
 }
 

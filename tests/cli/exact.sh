@@ -29,6 +29,15 @@ is unmatched_pixels 0
 is checked_pixels $((64 * 48))
 expect 1 "$TTFBOX" synth quilt d --size 64x48 --block 12x12 --per-frame --check -o qf --json
 [ "$(json unmatched_pixels)" -gt 0 ] || fail "the check bites nothing"
+
+# What is slow in the picture, unless said otherwise: half the larger side of a block.
+for sigma in 6 12; do
+    expect 0 "$TTFBOX" synth quilt d --size 64x48 --block 12x10 --flatten --flatten-sigma $sigma --sink raw -o s$sigma.rgb
+done
+expect 0 "$TTFBOX" synth quilt d --size 64x48 --block 12x10 --flatten --sink raw -o s.rgb
+cmp -s s.rgb s6.rgb || fail "not half a block"
+cmp -s s.rgb s12.rgb && fail "any sigma gives the same"
+
 expect 2 "$TTFBOX" import in/*.png --interval 1min -o d
 said err "exists already"
 rm in/p5.png && printf 'no picture' >in/p5.png

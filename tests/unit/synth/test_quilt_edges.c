@@ -250,6 +250,34 @@ static uint32_t blocks_apart(uint32_t a, uint32_t b, uint32_t n, bool around)
     return around && n - d < d ? n - d : d;
 }
 
+/* Its corner in the input as it is, of a square block. */
+static void corner_of(const struct ttf_quilt_map *map, const struct ttf_quilt_block *block,
+                      uint32_t *ret_x, uint32_t *ret_y)
+{
+    const struct ttf_quilt_input *input = &map->inputs[block->input];
+    bool swapped = block->turn & 4;
+    uint32_t across = swapped ? input->height : input->width;
+    uint32_t down = swapped ? input->width : input->height;
+    uint32_t x = block->turn & 1 ? across - block->width - block->src_x : block->src_x;
+    uint32_t y = block->turn & 2 ? down - block->height - block->src_y : block->src_y;
+
+    *ret_x = swapped ? y : x;
+    *ret_y = swapped ? x : y;
+}
+
+static bool same_place(const struct ttf_quilt_map *map, const struct ttf_quilt_block *a,
+                       const struct ttf_quilt_block *b, uint32_t avoid)
+{
+    uint32_t ax, ay, bx, by;
+
+    if (a->turn != 0 || b->turn != 0) {
+        corner_of(map, a, &ax, &ay);
+        corner_of(map, b, &bx, &by);
+        return apart(ax, bx) <= avoid && apart(ay, by) <= avoid;
+    }
+    return apart(a->src_x, b->src_x) <= avoid && apart(a->src_y, b->src_y) <= avoid;
+}
+
 static unsigned count_repeated(const struct ttf_quilt_map *map, uint32_t columns, uint32_t avoid)
 {
     uint32_t rows = map->n_blocks / columns;
@@ -259,10 +287,10 @@ static unsigned count_repeated(const struct ttf_quilt_map *map, uint32_t columns
         for (unsigned j = 0; j < i; j++) {
             const struct ttf_quilt_block *a = &map->blocks[i], *b = &map->blocks[j];
 
-            repeated += a->input == b->input && a->turn == b->turn &&
+            repeated += a->input == b->input &&
                         blocks_apart(i % columns, j % columns, columns, map->tileable) <= 3 &&
                         blocks_apart(i / columns, j / columns, rows, map->tileable) <= 3 &&
-                        apart(a->src_x, b->src_x) <= avoid && apart(a->src_y, b->src_y) <= avoid;
+                        same_place(map, a, b, avoid);
         }
     }
     return repeated;
@@ -299,6 +327,65 @@ static void blocks_nearby_are_never_taken_from_nearby(void **state)
         }
     }
     ttf_pool_destroy(pool);
+    texture_free(&input);
+}
+
+/* A block beside its own mirror image makes a pattern that the eye finds at once. */
+static void a_place_mirrored_or_turned_is_the_same_place(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, 64, 60, 4);
+    struct ttf_quilt_config config = small_config();
+    unsigned plain = 0, turns_used = 0;
+
+    (void)state;
+    config.tileable = true; /* all blocks of one size */
+    config.width = 130;
+    config.height = 110;
+    config.block_width = config.block_height = 12;
+    config.flips = config.rotations = true;
+    for (config.seed = 1; config.seed <= 3; config.seed++) {
+        struct ttf_placement placement;
+        struct ttf_quilt_map map;
+
+        ttf_placement_make(&config, &placement);
+        config.avoid_px = 0;
+        quilt_plan_ok(&config, input.sequence, NULL, &map);
+        plain += count_repeated(&map, placement.columns, 2);
+        ttf_quilt_map_free(&map);
+        config.avoid_px = 2;
+        quilt_plan_ok(&config, input.sequence, NULL, &map);
+        assert_int_equal(count_repeated(&map, placement.columns, 2), 0);
+        for (unsigned i = 0; i < map.n_blocks; i++)
+            turns_used |= 1u << map.blocks[i].turn;
+        ttf_quilt_map_free(&map);
+    }
+    assert_true(plain > 0);
+    assert_int_equal(turns_used, 255);
+    texture_free(&input);
+}
+
+static void a_distance_that_leaves_nothing_is_halved(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, 60, 60, 4);
+    struct ttf_quilt_config config = small_config();
+    struct ttf_placement placement;
+    unsigned repeated[2];
+
+    (void)state;
+    config.tileable = false;
+    config.width = config.height = 150;
+    config.block_width = config.block_height = 12;
+    ttf_placement_make(&config, &placement);
+    for (int i = 0; i < 2; i++) {
+        struct ttf_quilt_map map;
+
+        config.avoid_px = i == 0 ? 0 : 60;
+        quilt_plan_ok(&config, input.sequence, NULL, &map);
+        repeated[i] = count_repeated(&map, placement.columns, 2);
+        ttf_quilt_map_free(&map);
+    }
+    assert_true(repeated[0] > 0);
+    assert_int_equal(repeated[1], 0); /* 60, 30, 15 and 7 may leave nothing, 3 always does */
     texture_free(&input);
 }
 
@@ -371,6 +458,8 @@ int main(void)
         cmocka_unit_test(a_tileable_output_goes_on_over_its_borders),
         cmocka_unit_test(tileable_outputs_of_any_size_are_whole),
         cmocka_unit_test(blocks_nearby_are_never_taken_from_nearby),
+        cmocka_unit_test(a_place_mirrored_or_turned_is_the_same_place),
+        cmocka_unit_test(a_distance_that_leaves_nothing_is_halved),
         cmocka_unit_test(where_nothing_else_is_left_repetition_is_allowed),
         cmocka_unit_test(an_uneven_input_is_repeated_less_where_asked),
     };

@@ -170,6 +170,37 @@ static void without_measuring_the_report_has_no_figures_of_frames(void **state)
     texture_free(&input);
 }
 
+static void seams_of_a_slowed_output_are_unknown_rather_than_none(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct ttf_quilt_report report;
+    struct ttf_rate_map rate = {config.width, config.height, NULL};
+    size_t pixels = (size_t)config.width * config.height;
+
+    (void)state;
+    rate.m = malloc(pixels * sizeof(*rate.m));
+    assert_non_null(rate.m);
+    for (size_t i = 0; i < pixels; i++)
+        rate.m[i] = i % 2 ? 1.0f : 0.5f;
+    for (int slowed = 0; slowed < 2; slowed++) {
+        struct quilt_taker taker = quilt_taker_make(&config, N);
+        json_t *root, *seams;
+
+        config.rate = slowed ? &rate : NULL;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+        root = json_of(&report);
+        seams = json_object_get(root, "seams");
+        assert_true(json_integer_value(json_object_get(seams, "pairs")) > 0);
+        assert_int_equal(json_is_null(json_object_get(seams, "excess")), slowed);
+        assert_int_equal(json_is_null(json_object_get(seams, "seam_gradient")), slowed);
+        json_decref(root);
+        quilt_taker_free(&taker);
+    }
+    ttf_rate_map_free(&rate);
+    texture_free(&input);
+}
+
 static void odd_inputs_have_defined_reports(void **state)
 {
     static const uint32_t lengths[] = {1, 2, 3};
@@ -203,6 +234,7 @@ int main(void)
         cmocka_unit_test(figures_are_of_what_was_put_out),
         cmocka_unit_test(jitter_takes_repeated_blocks_out_of_step),
         cmocka_unit_test(without_measuring_the_report_has_no_figures_of_frames),
+        cmocka_unit_test(seams_of_a_slowed_output_are_unknown_rather_than_none),
         cmocka_unit_test(odd_inputs_have_defined_reports),
     };
 

@@ -33,7 +33,7 @@ struct ttf_gradient {
 #define TTF_GRADIENT_MEAN UINT32_MAX
 
 /*
- * G is a Gaussian of sigma_px (> 0; ours: the larger block side) over one frame, or
+ * G is a Gaussian of sigma_px (> 0; ours: half the larger block side) over one frame, or
  * over TTF_GRADIENT_MEAN; at the borders the kernel's weights that lie inside are
  * normalised. A channel without light has a g of 1. -EINVAL (sigma or frame), -ENOMEM, the
  * sequence's. To free: ttf_gradient_free (NULL and zeroed ones allowed).

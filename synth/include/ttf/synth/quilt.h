@@ -70,7 +70,7 @@ struct ttf_quilt_config {
     bool flips, rotations; /* blocks also mirrored; also turned by 90, 180 and 270 degrees */
     bool tileable;         /* the output's edges fit each other */
     uint32_t
-        avoid_px; /* no block from within so many pixels of where one nearby was taken; 0: as it comes */
+        avoid_px; /* no block from within so many pixels of where one nearby was taken, however turned (halved where nothing would be left); 0: as it comes */
 
     const struct ttf_quilt_map
         *replay;  /* by ttf_quilt_run: this map instead of a search; NULL: none */
