@@ -9,6 +9,7 @@
 
 #include "metrics/activity.h"
 #include "quilt/compose.h"
+#include "search/second_differences.h"
 #include "ttf/synth/likeness.h"
 
 /* Frames that seams are measured on, evenly spread. */
@@ -25,6 +26,7 @@ struct ttf_figures {
     struct ttf_activity *plain; /* of what was copied, without jitter and feathering; or NULL */
     /* display codes of a frame: of the sources, and of the output */
     uint8_t *table, *source8, *output8;
+    struct ttf_second_differences noise; /* of the sources, over all frames */
     struct ttf_seams *seams;
     struct ttf_seams_figures last_seams;
     struct ttf_colour_distance *colour;
@@ -157,8 +159,10 @@ static void add_activity(struct ttf_figures *f, const uint16_t *source, const ui
 {
     uint32_t height = f->map->height;
 
-    if (source)
+    if (source) {
         encode(f, source, (size_t)f->sources->pixels * 3, f->source8);
+        ttf_second_differences_add(&f->noise, f->source8, f->sources->pixels);
+    }
     for (unsigned i = 0; source && i < f->sources->n; i++)
         ttf_activity_add8(f->in[i], pool, f->source8 + (size_t)f->sources->first[i] * 3);
     if (source && (f->plain || is_copied(f)))
@@ -236,7 +240,7 @@ static double without_noise(double difference, double noise_variance)
 static void finish_coherence(const struct ttf_figures *f, const struct ttf_quilt_map *map,
                              struct ttf_quilt_report *report)
 {
-    double noise = map->figures.noise_variance;
+    double noise = ttf_second_differences_noise(f->noise.counts);
 
     input_activity(f, &report->input);
     ttf_activity_figures(f->out, &report->output);
