@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "search/rank_ground.h"
 #include "search/rank_template.h"
 
 /* How many of the most promising positions are compared in full to get a first limit. */
@@ -20,8 +21,13 @@
 /* Fine cells pay for themselves where coarse ones let more than this share of positions pass. */
 #define FINE_SHARE 64u
 
+/* A plain ground is looked for where more than this share pass. */
+#define GROUND_SHARE 16u
+
 struct ttf_rank_workspace {
     struct ttf_rank_template template;
+    struct ttf_rank_ground ground;
+    bool on_ground; /* `ground` is of this query, and worth using */
     struct ttf_cell_target targets[TTF_CELLS_MAX];
     size_t room_positions, room_found, room_runs;
     struct ttf_run_place *runs; /* of each view, one after another */
@@ -47,6 +53,7 @@ void ttf_rank_workspace_destroy(struct ttf_rank_workspace *workspace)
     if (!workspace)
         return;
     ttf_rank_template_free(&workspace->template);
+    ttf_rank_ground_free(&workspace->ground);
     free(workspace->bounds);
     free(workspace->found);
     free(workspace->runs);
@@ -97,6 +104,8 @@ static uint64_t error_at(const struct ttf_rank_workspace *w, const struct ttf_ra
     size_t corner = (size_t)at->y * view->width + at->x;
     uint64_t limit = w->limit < (double)UINT64_MAX ? (uint64_t)w->limit : UINT64_MAX;
 
+    if (w->on_ground)
+        return ttf_rank_ground_error(&w->ground, w->search, at, limit);
     return w->search->kernels->ssd_runs(view->coefs + corner * w->search->matching->stride,
                                         w->runs + (size_t)at->view * w->template.n_runs,
                                         w->template.n_runs, w->template.coefs, limit);
@@ -335,6 +344,17 @@ static bool rest_excludes(const struct ttf_rank_workspace *w, const struct ttf_r
     return (double)rest > left;
 }
 
+/* Sums over a plain ground cost a pass over the views: worth it for many survivors. */
+static int look_for_ground(struct ttf_rank_workspace *w, size_t positions, size_t within)
+{
+    int r = within > positions / GROUND_SHARE
+                ? ttf_rank_ground_prepare(&w->ground, w->search, &w->template)
+                : 0;
+
+    w->on_ground = r > 0;
+    return r < 0 ? r : 0;
+}
+
 /* All positions that the bounds of `level` let pass, compared in full. The limit only tightens on the way. */
 static int compare_survivors(struct ttf_rank_workspace *w, unsigned level)
 {
@@ -467,13 +487,16 @@ static int run(struct ttf_rank_workspace *w, size_t positions)
 
     w->best = UINT64_MAX;
     w->limit = (double)UINT64_MAX;
+    w->on_ground = false;
     look_at_hints(w);
     bound_all(w, 0);
     look_at_seeds(w, positions, 0);
     within = count_within(w->bounds, positions, cell_limit(w, 0));
     w->counts.positions += positions;
     w->counts.survived_cells += within;
-    if (within <= positions / FINE_SHARE)
+    if (look_for_ground(w, positions, within) < 0)
+        return -ENOMEM;
+    if (within <= positions / FINE_SHARE || w->on_ground)
         return compare_survivors(w, 0);
     ttf_rank_template_refine(&w->template, w->search, w->query);
     if (place_runs(w) < 0)
