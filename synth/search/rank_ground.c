@@ -132,7 +132,7 @@ int ttf_rank_ground_prepare(struct ttf_rank_ground *ground, const struct ttf_ran
     g = template->coefs + at * stride;
     if (!ground->g || memcmp(ground->g, g, stride * sizeof(*g)) != 0) {
         if (!ground->g)
-            ground->g = malloc(stride * sizeof(*g));
+            ground->g = calloc(stride + 1, sizeof(*g));
         if (!ground->g)
             return -ENOMEM;
         memcpy(ground->g, g, stride * sizeof(*g));
