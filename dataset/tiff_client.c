@@ -7,6 +7,31 @@
 
 #include "ttf/base/checked.h"
 
+/*
+ * libtiff reads a folder tag by tag, a few bytes each, and every folder more than once: a call of
+ * the system for each would take longer than to read a small picture. False: not for the window.
+ */
+static bool read_window(struct tiff_client *client, void *buf, size_t n)
+{
+    int64_t from = client->position - client->position % (TIFF_WINDOW / 4), got;
+
+    if (n > TIFF_WINDOW / 4)
+        return false;
+    if (client->position < client->window_at ||
+        client->position + (int64_t)n > client->window_at + (int64_t)client->window_bytes) {
+        client->window_bytes = 0;
+        got = ttf_io_pread_all(client->io, client->file, client->window, TIFF_WINDOW, from);
+        /* An error may be of bytes that nobody asked for: the plain read will tell. */
+        if (got < client->position - from + (int64_t)n)
+            return false;
+        client->window_at = from;
+        client->window_bytes = (size_t)got;
+    }
+    memcpy(buf, client->window + (client->position - client->window_at), n);
+    client->position += (int64_t)n;
+    return true;
+}
+
 static tmsize_t client_read(thandle_t handle, void *buf, tmsize_t n)
 {
     struct tiff_client *client = handle;
@@ -14,6 +39,8 @@ static tmsize_t client_read(thandle_t handle, void *buf, tmsize_t n)
 
     if (n < 0 || client->position < 0)
         return -1;
+    if (read_window(client, buf, (size_t)n))
+        return n;
     got = ttf_io_pread_all(client->io, client->file, buf, (size_t)n, client->position);
     if (got < 0) {
         if (client->io_error == 0)
@@ -31,6 +58,7 @@ static tmsize_t client_write(thandle_t handle, void *buf, tmsize_t n)
 
     if (n < 0 || client->position < 0)
         return -1;
+    client->window_bytes = 0;
     r = ttf_io_pwrite_all(client->io, client->file, buf, (size_t)n, client->position);
     if (r < 0) {
         if (client->io_error == 0)

@@ -17,6 +17,9 @@
 /* No single allocation for the sake of a file is larger. */
 #define TIFF_ALLOC_MAX ((size_t)1 << 30)
 
+/* A part of the file that small reads are answered from. */
+#define TIFF_WINDOW 4096
+
 struct tiff_client {
     struct ttf_io *io;
     int file;
@@ -26,6 +29,9 @@ struct tiff_client {
     char message[256]; /* the first thing that libtiff complained of */
     char where[256];
     TIFF *tiff;
+    int64_t window_at;
+    size_t window_bytes; /* 0: none */
+    unsigned char window[TIFF_WINDOW];
 };
 
 /* Opens over an open handle; mode as TIFFOpen's. Nothing is printed, ever. */

@@ -27,7 +27,7 @@ struct ttf_tiff_reader {
     uint32_t band_rows;     /* rows of a strip or of a tile */
     size_t chunk_bytes;     /* of a strip or a tile, decoded */
     size_t chunk_row_bytes; /* of one row in it */
-    unsigned char *chunk;   /* one of them */
+    unsigned char *chunk;   /* one of them; NULL: decoded into the band at once */
     unsigned char *band;    /* band_rows x band_stride, unpacked */
     size_t band_stride;
     uint32_t band_index; /* UINT32_MAX: none */
@@ -129,6 +129,15 @@ static int read_photometric(struct ttf_tiff_reader *reader, struct ttf_err *err)
     }
 }
 
+/* Strips that lie as rows are handed out: most files, all of ours. */
+static bool is_band_itself(const struct ttf_tiff_reader *reader)
+{
+    return !reader->tiled && !reader->planar && !reader->palette &&
+           tiff_unpack_copies(&reader->layout, reader->info.samples) &&
+           reader->chunk_row_bytes == reader->band_stride &&
+           reader->chunk_bytes == reader->band_stride * reader->band_rows;
+}
+
 /* Strips or tiles: their sizes as libtiff will hand them out, checked against what we make of them. */
 static int read_chunks(struct ttf_tiff_reader *reader, struct ttf_err *err)
 {
@@ -167,9 +176,13 @@ static int read_chunks(struct ttf_tiff_reader *reader, struct ttf_err *err)
         band > TIFF_ALLOC_MAX)
         return ttf_err_set(err, -EFBIG, reader->client.where,
                            "a strip of %llu bytes is too large to read", (unsigned long long)chunk);
-    reader->chunk = malloc(reader->chunk_bytes);
+    if (!is_band_itself(reader)) {
+        reader->chunk = malloc(reader->chunk_bytes);
+        if (!reader->chunk)
+            return ttf_err_set(err, -ENOMEM, reader->client.where, "no memory for a strip");
+    }
     reader->band = malloc(band);
-    if (!reader->chunk || !reader->band)
+    if (!reader->band)
         return ttf_err_set(err, -ENOMEM, reader->client.where, "no memory for a strip");
     return 0;
 }
@@ -318,11 +331,13 @@ static int decode_strip(struct ttf_tiff_reader *reader, uint32_t index, unsigned
     TIFF *tiff = reader->client.tiff;
     uint32_t strip = TIFFComputeStrip(tiff, index * reader->band_rows, (uint16_t)plane);
     tmsize_t need = (tmsize_t)(rows * reader->chunk_row_bytes);
-    tmsize_t got = TIFFReadEncodedStrip(tiff, strip, reader->chunk, (tmsize_t)reader->chunk_bytes);
+    unsigned char *to = reader->chunk ? reader->chunk : reader->band;
+    tmsize_t got = TIFFReadEncodedStrip(tiff, strip, to, (tmsize_t)reader->chunk_bytes);
 
     if (got < need)
         return fail(reader, err, -TTF_EDAMAGED, "decoding a strip");
-    unpack_chunk(reader, 0, reader->info.width, rows, plane);
+    if (reader->chunk)
+        unpack_chunk(reader, 0, reader->info.width, rows, plane);
     return 0;
 }
 

@@ -68,8 +68,7 @@ static float float_at(const uint8_t *row, unsigned bits, size_t i)
     return value;
 }
 
-/* Rows that need nothing but their bytes. */
-static bool copied(const struct tiff_layout *layout, unsigned dst_step)
+bool tiff_unpack_copies(const struct tiff_layout *layout, unsigned dst_step)
 {
     unsigned bytes = (unsigned)ttf_sample_bytes(layout->format);
 
@@ -82,7 +81,7 @@ void tiff_unpack_row(const struct tiff_layout *layout, const uint8_t *src, size_
 {
     uint32_t max = layout->bits >= 16 ? 65535u : (1u << layout->bits) - 1;
 
-    if (copied(layout, dst_step)) {
+    if (tiff_unpack_copies(layout, dst_step)) {
         memcpy(dst, src, n * dst_step * ttf_sample_bytes(layout->format));
         return;
     }

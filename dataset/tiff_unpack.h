@@ -23,6 +23,9 @@ struct tiff_layout {
 /* The memory format that samples of these bits come as. */
 enum ttf_sample tiff_format_of(unsigned bits, bool is_float);
 
+/* Whether tiff_unpack_row does nothing but copy. */
+bool tiff_unpack_copies(const struct tiff_layout *layout, unsigned dst_step);
+
 /*
  * n pixels from packed bytes (a row begins at a byte; 16- and 32-bit words in
  * machine order, as libtiff hands them out) to dst, whose pixels are dst_step samples apart.

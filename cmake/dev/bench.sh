@@ -6,27 +6,13 @@ box=build/bin/ttfbox
 
 week() { python3 tests/bench/week.py "$box" boards/sim/plans/grass-week.yaml --board sim; }
 schedule() { python3 tests/bench/schedule.py "$box" --board boards/sim/real-clock.yaml "$@"; }
-# Of the folders of pictures given; else of the real sequences, where they are, and of a simulated week.
+# Of the folders of pictures given; else the sections named (agreement, coherence, ...; none: all) of synth.py.
 synth() {
-    if [ $# -gt 0 ]; then
+    if [ -d "${1:-}" ]; then
         build/tests/bench_quilt "$@"
         return
     fi
-    local data=${TTFBOX_TEST_DATA:-../shared/data} name
-    for name in copper clay; do
-        if [ -d "$data/timelapse/$name" ]; then
-            echo "== $name"
-            build/tests/bench_quilt "$data/timelapse/$name"
-        else
-            echo "== $name: skipped, $data is not there"
-        fi
-    done
-    echo "== a simulated week of grass"
-    scratch=$(mktemp -d)
-    trap 'rm -rf "$scratch"' EXIT
-    "$box" capture boards/sim/plans/demo.yaml --board sim-small -o "$scratch/grass" -q >"$scratch/log"
-    "$box" export "$scratch/grass" --to png -o "$scratch/png" -q >>"$scratch/log"
-    build/tests/bench_quilt "$scratch/png" --block 64x128
+    python3 -u tests/bench/synth.py "$box" build/tests "$@"
 }
 # Quilting of single pictures beside another program's synthesis; not part of all, which needs only this project.
 gmic() { python3 tests/bench/against_gmic.py "$box" build/tests/bench_patches "$@"; }
