@@ -141,6 +141,36 @@ static void bound_cells(const int16_t *cells, const struct ttf_cell_target *targ
         bound_group(cells + (n - 16) * TTF_CELL_DIMS, targets, n_targets, limit, bounds + n - 16);
 }
 
+typedef float rotate_v16 __attribute__((vector_size(64)));
+
+/* Sixteen numbers of four pixels. */
+static void rotate_16(const float *w, size_t dims, size_t room, const float *in, size_t in_stride,
+                      float *out)
+{
+    rotate_v16 sums[4] = {{0}};
+
+    for (size_t i = 0; i < dims; i++) {
+        rotate_v16 row;
+
+        memcpy(&row, w + i * room, sizeof(row));
+        for (size_t p = 0; p < 4; p++)
+            sums[p] += row * in[p * in_stride + i];
+    }
+    for (size_t p = 0; p < 4; p++)
+        memcpy(out + p * room, &sums[p], sizeof(sums[p]));
+}
+
+static void rotate4_wide(const float *w, size_t dims, size_t room, const float *in,
+                         size_t in_stride, float *out)
+{
+    size_t r = 0;
+
+    for (; r + 16 <= room; r += 16)
+        rotate_16(w + r, dims, room, in, in_stride, out + r);
+    if (r < room)
+        rotate_8(w + r, dims, room, in, in_stride, out + r);
+}
+
 const struct ttf_rank_kernels *ttf_rank_kernels_avx512(void)
 {
     static const struct ttf_rank_kernels kernels = {
@@ -148,7 +178,7 @@ const struct ttf_rank_kernels *ttf_rank_kernels_avx512(void)
         .ssd_i16 = ssd_i16,
         .ssd_runs = ssd_runs,
         .bound_cells = bound_cells,
-        .rotate4 = rotate4,
+        .rotate4 = rotate4_wide,
     };
 
     return __builtin_cpu_supports("avx512bw") ? &kernels : NULL;

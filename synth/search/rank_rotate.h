@@ -33,8 +33,8 @@ static inline void rotate_8(const float *w, size_t dims, size_t room, const floa
     memcpy(out + 3 * room, &d, sizeof(d));
 }
 
-static void rotate4(const float *w, size_t dims, size_t room, const float *in, size_t in_stride,
-                    float *out)
+__attribute__((unused)) static void rotate4(const float *w, size_t dims, size_t room,
+                                            const float *in, size_t in_stride, float *out)
 {
     for (size_t r = 0; r < room; r += 8)
         rotate_8(w + r, dims, room, in, in_stride, out + r);
