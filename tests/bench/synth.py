@@ -12,6 +12,8 @@ usage: synth.py TTFBOX TESTS [SECTION...] [--json FILE] [--plots FOLDER]
 import argparse
 import json
 import os
+import signal
+import sys
 
 from measured import Bench, load
 from synth_quality import agreement, coherence, exemplars
@@ -46,6 +48,8 @@ def main():
     unknown = [name for name in args.sections if name not in SECTIONS]
     if unknown:
         parser.error(f"there is no section '{unknown[0]}': {', '.join(SECTIONS)}")
+    # what is in memory is gigabytes: it goes away also where the run is ended from outside
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("bench synth: ended"))
     bench = Bench(args.ttfbox, args.tests, args.plots, args.runs, args.grass)
     try:
         for name in args.sections or SECTIONS:
