@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "ttf/synth/map_file.h"
 
@@ -18,8 +19,22 @@ static int keep(void *ctx, const struct ttf_quilt_factors *factors)
 {
     struct quilt_factors *f = ctx;
 
-    return ttf_io_write_file(f->cli->io, f->cli->opt.factors, factors->bytes, factors->size,
-                             &f->err);
+    free(f->grown);
+    f->grown = malloc(factors->size);
+    if (!f->grown)
+        return ttf_err_set(&f->err, -ENOMEM, "--factors", "no memory to keep them");
+    memcpy(f->grown, factors->bytes, factors->size);
+    f->grown_size = factors->size;
+    return 0;
+}
+
+int quilt_factors_save(const struct quilt_factors *factors)
+{
+    struct cli *cli = factors->cli;
+
+    return factors->grown ? ttf_io_write_file(cli->io, cli->opt.factors, factors->grown,
+                                              factors->grown_size, &cli->err)
+                          : 0;
 }
 
 int quilt_factors_open(struct cli *cli, struct quilt_factors *ret, struct ttf_quilt_config *config)
@@ -47,7 +62,8 @@ int quilt_factors_open(struct cli *cli, struct quilt_factors *ret, struct ttf_qu
 void quilt_factors_close(struct quilt_factors *factors)
 {
     free(factors->bytes);
-    factors->bytes = NULL;
+    free(factors->grown);
+    factors->bytes = factors->grown = NULL;
 }
 
 /* ---- maps ---- */

@@ -10,12 +10,17 @@
 struct quilt_factors {
     struct cli *cli;
     char *bytes; /* as read; NULL: there was no file */
+    char *grown; /* of this run; NULL: none yet */
+    size_t grown_size;
     struct ttf_err err;
 };
 
 /* Reads --factors if it is there, and sets known and keep_factors of config. */
 TTF_MUST_USE int quilt_factors_open(struct cli *cli, struct quilt_factors *ret,
                                     struct ttf_quilt_config *config);
+
+/* When the result is whole: what this run learnt goes into the file, all of it or nothing. */
+TTF_MUST_USE int quilt_factors_save(const struct quilt_factors *factors);
 void quilt_factors_close(struct quilt_factors *factors);
 
 /* --map, with what of config it says. */

@@ -173,6 +173,7 @@ static int open_sink(struct quilt_job *job)
                                          .source = job->source,
                                          .input = first(job),
                                          .config = &job->config,
+                                         .shrink = job->prepared.reduced ? job->prepared.shrink : 1,
                                          .edit = job->gradient.g || job->edit ? edit : NULL,
                                          .edit_ctx = job};
 
@@ -238,13 +239,16 @@ static int run(struct quilt_job *job)
                                    &job->map, &cli->err));
     if (r == 0) {
         complete_report(job);
+        saved =
+            cli->opt.save_map; /* there was none, so whatever lies there after a failure is ours */
         r = quilt_map_save(cli, &job->map);
-        saved = r == 0 && cli->opt.save_map;
     }
     if (r == 0)
         r = quilt_sink_finish(job->sink, &job->report, &cli->err);
     if (r < 0 && saved)
         (void)cli->io->ops->unlink(cli->io, cli->opt.save_map);
+    if (r == 0)
+        r = quilt_factors_save(&job->factors);
     if (r == 0 && cli->opt.check)
         r = check(job);
     cli_progress_end(&job->bar);

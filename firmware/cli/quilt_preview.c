@@ -86,7 +86,8 @@ static size_t bytes_of(const struct estimate *e, uint32_t shrink, uint32_t step)
 
 static uint32_t blocks_of(uint32_t size, uint32_t block)
 {
-    uint32_t step = block - (block / 6 > 2 ? block / 6 : 2);
+    uint32_t side = block < 4 ? 4 : block; /* smaller ones are refused later */
+    uint32_t step = side - (side / 6 > 2 ? side / 6 : 2);
 
     return size / step + 1;
 }

@@ -69,7 +69,7 @@ static void describe_stream(const struct quilt_sink *s, struct ttf_reader *paren
     out->samples = 3;
     out->format = TTF_SAMPLE_U16;
     out->encoding = s->spec.input->encoding;
-    out->mm_per_px = in ? in->mm_per_px : 0;
+    out->mm_per_px = in ? in->mm_per_px * s->spec.shrink : 0;
     out->primary = true;
 }
 

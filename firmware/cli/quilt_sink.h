@@ -27,6 +27,7 @@ struct quilt_sink_spec {
     const char *source;               /* the input's path */
     const struct ttf_sequence *input; /* these two must outlive the sink */
     const struct ttf_quilt_config *config;
+    uint32_t shrink; /* of the input, before: how many of its pixels one of these is across */
     /* What is done to each frame before it is written, in place; NULL: nothing. Any thread. */
     void (*edit)(void *ctx, const struct ttf_encoding *encoding, uint16_t *codes);
     void *edit_ctx;

@@ -270,7 +270,8 @@ static int compare_searches(const struct ttf_quilt_config *config, struct ttf_se
     for (unsigned i = 0; i < map->n_blocks && r == 0; i++) {
         if (config->cancel && *config->cancel)
             r = ttf_err_set(err, -ECANCELED, NULL, "cancelled");
-        else if (i > 0 && hash_of(&a, i) <= a.last_asked) {
+        else if (i > 0 && hash_of(&a, i) <= a.last_asked &&
+                 (map->blocks[i].left > 0 || map->blocks[i].top > 0)) {
             gather_known(&a, &map->blocks[i]);
             if (anywhere)
                 random_known(&a, &map->blocks[i], i);

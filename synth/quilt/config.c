@@ -51,16 +51,26 @@ void ttf_quilt_defaults(struct ttf_quilt_config *config)
 size_t ttf_quilt_matching_bytes(const struct ttf_quilt_config *config, uint32_t pixels, uint32_t n)
 {
     unsigned rank = config->rank_error > 0.0 ? TTF_QUILT_RANK_MAX : config->rank;
-    unsigned turns = (config->flips ? 3 : 1) * (config->rotations ? 3 : 1);
+    unsigned turns = config->flips && config->rotations ? 8
+                     : config->rotations                ? 4
+                     : config->flips                    ? 3
+                                                        : 1;
     double per_pixel, bytes;
 
     if (rank == TTF_QUILT_RANK_FULL) {
         /* trajectories, features, and 24 bytes of search workspace per position */
         per_pixel = 3.0 * n + (double)ttf_features_bytes_per_pixel(n) + 24.0;
     } else {
-        /* coefficients of each view, its cells and positions */
+        /* coefficients of each view (but the first, which are the matching's), its cells and positions */
+        unsigned numbers = rank * (config->per_channel ? 3 : 1);
+        unsigned stride = (numbers + TTF_COEF_LANES - 1) / TTF_COEF_LANES * TTF_COEF_LANES;
+
         per_pixel = (double)ttf_matching_bytes(1, rank, config->per_channel) +
-                    turns * (2.0 * rank + 2.0 * TTF_CELL_DIMS * TTF_CELL_LEVELS + sizeof(uint32_t));
+                    (turns - 1) * 2.0 * stride +
+                    turns * (2.0 * TTF_CELL_DIMS * TTF_CELL_LEVELS + sizeof(uint32_t)) +
+                    (config->known.bytes || config->keep_factors
+                         ? 2.0 * (double)ttf_matching_bytes(1, rank, config->per_channel)
+                         : 0.0);
     }
     bytes = per_pixel * pixels;
     return bytes < 1e18 ? (size_t)bytes : (size_t)1e18;
@@ -200,7 +210,7 @@ static int validate_memory(const struct ttf_quilt_config *config, uint32_t pixel
 {
     size_t bytes = ttf_quilt_matching_bytes(config, pixels, frames);
 
-    if (config->memory_bytes == 0 || bytes <= config->memory_bytes)
+    if (config->memory_bytes == 0 || config->replay || bytes <= config->memory_bytes)
         return 0;
     ttf_err_set(err, -EFBIG, NULL,
                 "matching %u frames of %u pixels needs %zu MiB of memory, %zu MiB are allowed",

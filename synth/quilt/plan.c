@@ -218,7 +218,9 @@ static int prepare_full(struct ttf_plan *plan, uint32_t first, uint32_t frames, 
     figures->load_ns = loaded_ns - start_ns;
     figures->prepare_ns = now_ns(config) - loaded_ns;
     /* only for its geometry: a matching without numbers */
-    return ttf_views_create(&plan->sources, &plan->matching, 1u, 1, plan->pool, &plan->views);
+    r = ttf_views_create(&plan->sources, &plan->matching, 1u, 1, plan->pool, &plan->views);
+    return r < 0 ? ttf_err_set(err, r, NULL, "no memory to match %u pixels", plan->sources.pixels)
+                 : 0;
 }
 
 static int prepare_rank(struct ttf_plan *plan, uint32_t first, uint32_t frames, struct ttf_err *err)

@@ -26,6 +26,12 @@ static int64_t whole(int64_t off)
                     : -((-off + half) / TTF_TIME_ONE * TTF_TIME_ONE);
 }
 
+/* Beyond the end of any input all times are the last one. */
+static uint32_t clamped(int64_t time)
+{
+    return time < UINT32_MAX ? (uint32_t)time : UINT32_MAX;
+}
+
 void ttf_time_jitter(uint64_t seed, unsigned block, uint32_t e_frames, uint32_t every, uint32_t n,
                      uint32_t *ret)
 {
@@ -45,7 +51,7 @@ void ttf_time_jitter(uint64_t seed, unsigned block, uint32_t e_frames, uint32_t 
             off = target;
         else
             off += target > off ? TTF_TIME_ONE / RAMP : -(int64_t)(TTF_TIME_ONE / RAMP);
-        ret[t] = (uint32_t)((int64_t)t * TTF_TIME_ONE + off);
+        ret[t] = clamped((int64_t)t * TTF_TIME_ONE + off);
     }
 }
 

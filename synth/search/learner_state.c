@@ -4,16 +4,30 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "search/hash.h"
 #include "search/learner.h"
 
-static const char MAGIC[8] = "ttfUS\0\1";
+static const char MAGIC[8] = "ttfUS\0\2";
 
 struct header {
     char magic[8];
     uint32_t byte_order; /* 1 as this machine writes it */
     uint32_t metric, n_factors, room, frames, reserved;
     uint64_t pixels;
+    uint64_t digest; /* of all that follows: a damaged byte must not spoil a search */
 };
+
+static uint64_t digest_of(const uint8_t *bytes, size_t size)
+{
+    uint64_t h = ttf_mix64(size), word = 0;
+
+    for (size_t i = 0; i < size; i += sizeof(word)) {
+        word = 0;
+        memcpy(&word, bytes + i, size - i < sizeof(word) ? size - i : sizeof(word));
+        h = ttf_mix64(h + word);
+    }
+    return h;
+}
 
 static size_t tiles_bytes(const struct ttf_factors *f)
 {
@@ -47,7 +61,6 @@ int ttf_learner_pack(const struct ttf_learner *learner, enum ttf_metric metric,
     if (!bytes)
         return -ENOMEM;
     memcpy(header.magic, MAGIC, sizeof(MAGIC));
-    memcpy(at, &header, sizeof(header));
     at += sizeof(header);
     memcpy(at, &learner->noise, sizeof(learner->noise));
     at += sizeof(learner->noise);
@@ -59,6 +72,8 @@ int ttf_learner_pack(const struct ttf_learner *learner, enum ttf_metric metric,
         memcpy(at + energies_bytes(f), f->coefs, coefs_bytes(f));
         at += own;
     }
+    header.digest = digest_of(bytes + sizeof(header), size - sizeof(header));
+    memcpy(bytes, &header, sizeof(header));
     *ret = (struct ttf_quilt_factors){bytes, size};
     return 0;
 }
@@ -126,6 +141,10 @@ int ttf_learner_unpack(const struct ttf_quilt_factors *bytes, const struct ttf_s
         return ttf_err_set(err, -EINVAL, "factors", "they are cut short");
     }
     at += sizeof(header);
+    if (digest_of(at, bytes->size - sizeof(header)) != header.digest) {
+        ttf_learner_free(&learner);
+        return ttf_err_set(err, -EINVAL, "factors", "they are damaged");
+    }
     memcpy(&learner.noise, at, sizeof(learner.noise));
     at += sizeof(learner.noise);
     for (unsigned i = 0; i < learner.n_factors; i++, at += own) {

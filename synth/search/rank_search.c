@@ -340,7 +340,8 @@ static bool rest_excludes(const struct ttf_rank_workspace *w, const struct ttf_r
         return true;
     rest = w->search->kernels->ssd_runs(view->coefs + corner * w->search->matching->stride,
                                         w->runs + (size_t)at->view * w->template.n_runs,
-                                        w->template.n_rest, w->template.coefs, (uint64_t)left);
+                                        w->template.n_rest, w->template.coefs,
+                                        left < (double)UINT64_MAX ? (uint64_t)left : UINT64_MAX);
     return (double)rest > left;
 }
 

@@ -53,7 +53,7 @@ double ttf_second_differences_noise(const uint64_t counts[TTF_SECOND_MAX + 1])
         all += counts[i];
     if (all == 0)
         return rounding;
-    while (2 * (below + counts[median]) < all)
+    while (median < TTF_SECOND_MAX && 2 * (below + counts[median]) < all)
         below += counts[median++];
     limit = median > 0 ? 5 * (uint64_t)median : 2;
     for (uint64_t i = 0; i <= TTF_SECOND_MAX && i <= limit; i++) {

@@ -85,7 +85,8 @@ struct ttf_quilt_config {
     bool jitter_round;               /* whole frames only; default: interpolated */
     const struct ttf_rate_map *rate; /* M, of the output's size; NULL: 1 everywhere. Borrowed */
 
-    int64_t (*now_ns)(void *ctx); /* for the report's times; NULL: no times */
+    /* for the report's times, from any of the pool's threads, several at once; NULL: no times */
+    int64_t (*now_ns)(void *ctx);
     void *now_ctx;
     void (*progress)(void *ctx, double done); /* 0..1; NULL allowed */
     void *progress_ctx;
@@ -216,8 +217,9 @@ TTF_MUST_USE int ttf_quilt_output_frames(const struct ttf_quilt_config *config, 
                                          uint32_t *ret, struct ttf_err *err);
 
 /*
- * What ttf_quilt_plan will hold while it searches `pixels` (of all inputs): in k-space whatever the
- * number of frames; in a full-time search about 3 n + 96 bytes per pixel.
+ * About what ttf_quilt_plan will hold while it searches `pixels` (of all inputs) with one thread (each
+ * further one has bounds and a template of its own: 4 bytes a pixel and view, and some
+ * 200 a pixel of a block): in k-space whatever the number of frames; in a full-time search about 3 n + 96 bytes per pixel.
  */
 size_t ttf_quilt_matching_bytes(const struct ttf_quilt_config *config, uint32_t pixels, uint32_t n);
 
