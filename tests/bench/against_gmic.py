@@ -92,22 +92,29 @@ def timed(command):
     return time.monotonic() - begin
 
 
+# Default arguments, and repetition avoided over a block's side.
+OURS = {"quilt": [], "avoid": ["--avoid", "64"]}
+
+
 def run_both(args, still, tmp):
     """Times and pictures of each program's runs, in turn, so that what else the machine does hits both."""
     raw = os.path.join(tmp, "quilt.raw")
-    times, pictures = {"quilt": [], "gmic": [], "gmic_start": []}, {"quilt": [], "gmic": []}
+    times = {name: [] for name in [*OURS, "gmic", "gmic_start"]}
+    pictures = {name: [] for name in [*OURS, "gmic"]}
     for i in range(args.runs):
-        ours, theirs = os.path.join(tmp, f"quilt-{i}.png"), os.path.join(tmp, f"gmic-{i}.png")
-        times["quilt"].append(timed([args.ttfbox, "synth", "quilt", still, "--size", f"{OUT}x{OUT}",
-                                     "--threads", str(THREADS), "--seed", str(i), "--sink", "raw", "-q",
-                                     "-o", raw]))
+        theirs = os.path.join(tmp, f"gmic-{i}.png")
+        for name, options in OURS.items():
+            ours = os.path.join(tmp, f"{name}-{i}.png")
+            times[name].append(timed([args.ttfbox, "synth", "quilt", still, "--size", f"{OUT}x{OUT}",
+                                      "--threads", str(THREADS), "--seed", str(i), "--sink", "raw", "-q",
+                                      "-o", raw] + options))
+            png_of_raw(raw, ours)
+            os.remove(raw)
+            pictures[name].append(ours)
         times["gmic"].append(timed(["gmic", still, "syntexturize_matchpatch", f"{OUT},{OUT}",
                                     "-o", theirs]))
         # its interpreter's start, reading and writing: what is not synthesis
         times["gmic_start"].append(timed(["gmic", still, "-o", os.path.join(tmp, "copy.png")]))
-        png_of_raw(raw, ours)
-        os.remove(raw)
-        pictures["quilt"].append(ours)
         pictures["gmic"].append(theirs)
     return times, pictures
 
