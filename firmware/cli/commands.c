@@ -17,11 +17,11 @@
         OPT_KEEP_GRADIENT, NULL                                                 \
     }
 
-#define BLOCK_OPTIONS                                                               \
-    {OPT_BLOCK, NULL}, {OPT_OVERLAP, NULL}, {OPT_FEATHER, NULL}, {OPT_FLIPS, NULL}, \
-        {OPT_ROTATIONS, NULL}, {OPT_AVOID, NULL},                                   \
-    {                                                                               \
-        OPT_SEED, NULL                                                              \
+#define BLOCK_OPTIONS                                                                \
+    {OPT_BLOCK, NULL}, {OPT_OVERLAP, NULL}, {OPT_FEATHER, NULL}, {OPT_MIRROR, NULL}, \
+        {OPT_FLIPS, NULL}, {OPT_ROTATIONS, NULL}, {OPT_AVOID, NULL},                 \
+    {                                                                                \
+        OPT_SEED, NULL                                                               \
     }
 
 #define MATCH_OPTIONS                                                                    \

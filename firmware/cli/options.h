@@ -63,6 +63,7 @@ enum cli_option {
     OPT_SVD,
     OPT_FACTORS,
     OPT_SOURCE,
+    OPT_MIRROR,
     OPT_FLIPS,
     OPT_ROTATIONS,
     OPT_TILEABLE,
@@ -117,7 +118,8 @@ struct cli_options {
     const char *svd, *factors, *rate_map, *normals, *heights, *curvature, *save_map, *map;
     const char *sources[CLI_SOURCES_MAX];
     unsigned n_sources;
-    bool flips, rotations, tileable, jitter_rounded, stabilise, deflicker, flatten, keep_gradient;
+    bool mirror, flips, rotations, tileable, jitter_rounded, stabilise, deflicker, flatten,
+        keep_gradient;
     bool figures, no_figures, preview;
     int64_t rank; /* 0: full */
     int64_t avoid, jitter, jitter_every, deflicker_window, agreement, memory_bytes, time_ns;

@@ -47,6 +47,7 @@ static const struct rule RULES[] = {
     {APART, OPT_SAVE_MAP, OPT_PER_FRAME, "frames quilted alone have no one map"},
     {APART, OPT_AGREEMENT, OPT_PER_FRAME, "frames quilted alone have no one map"},
     {APART, OPT_AGREEMENT, OPT_SOURCE, "it is measured of one input"},
+    {APART, OPT_AGREEMENT, OPT_MIRROR, "it is measured of blocks that are not turned"},
     {APART, OPT_AGREEMENT, OPT_FLIPS, "it is measured of blocks that are not turned"},
     {APART, OPT_AGREEMENT, OPT_ROTATIONS, "it is measured of blocks that are not turned"},
     {APART, OPT_AGREEMENT, OPT_TILEABLE, "it is measured of plain outputs"},
@@ -74,6 +75,7 @@ static const struct rule RULES[] = {
     {APART, OPT_MAP, OPT_SVD, FIXED},
     {APART, OPT_MAP, OPT_FACTORS, "nothing is matched where a map is given"},
     {APART, OPT_MAP, OPT_JITTER, FIXED},
+    {APART, OPT_MAP, OPT_MIRROR, FIXED},
     {APART, OPT_MAP, OPT_FLIPS, FIXED},
     {APART, OPT_MAP, OPT_ROTATIONS, FIXED},
     {APART, OPT_MAP, OPT_TILEABLE, FIXED},
@@ -114,8 +116,9 @@ static bool is_full(const struct cli_options *o)
 
 static int check_full(struct cli *cli)
 {
-    static const enum cli_option PAST[] = {OPT_SVD,       OPT_FACTORS,  OPT_SOURCE, OPT_FLIPS,
-                                           OPT_ROTATIONS, OPT_TILEABLE, OPT_AVOID,  OPT_AGREEMENT};
+    static const enum cli_option PAST[] = {OPT_SVD,      OPT_FACTORS, OPT_SOURCE,
+                                           OPT_MIRROR,   OPT_FLIPS,   OPT_ROTATIONS,
+                                           OPT_TILEABLE, OPT_AVOID,   OPT_AGREEMENT};
     char what[80];
 
     for (unsigned i = 0; is_full(&cli->opt) && i < TTF_COUNT_OF(PAST); i++) {
@@ -280,6 +283,7 @@ static void set_matching(const struct cli_options *o, struct ttf_quilt_config *c
     c->rank = (unsigned)o->rank;
     c->rank_error = o->rank_error / 100;
     c->per_channel = o->svd && strcmp(o->svd, "channels") == 0;
+    c->mirror = o->mirror;
     c->flips = o->flips;
     c->rotations = o->rotations;
     c->tileable = o->tileable;

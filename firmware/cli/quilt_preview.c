@@ -101,7 +101,7 @@ static double time_of(const struct estimate *e, uint32_t shrink, uint32_t step)
     uint32_t frames = (first->n - 1) / step + 1;
     double n = frames, passes = 2 + o->stabilise + o->deflicker;
     double blocks = (double)blocks_of(c.width, c.block_width) * blocks_of(c.height, c.block_height);
-    double turns = (c.flips ? 2 : 1) * (c.rotations ? 4 : 1);
+    double turns = __builtin_popcount(ttf_quilt_turns(&c));
     double numbers = c.rank_error > 0 ? TTF_QUILT_RANK_MAX : c.rank ? c.rank : 3 * n;
     double ns = (double)e->read_ns * (passes * n + (o->flatten ? 16 : 0));
 

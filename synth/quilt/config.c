@@ -48,13 +48,26 @@ void ttf_quilt_defaults(struct ttf_quilt_config *config)
                                         .metric = TTF_METRIC_DISPLAY};
 }
 
+unsigned ttf_quilt_turns(const struct ttf_quilt_config *config)
+{
+    unsigned turns = 1u << 0;
+
+    if (config->mirror)
+        turns |= 1u << 1;
+    if (config->flips)
+        turns |= 1u << 1 | 1u << 2;
+    if (config->rotations) /* by 90, 180 and 270 degrees */
+        turns |= 1u << 3 | 1u << 5 | 1u << 6;
+    /* a mirror and a turn make all the others */
+    if ((config->mirror || config->flips) && config->rotations)
+        turns = (1u << TTF_TURN_COUNT) - 1;
+    return turns;
+}
+
 size_t ttf_quilt_matching_bytes(const struct ttf_quilt_config *config, uint32_t pixels, uint32_t n)
 {
     unsigned rank = config->rank_error > 0.0 ? TTF_QUILT_RANK_MAX : config->rank;
-    unsigned turns = config->flips && config->rotations ? 8
-                     : config->rotations                ? 4
-                     : config->flips                    ? 3
-                                                        : 1;
+    unsigned turns = (unsigned)__builtin_popcount(ttf_quilt_turns(config));
     double per_pixel, bytes;
 
     if (rank == TTF_QUILT_RANK_FULL) {
@@ -130,7 +143,7 @@ static int validate_rank(const struct ttf_quilt_config *config, struct ttf_err *
     if (!isfinite(config->rank_error) || config->rank_error < 0.0 || config->rank_error > 1.0)
         return ttf_err_set(err, -EINVAL, "rank_error", "%g is not within 0 and 1",
                            config->rank_error);
-    if (full && (config->n_more > 0 || config->flips || config->rotations || config->tileable ||
+    if (full && (config->n_more > 0 || ttf_quilt_turns(config) != 1 || config->tileable ||
                  config->avoid_px > 0 || config->known.bytes)) {
         ttf_err_set(err, -EINVAL, "rank",
                     "the search over all frames takes one input as it is and does nothing more");
@@ -147,7 +160,7 @@ static int validate_agreement(const struct ttf_quilt_config *config, struct ttf_
     bool full = config->rank == TTF_QUILT_RANK_FULL && !(config->rank_error > 0.0);
 
     if (config->agreement_queries > 0 &&
-        (full || config->n_more > 0 || config->flips || config->rotations || config->tileable ||
+        (full || config->n_more > 0 || ttf_quilt_turns(config) != 1 || config->tileable ||
          config->per_frame))
         return ttf_err_set(err, -EINVAL, "agreement",
                            "only a search with a rank for one map of one input, unturned and not "

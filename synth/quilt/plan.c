@@ -184,19 +184,6 @@ static uint32_t narrowest(const struct ttf_plan *plan)
                                                                  : plan->placement.overlap_y;
 }
 
-static unsigned turns_of(const struct ttf_quilt_config *config)
-{
-    unsigned turns = 1u << 0;
-
-    if (config->flips)
-        turns |= 1u << 1 | 1u << 2;
-    if (config->rotations) /* by 90, 180 and 270 degrees */
-        turns |= 1u << 3 | 1u << 5 | 1u << 6;
-    if (config->flips && config->rotations)
-        turns = (1u << TTF_TURN_COUNT) - 1;
-    return turns;
-}
-
 static int prepare_full(struct ttf_plan *plan, uint32_t first, uint32_t frames, struct ttf_err *err)
 {
     const struct ttf_quilt_config *config = plan->config;
@@ -235,8 +222,8 @@ static int prepare_rank(struct ttf_plan *plan, uint32_t first, uint32_t frames, 
     if (r < 0)
         return r;
     loaded_ns = now_ns(config);
-    r = ttf_views_create(&plan->sources, &plan->matching, turns_of(config), narrow, plan->pool,
-                         &plan->views);
+    r = ttf_views_create(&plan->sources, &plan->matching, ttf_quilt_turns(config), narrow,
+                         plan->pool, &plan->views);
     if (r < 0)
         return ttf_err_set(err, r, NULL, "no memory to match %u pixels", plan->sources.pixels);
     plan->rank = (struct ttf_rank_search){&plan->matching, &plan->views, ttf_rank_kernels_best(),

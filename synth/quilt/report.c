@@ -43,6 +43,7 @@ static void put_parameters(const struct ttf_quilt_report *report, struct ttf_jso
     if (config->jitter_frames > 0)
         ttf_json_kint(json, "jitter_every", config->jitter_every);
     ttf_json_kbool(json, "rate_map", config->rate != NULL);
+    ttf_json_kbool(json, "mirror", config->mirror);
     ttf_json_kbool(json, "flips", config->flips);
     ttf_json_kbool(json, "rotations", config->rotations);
     ttf_json_kbool(json, "tileable", config->tileable);

@@ -91,6 +91,7 @@ while read -r words; do
 done <<END
 --rank 5 --rank-error 2
 --rank full --factors f
+--rank full --mirror
 --rank full --flips
 --rank full --rotations
 --rank full --tileable
@@ -136,6 +137,7 @@ done <<END
 --map map.json --svd channels
 --map map.json --factors f
 --map map.json --jitter 1
+--map map.json --mirror
 --map map.json --flips
 --map map.json --rotations
 --map map.json --tileable

@@ -147,6 +147,30 @@ static void only_turns_asked_for(bool flips, bool rotations)
     texture_free(&input);
 }
 
+static void a_mirror_leaves_upright_what_stands(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, 44, 36, 6);
+    struct ttf_quilt_config config = small_config();
+    struct ttf_quilt_map map;
+    unsigned mirrored = 0;
+
+    (void)state;
+    config.width = config.height = 140;
+    config.mirror = true;
+    quilt_plan_ok(&config, input.sequence, NULL, &map);
+    quilt_blocks_are_what_is_shown(&map);
+    for (unsigned i = 0; i < map.n_blocks; i++) {
+        int right[2], down[2];
+
+        steps_of(&map, &map.blocks[i], right, down);
+        assert_true(down[0] == 0 && down[1] == 1);
+        mirrored += right[0] == -1;
+    }
+    assert_true(mirrored > 0 && mirrored < map.n_blocks);
+    ttf_quilt_map_free(&map);
+    texture_free(&input);
+}
+
 static void blocks_are_turned_as_asked_and_no_other_way(void **state)
 {
     (void)state;
@@ -214,6 +238,7 @@ int main(void)
         cmocka_unit_test(a_plan_of_two_inputs_uses_both),
         cmocka_unit_test(a_further_input_may_be_smaller_than_a_block),
         cmocka_unit_test(inputs_that_do_not_go_together_are_refused),
+        cmocka_unit_test(a_mirror_leaves_upright_what_stands),
         cmocka_unit_test(blocks_are_turned_as_asked_and_no_other_way),
         cmocka_unit_test(turned_blocks_fit_better),
         cmocka_unit_test(a_ramp_that_ends_is_gone_back_on_by_its_mirror),

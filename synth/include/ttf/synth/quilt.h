@@ -67,7 +67,8 @@ struct ttf_quilt_config {
     /* Beyond the paper. */
     struct ttf_sequence *const *more; /* further inputs of the same material, frames and encoding */
     unsigned n_more;                  /* 0..15 */
-    bool flips, rotations; /* blocks also mirrored; also turned by 90, 180 and 270 degrees */
+    bool mirror;           /* blocks also mirrored left to right: what stands upright still does */
+    bool flips, rotations; /* mirrored either way; turned by 90, 180 and 270 degrees */
     bool tileable;         /* the output's edges fit each other */
     uint32_t
         avoid_px; /* no block from within so many pixels of where one nearby was taken, however turned (halved where nothing would be left); 0: as it comes */
@@ -94,6 +95,9 @@ struct ttf_quilt_config {
 };
 
 void ttf_quilt_defaults(struct ttf_quilt_config *config);
+
+/* How blocks may be turned under a configuration: a set of bits 1 << turn, bit 0 (as it is) always. */
+unsigned ttf_quilt_turns(const struct ttf_quilt_config *config);
 
 /*
  * How a block is turned: bits 0 (mirrored left to right) and 1 (top to bottom), bit 2:
