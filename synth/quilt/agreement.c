@@ -28,7 +28,7 @@ struct agreement {
     struct ttf_search *full;
     uint32_t *known;
     uint64_t last_asked; /* the largest hash of a query that is compared */
-    unsigned costs, jump_costs;
+    unsigned costs;
     struct ttf_agreement sums;
 };
 

@@ -23,7 +23,8 @@ struct ttf_figures {
     const struct ttf_quilt_map *map;
     uint32_t frames;
     struct ttf_activity *in[TTF_QUILT_INPUTS_MAX], *out;
-    struct ttf_activity *plain; /* of what was copied, without jitter and feathering; or NULL */
+    struct ttf_activity
+        *plain; /* of what was copied, without jitter and feathering; NULL: slowed or per frame */
     /* display codes of a frame: of the sources, and of the output */
     uint8_t *table, *source8, *output8;
     struct ttf_second_differences noise; /* of the sources, over all frames */
@@ -90,14 +91,14 @@ size_t ttf_figures_bytes(const struct ttf_figures *f)
 {
     size_t in = f->sources->pixels, out = (size_t)f->config->width * f->config->height;
 
-    /* last frames as 8-bit codes, sums over 4 x 4 pixels, sums of pixels, a plain frame */
+    /* frames as 8-bit codes, sums over 4 x 4 pixels, sums of pixels */
     return in * 11 + out * (f->plain ? 11 : 7);
 }
 
-/* Where the output is not just copied at its own time: what it would be then. */
+/* What the output would be if it were copied at its own time and nothing else: often it is. */
 static int watch_plain(struct ttf_figures *f, const struct ttf_quilt_map *map)
 {
-    if (f->config->rate || f->config->per_frame || (!map->times && map->n_layers == 0))
+    if (f->config->rate)
         return 0;
     f->plain = ttf_activity_create(map->width, map->height, &f->sources->list[0]->encoding);
     return f->plain ? 0 : -ENOMEM;
@@ -148,12 +149,7 @@ static void encode(const struct ttf_figures *f, const uint16_t *codes, size_t n,
         ret[i] = f->table[codes[i]];
 }
 
-/* Whether output pixels are source pixels at their own time: then display codes are copied, not encoded anew. */
-static bool is_copied(const struct ttf_figures *f)
-{
-    return !f->map->times && !f->config->rate && f->map->n_layers == 0;
-}
-
+/* The output is measured as it came, what was copied by copying anew: neither takes the other's word. */
 static void add_activity(struct ttf_figures *f, const uint16_t *source, const uint16_t *output,
                          struct ttf_pool *pool)
 {
@@ -165,12 +161,11 @@ static void add_activity(struct ttf_figures *f, const uint16_t *source, const ui
     }
     for (unsigned i = 0; source && i < f->sources->n; i++)
         ttf_activity_add8(f->in[i], pool, f->source8 + (size_t)f->sources->first[i] * 3);
-    if (source && (f->plain || is_copied(f)))
+    if (source && f->plain) {
         ttf_compose_rows8(f->map, f->source8, 0, height, f->output8);
-    if (source && f->plain)
         ttf_activity_add8(f->plain, pool, f->output8);
-    if (!source || !is_copied(f))
-        encode(f, output, (size_t)f->config->width * height * 3, f->output8);
+    }
+    encode(f, output, (size_t)f->config->width * height * 3, f->output8);
     ttf_activity_add8(f->out, pool, f->output8);
 }
 
@@ -251,14 +246,9 @@ static void finish_coherence(const struct ttf_figures *f, const struct ttf_quilt
     if (f->config->per_frame || f->config->rate)
         return;
     report->coherence_copied = ratio(report->output.mean_difference, copied_difference(f, map));
-    report->flicker_copied = report->output.second_difference > 0.0 ? 1.0 : 0.0;
-    if (f->plain) {
-        ttf_activity_figures(f->plain, &report->copied);
-        report->flicker_copied =
-            ratio(report->output.second_difference, report->copied.second_difference);
-    } else {
-        report->copied = report->output;
-    }
+    ttf_activity_figures(f->plain, &report->copied);
+    report->flicker_copied =
+        ratio(report->output.second_difference, report->copied.second_difference);
 }
 
 int ttf_figures_finish(struct ttf_figures *f, const struct ttf_quilt_map *map,

@@ -244,7 +244,8 @@ static void put_search(const struct ttf_quilt_report *report, struct ttf_json *j
     ttf_json_object(json);
     ttf_json_kint(json, "positions", (int64_t)search->positions);
     ttf_json_kint(json, "past_cells", (int64_t)search->survived_cells);
-    ttf_json_kint(json, "past_rank", (int64_t)search->survived_rank);
+    if (report->rank.rank == TTF_QUILT_RANK_FULL && !report->config.replay)
+        ttf_json_kint(json, "past_rank", (int64_t)search->survived_rank);
     ttf_json_kint(json, "exact", (int64_t)search->exact);
     ttf_json_kdouble(json, "noise_variance", search->noise_variance);
     ttf_json_object_end(json);

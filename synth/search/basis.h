@@ -5,8 +5,8 @@
  * the pixels.
  *
  * Any orthonormal set serves the exact search, which only takes bounds from it; a
- * better one makes it faster. A search in k-space alone (section 5.2) needs the
- * factorisation of all pixels instead, and has its place here.
+ * better one makes it faster. The search in k-space (section 5.2) has factors of all
+ * pixels instead: factors.h.
  */
 #ifndef TTF_SYNTH_SEARCH_BASIS_H
 #define TTF_SYNTH_SEARCH_BASIS_H

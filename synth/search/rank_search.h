@@ -4,9 +4,9 @@
  * (section 5.2): sums of squared differences of quantised coefficients, exactly, over all
  * positions of all views.
  *
- * A lower bound from cells (cells.h) excludes many positions, the pixels' strongest numbers most
- * of the rest; what is left is compared in full, in integers, and given up as soon as it passes the
- * limit. So the result is that of a plain search.
+ * Lower bounds from coarse cells, then from fine ones (cells.h), exclude most positions; what is left
+ * is compared in full, in integers, and given up as soon as it passes the limit. So the result
+ * is that of a plain search.
  *
  * Threads: one search serves several queries at once, each with a workspace of its own.
  */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * trajectories.h: what matching compares: the input as one row of 3 n 8-bit codes
+ * trajectories.h: what the search over all frames compares: the input as one row of 3 n 8-bit codes
  * per pixel (channel fastest, then time), so that a pixel's whole history lies
  * together and sums of squared differences are exact integers.
  *
- * This is the place of T in eq. 4 (one row of 3 n values per pixel); a rank-k
- * factorisation of it is built from here (basis.h).
+ * T of eq. 4 whole (one row of 3 n values per pixel); the search in k-space never holds
+ * it (factors.h).
  */
 #ifndef TTF_SYNTH_SEARCH_TRAJECTORIES_H
 #define TTF_SYNTH_SEARCH_TRAJECTORIES_H
