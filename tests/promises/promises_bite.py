@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Shows that promises.py bites: each wrong table must be refused, for its own reason.
+
+usage: promises_bite.py ROOT
+"""
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+HEAD = "## The promises\n\n| operation | when | what holds | test |\n|---|---|---|---|\n"
+GOOD = "| opening | cut | nothing is lost | `a_test_of_old` |\n"
+WRONG = [
+    ("", "no table"),
+    (HEAD, "no table"),
+    (HEAD + GOOD + "| opening | rot | it is found | `nobody_wrote_this` |\n", "there is no test `nobody_wrote_this`"),
+    (HEAD + GOOD + "| opening | rot | it is found | by looking |\n", "a promise without a test: it is found"),
+    (HEAD + GOOD + "| opening | rot | | `a_test_of_old` |\n", "only the operation may be as above"),
+    (HEAD + GOOD + "| opening | rot | it is found | `never_called` |\n", "there is no test `never_called`"),
+]
+SOURCE = """static void a_test_of_old(void **state) {}
+static void never_called(void **state) {}
+int main(void) { cmocka_unit_test(a_test_of_old); }
+"""
+
+
+def main():
+    checker = Path(sys.argv[1]) / "tests/promises/promises.py"
+    bad = 0
+    with tempfile.TemporaryDirectory() as tmp:
+        tests = Path(tmp) / "tests"
+        tests.mkdir()
+        (tests / "test.c").write_text(SOURCE)
+        design = Path(tmp) / "DESIGN.md"
+
+        def check(text):
+            design.write_text(text)
+            return subprocess.run([sys.executable, checker, design, tests], capture_output=True, text=True)
+
+        run = check(HEAD + GOOD)
+        if run.returncode != 0:
+            print("a good table was refused\n" + run.stdout)
+            bad += 1
+        for text, expected in WRONG:
+            run = check(text)
+            if run.returncode == 0 or expected not in run.stdout:
+                print(f"not found: {expected}\n{text}{run.stdout}")
+                bad += 1
+    print(f"{len(WRONG)} wrong tables, {bad} let through")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
