@@ -124,7 +124,7 @@ static int copy_folder(struct ttf_writer *writer, const char *id, const char *fo
         goto out;
     }
     ttf_paths_sort(&names);
-    r = ttf_io_mkdirs(io, to, err);
+    r = ttf_writer_folder(writer, to + strlen(writer->path) + 1, err);
     for (i = 0; r == 0 && i < names.n; i++)
         r = copy_named(writer, id, folder, names.items[i], json, err);
     if (r == 0) {

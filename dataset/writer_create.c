@@ -90,13 +90,9 @@ out:
 int ttf_writer_plan_files(struct ttf_writer *writer, int n, const char *yaml, const char *text,
                           struct ttf_json *json, struct ttf_err *err)
 {
-    char *folder = ttf_path_format("%s/plans", writer->path);
     int r;
 
-    if (!folder)
-        return ttf_err_set(err, -ENOMEM, writer->path, "no memory");
-    r = ttf_io_mkdirs(writer->io, folder, err);
-    free(folder);
+    r = ttf_writer_folder(writer, "plans", err);
     ttf_json_kint(json, "plan", n);
     ttf_json_key(json, "files");
     ttf_json_array(json);
@@ -187,6 +183,10 @@ static int fill_folder(struct ttf_writer *writer, const char *text, const char *
     if (r)
         return r;
     r = ttf_writer_lock(writer, err);
+    if (r)
+        return r;
+    ttf_writer_sync_above(writer);
+    r = ttf_writer_sync_names(writer, err);
     if (r)
         return r;
     r = write_records(writer, plan_yaml, plan_json, &tail, err);

@@ -131,13 +131,35 @@ static int one_try(struct attempt *a, struct ttf_file_ref *ref, const char *stre
     return attempt(a, ref, err);
 }
 
+/* frames/STREAM or raw/STREAM. Its name is made durable once; later it is only made sure that it is there. */
+static int make_folder(struct ttf_writer *writer, bool raw, const char *stream, struct ttf_err *err)
+{
+    const struct ttf_stream *at = ttf_manifest_stream(&writer->manifest, stream);
+    uint32_t *durable = raw ? &writer->raw_durable : &writer->frames_durable;
+    uint32_t bit = UINT32_C(1) << (at - writer->manifest.streams);
+    char folder[TTF_PATH_MAX];
+    int r;
+
+    if (*durable & bit)
+        r = ttf_path_put(folder, "%s/%s/%s", writer->path, raw ? "raw" : "frames", stream);
+    else
+        r = ttf_path_put(folder, "%s/%s", raw ? "raw" : "frames", stream);
+    if (r)
+        return ttf_err_set(err, r, stream, "its folder's name is too long");
+    if (*durable & bit)
+        return ttf_io_mkdirs(writer->io, folder, err);
+    r = ttf_writer_folder(writer, folder, err);
+    if (r == 0)
+        *durable |= bit;
+    return r;
+}
+
 int ttf_writer_file(struct ttf_writer *writer, const char *role, const char *stream, int64_t index,
                     int bracket, const char *extension, ttf_produce_fn *produce, void *ctx,
                     struct ttf_file_ref *ret, struct ttf_err *err)
 {
     struct attempt a = {.writer = writer, .produce = produce, .ctx = ctx};
     struct ttf_file_ref ref = {0};
-    char folder[TTF_PATH_MAX];
     int r, retry = 0;
 
     if (!ttf_name_ok(role) || strlen(role) >= sizeof(ref.role) ||
@@ -149,11 +171,7 @@ int ttf_writer_file(struct ttf_writer *writer, const char *role, const char *str
     if (r)
         return r;
     snprintf(ref.role, sizeof(ref.role), "%s", role);
-    r = ttf_path_put(folder, "%s/%s/%s", writer->path, strcmp(role, "raw") == 0 ? "raw" : "frames",
-                     stream);
-    if (r)
-        return ttf_err_set(err, r, stream, "its folder's name is too long");
-    r = ttf_io_mkdirs(writer->io, folder, err);
+    r = make_folder(writer, strcmp(role, "raw") == 0, stream, err);
     if (r)
         return r;
     r = one_try(&a, &ref, stream, index, bracket, extension, &retry, err);

@@ -22,6 +22,7 @@ struct ttf_writer {
     bool ended;       /* the last line is an "end" line */
     int sums;         /* handle of SHA256SUMS, appended to; -1: not open */
     bool sums_behind; /* an append failed: to be rebuilt */
+    uint32_t frames_durable, raw_durable; /* streams whose folder's name is on the disk: bits */
     unsigned n_calibrations;
     char (*calibrations)[64]; /* ids that have a line */
 };
@@ -31,6 +32,14 @@ TTF_MUST_USE int ttf_writer_lock(struct ttf_writer *writer, struct ttf_err *err)
 
 /* An empty writer for path; NULL: no memory. ttf_writer_abandon frees it. */
 struct ttf_writer *ttf_writer_alloc(struct ttf_io *io, const char *path);
+
+/* Makes a folder of the dataset, and makes sure that its name is on the disk even if it was there. */
+TTF_MUST_USE int ttf_writer_folder(struct ttf_writer *writer, const char *folder,
+                                   struct ttf_err *err);
+/* The names in the dataset's folder, and its own, are on the disk after this. */
+TTF_MUST_USE int ttf_writer_sync_names(struct ttf_writer *writer, struct ttf_err *err);
+/* The names of the folders above, as far as we may. */
+void ttf_writer_sync_above(struct ttf_writer *writer);
 
 /* Before anything is written: the seal goes first. */
 TTF_MUST_USE int ttf_writer_unseal(struct ttf_writer *writer, struct ttf_err *err);
