@@ -25,8 +25,9 @@ struct stingy {
     struct ttf_io io;
     struct ttf_io_ops ops;
     unsigned calls;
-    int closes_to_fail; /* -1: none; 0: the next one */
-    int reads_to_fail;  /* -1: none; else every one from then on */
+    int closes_to_fail;  /* -1: none; 0: the next one */
+    int reads_to_fail;   /* -1: none; else every one from then on */
+    int64_t failed_read; /* what those return */
     bool sparing;
 };
 
@@ -50,7 +51,7 @@ static int64_t st_pread(struct ttf_io *io, int file, void *buf, size_t n, int64_
     struct stingy *s = stingy(io);
 
     if (s->reads_to_fail == 0)
-        return -EIO;
+        return s->failed_read;
     if (s->reads_to_fail > 0)
         s->reads_to_fail--;
     return disturbed(s) ? -EINTR : quick_io()->ops->pread(io, file, buf, portion(s, n), offset);
@@ -82,7 +83,8 @@ static int st_close(struct ttf_io *io, int file)
 
 static struct ttf_io *stingy_init(struct stingy *s)
 {
-    *s = (struct stingy){.ops = *quick_io()->ops, .closes_to_fail = -1, .reads_to_fail = -1};
+    *s = (struct stingy){
+        .ops = *quick_io()->ops, .closes_to_fail = -1, .reads_to_fail = -1, .failed_read = -EIO};
     s->io.ops = &s->ops;
     s->ops.pread = st_pread;
     s->ops.pwrite = st_pwrite;
@@ -131,14 +133,13 @@ static int produce_restlessly(void *ctx, struct ttf_io *io, int file, struct ttf
     return r ? r : ttf_io_append_all(io, file, "another end", 11);
 }
 
-/* Front to back, but for a piece that is taken back: as long as if it had been. */
-static int produce_taking_back(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
+/* Front to back, but for a piece that is cut off and left out: as long as if it had been written. */
+static int produce_with_a_hole(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
 {
-    int r = ttf_io_append_all(io, file, "wrong", 5);
+    int r = ttf_io_append_all(io, file, "beginning ", 10);
 
-    r = r ? r : io->ops->truncate(io, file, 0);
-    r = r ? r : ttf_io_append_all(io, file, "right", 5);
-    return r ? r : ttf_io_append_all(io, file, "right", 5) || io->ops->truncate(io, file, 5);
+    r = r ? r : io->ops->truncate(io, file, 5);
+    return r ? r : ttf_io_pwrite_all(io, file, "and end", 7, 10);
 }
 
 static void assert_hash_is_of_the_file(const char *path, const struct ttf_file_ref *ref)
@@ -193,10 +194,23 @@ static void a_file_that_was_cut_and_written_on_has_its_right_hash(void **state)
         0);
     assert_hash_is_of_the_file(path, &ref);
     assert_int_equal(
-        ttf_writer_file(writer, "raw", "main", 1, -1, "x", produce_taking_back, NULL, &ref, NULL),
+        ttf_writer_file(writer, "raw", "main", 1, -1, "x", produce_with_a_hole, NULL, &ref, NULL),
         0);
     assert_hash_is_of_the_file(path, &ref);
     ttf_writer_close(writer);
+}
+
+static void a_calibration_larger_than_one_piece_is_copied_whole(void **state)
+{
+    const char *path = in(*state, "d"), *cal = in(*state, "cal");
+    struct ttf_writer *writer = small_create(quick_io(), path);
+
+    assert_int_equal(mkdir(cal, 0777), 0);
+    assert_int_equal(run("seq 100000 > '%s/flat.tif'", cal), 0); /* 575 KiB */
+    assert_int_equal(ttf_writer_calibration(writer, "cal-1", cal, NULL), 0);
+    ttf_writer_close(writer);
+    assert_int_equal(run("cmp '%s/flat.tif' '%s/calibration/cal-1/flat.tif'", cal, path), 0);
+    assert_clean(quick_io(), path);
 }
 
 /* ---- closing and reading fail ---- */
@@ -253,26 +267,35 @@ static void records_that_cannot_be_read_are_not_taken_for_none(void **state)
     assert_clean(quick_io(), path);
 }
 
+/* Neither where reading fails, nor where it gives less than was written. */
 static void records_that_cannot_be_read_back_are_not_replaced(void **state)
 {
-    const char *path = in(*state, "d");
-    struct stingy s;
-    struct cue cue = {.error = EIO, .op = "sync", .in = "records.jsonl"};
-    struct ttf_io *io = ttf_io_faulty_create(stingy_init(&s), cue_fault, &cue);
-    struct ttf_writer *writer = small_create(io, path);
+    static const int64_t failures[] = {-EIO, 0};
+    char path[300];
+    size_t i;
 
-    assert_int_equal(small_slot(writer, 0), 0);
-    cue.at = cue.n + 1;
-    s.reads_to_fail = 0;
-    assert_int_equal(small_slot(writer, 1), -EIO);
-    s.reads_to_fail = -1;
-    assert_int_equal(small_slot(writer, 1), -EIO); /* for good: what lies there is not known */
-    ttf_writer_abandon(writer);
-    ttf_io_faulty_destroy(io);
-    assert_int_equal(small_check(quick_io(), path), 1);
-    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
-    assert_int_equal(ttf_writer_state(writer)->next_index, 1);
-    ttf_writer_close(writer);
+    for (i = 0; i < TTF_COUNT_OF(failures); i++) {
+        struct stingy s;
+        struct cue cue = {.error = EIO, .op = "sync", .in = "records.jsonl"};
+        struct ttf_io *io = ttf_io_faulty_create(stingy_init(&s), cue_fault, &cue);
+        struct ttf_writer *writer;
+
+        snprintf(path, sizeof(path), "%s/d%zu", (char *)*state, i);
+        writer = small_create(io, path);
+        assert_int_equal(small_slot(writer, 0), 0);
+        cue.at = cue.n + 1;
+        s.reads_to_fail = 0;
+        s.failed_read = failures[i];
+        assert_int_equal(small_slot(writer, 1), -EIO);
+        s.reads_to_fail = -1;
+        assert_int_equal(small_slot(writer, 1), -EIO); /* for good: what lies there is not known */
+        ttf_writer_abandon(writer);
+        ttf_io_faulty_destroy(io);
+        assert_int_equal(small_check(quick_io(), path), 1);
+        assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+        assert_int_equal(ttf_writer_state(writer)->next_index, 1);
+        ttf_writer_close(writer);
+    }
 }
 
 /* ---- the records' own failures ---- */
@@ -507,6 +530,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         T(a_disk_that_takes_three_bytes_at_a_time_gets_them_all),
         T(a_file_that_was_cut_and_written_on_has_its_right_hash),
+        T(a_calibration_larger_than_one_piece_is_copied_whole),
         T(a_file_that_cannot_be_closed_does_not_count),
         T(records_that_cannot_be_read_are_not_taken_for_none),
         T(records_that_cannot_be_read_back_are_not_replaced),

@@ -110,6 +110,34 @@ static void sums_cut_off_within_a_line_are_no_damage(void **state)
     }
 }
 
+/* The last line reached the disk in part: its length and its end, not what lies between. */
+static void a_last_line_with_a_hole_is_set_aside(void **state)
+{
+    const char *path = slots(state, 3);
+    struct ttf_reader *reader;
+    struct ttf_writer *writer;
+    char *text, *hole;
+    size_t n;
+
+    assert_int_equal(run("sed -i '$d' '%s/SHA256SUMS'", path),
+                     0); /* is written behind the record */
+    text = file_text(in(path, "records.jsonl"), &n);
+    hole = strstr(text, "\"index\":2");
+    hole[8] = '7'; /* JSON as before: only the crc tells */
+    write_text(in(path, "records.jsonl"), text, n - 1);
+    free(text);
+    assert_int_equal(findings(path, TTF_FINDING_DAMAGE), 0);
+    assert_int_equal(ttf_reader_open(quick_io(), path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_summary(reader)->slots, 2);
+    ttf_reader_close(reader);
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_state(writer)->next_index, 2);
+    assert_int_equal(small_slot(writer, 2), 0);
+    ttf_writer_close(writer);
+    assert_int_equal(small_check(quick_io(), path), 3);
+    assert_int_equal(findings(path, TTF_FINDING_LEFTOVER), 0);
+}
+
 /* ---- what is left alone ---- */
 
 static void a_file_that_a_record_names_is_never_removed(void **state)
@@ -273,6 +301,7 @@ int main(void)
         T(a_fragment_of_the_events_is_kept_as_an_event),
         T(what_was_repaired_is_said_in_an_event),
         T(sums_cut_off_within_a_line_are_no_damage),
+        T(a_last_line_with_a_hole_is_set_aside),
         T(a_file_that_a_record_names_is_never_removed),
         T(a_file_of_a_slot_that_has_its_record_is_left_alone_and_named),
         T(a_sealed_dataset_is_only_looked_at),
