@@ -140,6 +140,26 @@ static int list_all(struct ttf_writer *writer, const struct ttf_paths *files,
     return r;
 }
 
+/* Files that were given up and removed do not come back behind the seal: verify would call them damage. */
+static int sync_streams(struct ttf_writer *writer, struct ttf_err *err)
+{
+    const struct ttf_manifest *m = &writer->manifest;
+    struct ttf_io *io = writer->io;
+    char path[TTF_PATH_MAX];
+    struct ttf_io_stat st;
+    unsigned i;
+    int r = 0;
+
+    for (i = 0; r == 0 && i < 2 * m->n_streams; i++) {
+        r = ttf_path_put(path, "%s/%s/%s", writer->path, i % 2 ? "raw" : "frames",
+                         m->streams[i / 2].id);
+        if (r == 0 && io->ops->stat(io, path, &st) == 0)
+            r = io->ops->sync_dir(io, path);
+    }
+    return r ? ttf_err_set(err, r, path, "cannot be synced to the disk: %s", strerrordesc_np(-r))
+             : 0;
+}
+
 static int write_sums(struct ttf_writer *writer, char ret_digest[65], struct ttf_err *err)
 {
     struct ttf_named_files named = {0};
@@ -156,6 +176,8 @@ static int write_sums(struct ttf_writer *writer, char ret_digest[65], struct ttf
         r = ttf_walk(writer->io, writer->path, &files, err);
     if (r == 0)
         r = list_all(writer, &files, &named, &text, err);
+    if (r == 0)
+        r = sync_streams(writer, err);
     if (r == 0)
         r = ttf_io_write_file(writer->io, path, text.at, text.used, err);
     if (r == 0) {

@@ -182,11 +182,11 @@ static int fill_folder(struct ttf_writer *writer, const char *text, const char *
     r = check_folder(writer, err);
     if (r)
         return r;
-    r = ttf_writer_lock(writer, err);
-    if (r)
-        return r;
     ttf_writer_sync_above(writer);
     r = ttf_writer_sync_names(writer, err);
+    if (r)
+        return r;
+    r = ttf_writer_lock(writer, err);
     if (r)
         return r;
     r = write_records(writer, plan_yaml, plan_json, &tail, err);

@@ -9,6 +9,8 @@
 #include "manifest_rules.h"
 #include "writer_private.h"
 
+#define UNANSWERED_MAX 8 /* names that cannot even be asked for */
+
 /* What one attempt at a file needs. */
 struct attempt {
     struct ttf_writer *writer;
@@ -97,7 +99,7 @@ static int free_name(struct ttf_writer *writer, struct ttf_file_ref *ref, const 
                      char full[TTF_PATH_MAX])
 {
     struct ttf_io_stat st;
-    int r;
+    int r, unanswered = 0;
 
     for (;; (*retry)++) {
         r = make_path(ref, stream, index, bracket, extension, *retry);
@@ -109,7 +111,8 @@ static int free_name(struct ttf_writer *writer, struct ttf_file_ref *ref, const 
         r = writer->io->ops->stat(writer->io, full, &st);
         if (r == -ENOENT)
             return 0;
-        if (r && r != -EIO)
+        /* One name may lie on bad blocks; a disk that is gone answers none. */
+        if (r && (r != -EIO || ++unanswered == UNANSWERED_MAX))
             return r;
     }
 }

@@ -16,26 +16,36 @@ static bool out_of_reach(int r)
     return r == -EACCES || r == -EPERM || r == -EROFS;
 }
 
+/* One folder below another, and its name on the disk. */
+static int one_folder(struct ttf_io *io, const char *path)
+{
+    struct ttf_io_stat st;
+    int r;
+
+    r = io->ops->stat(io, path, &st);
+    if (r == 0 && !st.is_dir)
+        return -ENOTDIR;
+    if (r == -ENOENT)
+        r = io->ops->mkdir(io, path);
+    return r ? r : ttf_io_sync_parent(io, path);
+}
+
 int ttf_writer_folder(struct ttf_writer *writer, const char *folder, struct ttf_err *err)
 {
     char path[TTF_PATH_MAX];
-    size_t i, n = strlen(writer->path);
+    size_t i = strlen(writer->path) + 1;
     int r;
 
     r = ttf_path_put(path, "%s/%s", writer->path, folder);
-    if (r)
-        return ttf_err_set(err, r, folder, "this folder's name is too long");
-    r = ttf_io_mkdirs(writer->io, path, err);
-    if (r)
-        return r;
-    for (i = n; r == 0 && path[i] != '\0'; i++)
-        if (path[i] == '/') {
+    for (; r == 0 && path[i - 1] != '\0'; i++)
+        if (path[i] == '/' || path[i] == '\0') {
+            char c = path[i];
+
             path[i] = '\0';
-            r = writer->io->ops->sync_dir(writer->io, path);
-            path[i] = '/';
+            r = one_folder(writer->io, path);
+            path[i] = c;
         }
-    return r ? ttf_err_set(err, r, path, "the folder above cannot be synced to the disk: %s",
-                           strerrordesc_np(-r))
+    return r ? ttf_err_set(err, r, folder, "this folder cannot be made: %s", strerrordesc_np(-r))
              : 0;
 }
 

@@ -107,9 +107,7 @@ static int open_all(struct ttf_writer *writer, struct ttf_err *err)
         if (records.fragment_bytes > 0 || events.fragment_bytes > 0)
             return ttf_err_set(err, -TTF_EDAMAGED, writer->path,
                                "records.jsonl or events.jsonl changed after the seal");
-        /* Nothing is touched before the first write; but the seal that was seen shall stay. */
-        (void)!ttf_writer_sync_names(writer, NULL);
-        return 0;
+        return 0; /* nothing is touched before the first write */
     }
     r = ttf_writer_sync_names(writer, err);
     if (r)

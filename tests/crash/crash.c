@@ -60,6 +60,7 @@ static void work(const struct asked *asked, enum campaign campaign, unsigned par
         .parts = asked->parts,
         .stop_at_first = asked->quick,
         .between_of = campaign == RANDOM || asked->quick ? 4 : 1,
+        .trouble_each = asked->quick ? 20 : 1,
         .seed = asked->seed,
     };
 
@@ -215,7 +216,7 @@ int main(int argc, char **argv)
         return usage();
     if (asked.quick) {
         asked.depth = 1;
-        asked.states = asked.states == 1000000 ? 4000 : asked.states;
+        asked.states = asked.states == 1000000 ? 2000 : asked.states;
     }
     if (!asked.exhaustive && !asked.troubled && !asked.random)
         asked.exhaustive = asked.troubled = asked.random = true;

@@ -31,7 +31,8 @@ struct cuts {
     unsigned between_of; /* one in so many states is looked at between repair and going on */
     uint64_t *seen;      /* hashes of states that were judged; NULL: not remembered */
     size_t seen_n, seen_room;
-    char trouble[80]; /* that a run met first, in words */
+    unsigned trouble_each; /* trouble at one in so many steps */
+    char trouble[80];      /* that a run met first, in words */
     /* random */
     uint64_t seed, state;
     uint64_t states_most;

@@ -88,7 +88,7 @@ void cuts_troubled(struct cuts *cuts)
     unsigned at;
     int kind;
 
-    for (at = 1 + cuts->part; more && !cuts_stopped(cuts); at += cuts->parts)
+    for (at = 1 + cuts->part; more && !cuts_stopped(cuts); at += cuts->parts * cuts->trouble_each)
         for (more = false, kind = TROUBLE_KILLED; kind < TROUBLE_KIND_COUNT; kind++) {
             more = one_run(cuts, (enum trouble_kind)kind, at, true) || more;
             if (kind != TROUBLE_KILLED)

@@ -12,6 +12,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "store_ios.h"
 #include "store_test.h"
@@ -132,6 +133,44 @@ static void a_seal_vouches_only_for_what_is_on_the_disk(void **state)
     ttf_io_faulty_destroy(w.io);
 }
 
+static void what_the_repair_removes_stays_removed(void **state)
+{
+    static const char *const wanted[] = {"unlink 000000.tif.tmp\n", "sync_dir main\n",
+                                         "unlink 000000.tif\n", "sync_dir main\n", NULL};
+    struct ttf_writer *writer;
+    struct watched w;
+
+    watch(&w, state);
+    assert_int_equal(run("mkdir -p '%s/frames/main' && cd '%s/frames/main' && "
+                         "echo a >000000.tif && echo b >000000.tif.tmp",
+                         w.path, w.path),
+                     0);
+    assert_int_equal(ttf_writer_open(w.io, w.path, &writer, NULL), 0);
+    assert_order(w.log, wanted, "append events.jsonl\n"); /* which says that it was removed */
+    ttf_writer_abandon(writer);
+    ttf_io_faulty_destroy(w.io);
+}
+
+static int gone(struct ttf_io *io, const char *path, struct ttf_io_stat *ret)
+{
+    if (strstr(path, ".tif"))
+        return -EIO;
+    return ttf_io_posix()->ops->stat(ttf_io_posix(), path, ret);
+}
+
+static void a_disk_that_answers_nothing_ends_the_search_for_a_name(void **state)
+{
+    struct ttf_io_ops ops = *quick_io()->ops;
+    struct ttf_io io = {.ops = &ops};
+    struct ttf_writer *writer = small_create(&io, in(*state, "d"));
+
+    ops.stat = gone; /* the card was pulled */
+    (void)alarm(20);
+    assert_int_equal(small_slot(writer, 0), -EIO);
+    (void)alarm(0);
+    ttf_writer_abandon(writer);
+}
+
 int main(void)
 {
 #define T(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
@@ -140,6 +179,8 @@ int main(void)
         T(a_folder_whose_sync_failed_is_synced_by_the_next_slot),
         T(a_dataset_that_is_opened_stays_where_it_was_seen),
         T(a_seal_vouches_only_for_what_is_on_the_disk),
+        T(what_the_repair_removes_stays_removed),
+        T(a_disk_that_answers_nothing_ends_the_search_for_a_name),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
