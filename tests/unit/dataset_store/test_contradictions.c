@@ -138,6 +138,18 @@ static void records_that_contradict_each_other_are_damage(void **state)
     }
 }
 
+/* Not even where no slot is of it. */
+static void a_segment_that_leaves_another_out_is_refused(void **state)
+{
+    const char *path = in(*state, "d");
+
+    ttf_writer_close(small_create(quick_io(), path));
+    change_line(path, 1, "\"segment\":0", "\"segment\":1");
+    assert_int_equal(opened_for_writing(path), -TTF_EDAMAGED);
+    assert_int_equal(opened_for_reading(path), -TTF_EDAMAGED);
+    assert_true(verify_says(path, "leaves others out"));
+}
+
 static void only_the_wrong_line_is_blamed(void **state)
 {
     struct ttf_verify_options options = {.deep = true};
@@ -304,6 +316,7 @@ int main(void)
 #define T(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
     const struct CMUnitTest tests[] = {
         T(records_that_contradict_each_other_are_damage),
+        T(a_segment_that_leaves_another_out_is_refused),
         T(only_the_wrong_line_is_blamed),
         T(an_end_that_counts_wrong_is_damage),
         T(a_seal_without_an_end_is_damage),
