@@ -27,20 +27,6 @@ static int foreign_line(void *ctx, const struct ttf_line *line, struct ttf_err *
     return strcmp(line->type, "plan") == 0 ? 0 : 1;
 }
 
-/*
- * The folder was there: whoever made it may have been killed before its name was on the disk. In a
- * folder that may not be read it was made by somebody else, who saw to that.
- */
-static int sync_own_name(struct ttf_writer *writer, struct ttf_err *err)
-{
-    int r = ttf_io_sync_parent(writer->io, writer->path);
-
-    if (r == 0 || r == -EACCES)
-        return 0;
-    return ttf_err_set(err, r, writer->path, "its folder cannot be synced to the disk: %s",
-                       strerrordesc_np(-r));
-}
-
 static int check_folder(struct ttf_writer *writer, struct ttf_err *err)
 {
     struct ttf_io *io = writer->io;
@@ -65,7 +51,7 @@ static int check_folder(struct ttf_writer *writer, struct ttf_err *err)
         free(records);
     }
     if (r == 0)
-        return sync_own_name(writer, err);
+        return 0;
     ttf_err_set(err, -EEXIST, writer->path, "is there already, and is not empty");
     ttf_err_hint(err, "choose another name, or go on with the dataset that is there");
     return -EEXIST;

@@ -83,28 +83,6 @@ static int open_events(struct ttf_writer *writer, struct ttf_lines_tail *tail, s
     return r;
 }
 
-/*
- * A program that was killed between giving a name and syncing its folder left one that is seen and
- * may still be lost. What is built on such names from now on must find them synced.
- */
-static int sync_names(struct ttf_writer *writer, struct ttf_err *err)
-{
-    static const char *const folders[] = {"", "/frames", "/raw", "/calibration"};
-    char path[TTF_PATH_MAX];
-    size_t i;
-    int r;
-
-    for (i = 0; i < TTF_COUNT_OF(folders); i++) {
-        r = ttf_path_put(path, "%s%s", writer->path, folders[i]);
-        if (r == 0)
-            r = writer->io->ops->sync_dir(writer->io, path);
-        if (r && r != -ENOENT)
-            return ttf_err_set(err, r, path, "cannot be synced to the disk: %s",
-                               strerrordesc_np(-r));
-    }
-    return 0;
-}
-
 static int open_all(struct ttf_writer *writer, struct ttf_err *err)
 {
     struct ttf_lines_tail records = {0}, events = {0};
@@ -124,9 +102,6 @@ static int open_all(struct ttf_writer *writer, struct ttf_err *err)
     if (r)
         return r;
     r = open_events(writer, &events, err);
-    if (r)
-        return r;
-    r = sync_names(writer, err);
     if (r)
         return r;
     writer->state.sealed = writer->sealed;
