@@ -38,25 +38,22 @@ static const char *three_slots(void **state)
 /* Replaces what stands in that line (from 0) of records.jsonl, and gives the line its right crc. */
 static void change_line(const char *path, int number, const char *from, const char *to)
 {
-    size_t n, before, body;
-    char *text = file_text(in(path, "records.jsonl"), &n), *line = text, *end, *at;
-    char *changed = malloc(n + strlen(to) + 1);
+    size_t n, room, used;
+    char *text = file_text(in(path, "records.jsonl"), &n), *line = text, *end, *at, *changed;
 
+    room = n + strlen(to) + 1;
+    changed = malloc(room);
     assert_non_null(changed);
     for (; number > 0; number--)
         line = strchr(line, '\n') + 1;
     end = strchr(line, '\n');
     at = strstr(line, from);
     assert_true(at && at < end);
-    before = (size_t)(at - text);
-    memcpy(changed, text, before);
-    strcpy(changed + before, to);
-    body = (size_t)(end - at) - strlen(from) - TTF_LINE_TAIL;
-    strncat(changed, at + strlen(from), body);
-    before = strlen(changed);
-    snprintf(changed + before, TTF_LINE_TAIL + 1, ",\"crc\":\"%08x\"}",
-             ttf_crc32(0, changed + (line - text), before - (size_t)(line - text)));
-    strcat(changed, end);
+    used = (size_t)snprintf(changed, room, "%.*s%s%.*s", (int)(at - text), text, to,
+                            (int)(end - at - (ptrdiff_t)strlen(from) - (ptrdiff_t)TTF_LINE_TAIL),
+                            at + strlen(from));
+    snprintf(changed + used, room - used, ",\"crc\":\"%08x\"}%s",
+             ttf_crc32(0, changed + (line - text), used - (size_t)(line - text)), end);
     write_text(in(path, "records.jsonl"), changed, strlen(changed));
     free(changed);
     free(text);
