@@ -309,9 +309,7 @@ void ttf_committer_end(struct ttf_committer *committer, struct ttf_pulse *pulse)
     }
     ttf_queue_push(committer->queue, job);
     /* The last slots may take as long as they do: the loop keeps an eye on clock and watchdog. */
-    if (ttf_pulse_gate(pulse, committer->queue->done, TTF_NS_NEVER) < 0)
-        while (ttf_gate_wait(committer->queue->done, TTF_NS_NEVER) < 0)
-            ;
+    ttf_pulse_last_gate(pulse, committer->queue->done);
     pthread_join(committer->thread, NULL);
     pthread_mutex_destroy(&committer->progress_mutex);
     committer->running = false;

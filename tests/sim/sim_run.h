@@ -23,6 +23,7 @@ struct sim_run {
     int64_t
         free_bytes; /* what the disk says it has; 0: as it is. May change while running, in on_progress */
     unsigned failing; /* so many file operations from now on give EIO; may be set in on_progress */
+    void (*on_box)(struct sim_run *run);  /* before the session: run->box is there */
     void (*on_file)(struct sim_run *run); /* before each file operation */
     void (*on_progress)(struct sim_run *run, const struct ttf_progress *progress);
     void (*at_end)(struct sim_run *run); /* after the session, before its box is gone */
