@@ -6,10 +6,7 @@
 #include <string.h>
 
 #include "calibration_private.h"
-#include "develop_strip.h"
-
-/* Strips developed between two writes of a TIFF: enough for all threads to have work. */
-#define CHUNK_STRIPS 8
+#include "develop_space.h"
 
 /* Bits that codes were shifted by beyond the calibration's (a DNG of an average), or -1. */
 static int levels_shift(const struct ttf_calibration *calibration, uint16_t black, uint16_t white)
@@ -112,6 +109,9 @@ int ttf_develop_create(const struct ttf_develop_config *config, struct ttf_devel
 
 void ttf_develop_destroy(struct ttf_develop *develop)
 {
+    if (!develop)
+        return;
+    develop_space_free(&develop->space);
     free(develop);
 }
 
@@ -236,46 +236,12 @@ static void run_strips(struct strips_job *job, unsigned n, struct ttf_pool *pool
     }
 }
 
-/* What a run of up to `strips` strips at a time needs besides. */
-struct workspace {
-    float *scratch;
-    size_t scratch_each;
-    uint64_t *saturated;
-    struct develop_sums *sums;
-};
-
-static void workspace_free(struct workspace *space)
-{
-    free(space->scratch);
-    free(space->saturated);
-    free(space->sums);
-}
-
-static int workspace_alloc(struct workspace *space, const struct ttf_develop *develop,
-                           const struct ttf_pool *pool, unsigned strips, struct ttf_err *err)
-{
-    space->scratch_each = develop_scratch(develop);
-    space->scratch = calloc(ttf_pool_threads(pool) * space->scratch_each, sizeof(*space->scratch));
-    space->saturated = calloc(strips, sizeof(*space->saturated));
-    space->sums = calloc(strips, sizeof(*space->sums));
-    if (space->scratch && space->saturated && space->sums)
-        return 0;
-    workspace_free(space);
-    ttf_err_set(err, -ENOMEM, NULL, "no memory for development");
-    return -ENOMEM;
-}
-
-static unsigned strips_of(const struct ttf_develop *develop)
-{
-    return (develop->config.region.height + STRIP_ROWS - 1) / STRIP_ROWS;
-}
-
 int ttf_develop_run(struct ttf_develop *develop, const struct ttf_raw_sum *raw,
                     struct ttf_pool *pool, struct ttf_pixbuf *dst,
                     struct ttf_image_figures *ret_figures, struct ttf_err *err)
 {
     struct develop_sums sums = {0};
-    struct workspace space = {0};
+    struct develop_space own = {0}, *space;
     struct develop_run run;
     struct strips_job job;
     int r = begin_run(&run, develop, raw, err);
@@ -286,18 +252,18 @@ int ttf_develop_run(struct ttf_develop *develop, const struct ttf_raw_sum *raw,
         dst->height != develop->config.region.height || dst->samples != 3 ||
         dst->format != TTF_SAMPLE_U16)
         return ttf_err_set(err, -EINVAL, NULL, "the destination is not of the developed size");
-    r = workspace_alloc(&space, develop, pool, strips_of(develop), err);
-    if (r < 0)
-        return r;
+    space = develop_space_for(develop, pool, false, &own, err);
+    if (!space)
+        return -ENOMEM;
     job = (struct strips_job){.run = &run,
-                              .scratch = space.scratch,
-                              .scratch_each = space.scratch_each,
+                              .scratch = space->scratch,
+                              .scratch_each = space->scratch_each,
                               .dst = dst,
-                              .saturated = space.saturated};
-    run_strips(&job, strips_of(develop), pool, &sums, space.sums);
+                              .saturated = space->saturated};
+    run_strips(&job, develop_strips(develop), pool, &sums, space->sums);
     if (ret_figures)
         *ret_figures = develop_figures(&sums, &develop->config.encoding);
-    workspace_free(&space);
+    develop_space_free(&own);
     return 0;
 }
 
@@ -313,13 +279,12 @@ static void add_seam(struct develop_sums *sums, const uint16_t *above, const uin
     sums->steps += with.steps - without.steps;
 }
 
-static int write_chunks(const struct develop_run *run, struct workspace *space,
-                        struct ttf_pool *pool, struct ttf_pixbuf *chunk, uint16_t *last_row,
-                        struct ttf_tiff_writer *writer, struct develop_sums *sums,
-                        struct ttf_err *err)
+static int write_chunks(const struct develop_run *run, struct develop_space *space,
+                        struct ttf_pool *pool, struct develop_sums *sums, struct ttf_err *err)
 {
     const struct ttf_develop *develop = run->develop;
-    unsigned all = strips_of(develop);
+    struct ttf_pixbuf *chunk = &space->chunk;
+    unsigned all = develop_strips(develop);
     int r = 0;
 
     for (unsigned first = 0; r == 0 && first < all; first += CHUNK_STRIPS) {
@@ -337,67 +302,38 @@ static int write_chunks(const struct develop_run *run, struct workspace *space,
             rows = CHUNK_STRIPS * STRIP_ROWS;
         run_strips(&job, n, pool, sums, space->sums);
         if (first > 0)
-            add_seam(sums, last_row, chunk->data, chunk->width);
-        memcpy(last_row, ttf_pixbuf_row(chunk, rows - 1), (size_t)chunk->width * 6);
-        r = ttf_tiff_writer_rows(writer, chunk->data, chunk->stride, rows, err);
+            add_seam(sums, space->last_row, chunk->data, chunk->width);
+        memcpy(space->last_row, ttf_pixbuf_row(chunk, rows - 1), (size_t)chunk->width * 6);
+        r = ttf_tiff_writer_rows(space->writer, chunk->data, chunk->stride, rows, err);
     }
     return r;
-}
-
-/* Without a flat the colours are the camera's own, which no profile of ours names. */
-static enum ttf_icc profile_of(const struct ttf_calibration *calibration)
-{
-    return calibration && calibration->has_flat ? TTF_ICC_LINEAR : TTF_ICC_NONE;
 }
 
 int ttf_develop_tiff(struct ttf_develop *develop, const struct ttf_raw_sum *raw,
                      struct ttf_pool *pool, const struct ttf_tiff_times *times, struct ttf_io *io,
                      int file, struct ttf_image_figures *ret_figures, struct ttf_err *err)
 {
-    const struct ttf_region *region = &develop->config.region;
-    struct ttf_tiff_spec spec = {.width = region->width,
-                                 .height = region->height,
-                                 .samples = 3,
-                                 .format = TTF_SAMPLE_U16,
-                                 .icc = profile_of(develop->config.calibration),
-                                 .times = {.start_utc_ns = TTF_NS_UNKNOWN},
-                                 .software = "ttfbox"};
-    uint32_t rows = CHUNK_STRIPS * STRIP_ROWS;
-    struct ttf_tiff_writer *writer = NULL;
+    static const struct ttf_tiff_times unknown = {.start_utc_ns = TTF_NS_UNKNOWN};
     struct develop_sums sums = {0};
-    struct ttf_pixbuf chunk = {0};
-    struct workspace space = {0};
-    uint16_t *last_row = NULL;
+    struct develop_space own = {0}, *space;
     struct develop_run run;
     int r = begin_run(&run, develop, raw, err);
 
     if (r < 0)
         return r;
-    if (times)
-        spec.times = *times;
-    r = workspace_alloc(&space, develop, pool, CHUNK_STRIPS, err);
-    if (r < 0)
-        return r;
-    last_row = calloc((size_t)region->width * 3, sizeof(*last_row));
-    r = ttf_pixbuf_alloc(&chunk, region->width, region->height < rows ? region->height : rows, 3,
-                         TTF_SAMPLE_U16);
-    if (r < 0 || !last_row) {
-        r = ttf_err_set(err, -ENOMEM, NULL, "no memory for development");
-        goto out;
+    space = develop_space_for(develop, pool, true, &own, err);
+    if (!space)
+        return -ENOMEM;
+    r = ttf_tiff_writer_begin(space->writer, times ? times : &unknown, io, file, err);
+    if (r == 0) {
+        r = write_chunks(&run, space, pool, &sums, err);
+        if (r == 0)
+            r = ttf_tiff_writer_end(space->writer, err);
+        else
+            ttf_tiff_writer_drop(space->writer);
     }
-    r = ttf_tiff_writer_open(io, file, &spec, &writer, err);
-    if (r < 0)
-        goto out;
-    r = write_chunks(&run, &space, pool, &chunk, last_row, writer, &sums, err);
-    if (r == 0)
-        r = ttf_tiff_writer_close(writer, err);
-    else
-        ttf_tiff_writer_abandon(writer);
     if (r == 0 && ret_figures)
         *ret_figures = develop_figures(&sums, &develop->config.encoding);
-out:
-    free(last_row);
-    ttf_pixbuf_free(&chunk);
-    workspace_free(&space);
+    develop_space_free(&own);
     return r;
 }

@@ -9,8 +9,24 @@
 /* Rows of one tile: what a thread takes at a time. Results do not depend on it. */
 #define STRIP_ROWS 32
 
+struct develop_sums;
+
+/* What a run works in (develop_space.h). */
+struct develop_space {
+    unsigned threads; /* it is for; 0: there is none */
+    float *scratch;   /* one piece per thread */
+    size_t scratch_each;
+    uint64_t *saturated; /* per strip */
+    struct develop_sums *sums;
+    /* of a TIFF; NULL: for none */
+    uint16_t *last_row;
+    struct ttf_pixbuf chunk;
+    struct ttf_tiff_writer *writer;
+};
+
 struct ttf_develop {
     struct ttf_develop_config config; /* region resolved */
+    struct develop_space space;       /* reserved, or empty */
     unsigned samples;                 /* of a sum: 1 or 3 */
     uint16_t black, white;            /* of the sums' codes, from the format */
     float matrix[9];

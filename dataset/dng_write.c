@@ -159,15 +159,13 @@ static int set_tags(struct tiff_client *client, const struct ttf_raw_sum *raw,
 }
 
 static int write_strips(struct tiff_client *client, const struct ttf_raw_sum *raw,
-                        uint32_t strip_rows, struct ttf_err *err)
+                        uint32_t strip_rows, uint16_t *codes, struct ttf_err *err)
 {
     size_t width = raw->format.width;
-    uint16_t *codes = calloc(strip_rows * width, sizeof(*codes)), black, white;
+    uint16_t black, white;
     unsigned shift;
     int r = 0;
 
-    if (!codes)
-        return ttf_err_set(err, -ENOMEM, NULL, "no memory for a strip");
     ttf_raw_sum_levels(&raw->format, &black, &white);
     shift = shift_of(raw, white);
     for (uint32_t y0 = 0; r == 0 && y0 < raw->format.height; y0 += strip_rows) {
@@ -183,16 +181,40 @@ static int write_strips(struct tiff_client *client, const struct ttf_raw_sum *ra
         if (TIFFWriteEncodedStrip(client->tiff, y0 / strip_rows, codes, n) != n)
             r = tiff_client_fail(client, err, -EIO, "writing a DNG strip");
     }
-    free(codes);
     return r;
+}
+
+/* Of a file of that format; a row at least, whatever its width. */
+static uint32_t strip_rows_of(const struct ttf_frame_format *format)
+{
+    size_t rows = format->width ? STRIP_BYTES / ((size_t)format->width * 2) : 1;
+
+    if (rows > format->height)
+        rows = format->height;
+    return rows > 0 ? (uint32_t)rows : 1;
+}
+
+size_t ttf_dng_scratch_bytes(const struct ttf_frame_format *format)
+{
+    return ((size_t)format->width + 1) * strip_rows_of(format) * sizeof(uint16_t);
 }
 
 int ttf_dng_write(const struct ttf_raw_sum *raw, const struct ttf_dng_info *info, struct ttf_io *io,
                   int file, struct ttf_err *err)
 {
+    void *scratch = malloc(ttf_dng_scratch_bytes(&raw->format));
+    int r = scratch ? ttf_dng_write_in(raw, info, scratch, io, file, err)
+                    : ttf_err_set(err, -ENOMEM, NULL, "no memory for a strip");
+
+    free(scratch);
+    return r;
+}
+
+int ttf_dng_write_in(const struct ttf_raw_sum *raw, const struct ttf_dng_info *info, void *scratch,
+                     struct ttf_io *io, int file, struct ttf_err *err)
+{
+    uint32_t strip_rows = strip_rows_of(&raw->format);
     struct tiff_client client;
-    size_t row_bytes = (size_t)raw->format.width * 2;
-    uint32_t strip_rows;
     int r;
 
     if (raw->n == 0)
@@ -200,15 +222,12 @@ int ttf_dng_write(const struct ttf_raw_sum *raw, const struct ttf_dng_info *info
     if (raw->samples != 1)
         return ttf_err_set(err, -ENOTSUP, NULL,
                            "finished RGB pictures are not written as DNG: keep them developed");
-    strip_rows = (uint32_t)(STRIP_BYTES / row_bytes);
-    if (strip_rows > raw->format.height)
-        strip_rows = raw->format.height;
     r = tiff_client_attach(&client, io, file, "wl", err);
     if (r < 0)
         return r;
     r = set_tags(&client, raw, info, strip_rows, err);
     if (r == 0)
-        r = write_strips(&client, raw, strip_rows, err);
+        r = write_strips(&client, raw, strip_rows, scratch, err);
     if (r == 0 && !TIFFFlush(client.tiff))
         r = tiff_client_fail(&client, err, -EIO, "completing a DNG file");
     if (r < 0) {

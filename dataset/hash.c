@@ -6,9 +6,6 @@
 #include <string.h>
 #include <zlib.h>
 
-/* As in FORMAT.md: read in pieces that fit a small board's cache and memory. */
-#define PIECE_BYTES ((size_t)256 * 1024)
-
 void ttf_sha256_init(struct ttf_sha256 *hash)
 {
     sha256_init(&hash->ctx);
@@ -45,18 +42,24 @@ uint32_t ttf_crc32(uint32_t crc, const void *data, size_t n)
 
 int ttf_sha256_handle(struct ttf_io *io, int file, int64_t *ret_bytes, char ret_hex[65])
 {
+    void *piece = malloc(TTF_SHA256_PIECE);
+    int r = piece ? ttf_sha256_handle_in(io, file, piece, ret_bytes, ret_hex) : -ENOMEM;
+
+    free(piece);
+    return r;
+}
+
+int ttf_sha256_handle_in(struct ttf_io *io, int file, void *piece, int64_t *ret_bytes,
+                         char ret_hex[65])
+{
     struct ttf_sha256 hash;
     int64_t at = 0, got;
-    void *piece = malloc(PIECE_BYTES);
 
-    if (!piece)
-        return -ENOMEM;
     ttf_sha256_init(&hash);
-    while ((got = ttf_io_pread_all(io, file, piece, PIECE_BYTES, at)) > 0) {
+    while ((got = ttf_io_pread_all(io, file, piece, TTF_SHA256_PIECE, at)) > 0) {
         ttf_sha256_add(&hash, piece, (size_t)got);
         at += got;
     }
-    free(piece);
     if (got < 0)
         return (int)got;
     ttf_sha256_hex(&hash, ret_hex);

@@ -106,16 +106,29 @@ out:
     return r;
 }
 
+/* How many bytes of path its folder's name has: 0 if it lies in the current one. */
+static size_t parent_bytes(const char *path)
+{
+    const char *slash;
+    size_t n = strlen(path);
+
+    while (n > 1 && path[n - 1] == '/') /* "a/b/" is "a/b" */
+        n--;
+    slash = memrchr(path, '/', n);
+    if (!slash)
+        return 0;
+    while (slash > path && slash[-1] == '/')
+        slash--;
+    return slash == path ? 1 : (size_t)(slash - path);
+}
+
 int ttf_io_sync_parent(struct ttf_io *io, const char *path)
 {
-    char *parent = ttf_path_parent(path);
-    int r;
+    size_t n = parent_bytes(path);
+    char parent[TTF_PATH_MAX];
+    int r = n ? ttf_path_put(parent, "%.*s", (int)n, path) : ttf_path_put(parent, ".");
 
-    if (!parent)
-        return -ENOMEM;
-    r = io->ops->sync_dir(io, parent);
-    free(parent);
-    return r;
+    return r ? r : io->ops->sync_dir(io, parent);
 }
 
 int ttf_io_write_file(struct ttf_io *io, const char *path, const void *data, size_t n,
@@ -174,12 +187,10 @@ static int make_one(struct ttf_io *io, const char *path)
 
 int ttf_io_mkdirs(struct ttf_io *io, const char *path, struct ttf_err *err)
 {
-    char *copy = strdup(path);
+    char copy[TTF_PATH_MAX];
+    int r = ttf_path_put(copy, "%s", path);
     size_t i;
-    int r = 0;
 
-    if (!copy)
-        return ttf_err_set(err, -ENOMEM, path, "no memory");
     for (i = 1; r == 0 && copy[0] != '\0'; i++) {
         if (copy[i] != '/' && copy[i] != '\0')
             continue;
@@ -195,8 +206,18 @@ int ttf_io_mkdirs(struct ttf_io *io, const char *path, struct ttf_err *err)
     }
     if (r)
         ttf_err_set(err, r, path, "this folder cannot be made: %s", strerrordesc_np(-r));
-    free(copy);
     return r;
+}
+
+int ttf_path_put(char ret[TTF_PATH_MAX], const char *fmt, ...)
+{
+    va_list args;
+    int n;
+
+    va_start(args, fmt);
+    n = vsnprintf(ret, TTF_PATH_MAX, fmt, args);
+    va_end(args);
+    return n < 0 || n >= TTF_PATH_MAX ? -ENAMETOOLONG : 0;
 }
 
 char *ttf_path_format(const char *fmt, ...)
@@ -213,15 +234,7 @@ char *ttf_path_format(const char *fmt, ...)
 
 char *ttf_path_parent(const char *path)
 {
-    const char *slash;
-    size_t n = strlen(path);
+    size_t n = parent_bytes(path);
 
-    while (n > 1 && path[n - 1] == '/') /* "a/b/" is "a/b" */
-        n--;
-    slash = memrchr(path, '/', n);
-    if (!slash)
-        return strdup(".");
-    while (slash > path && slash[-1] == '/')
-        slash--;
-    return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+    return n ? strndup(path, n) : strdup(".");
 }

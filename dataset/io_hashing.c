@@ -133,7 +133,8 @@ void ttf_io_hashing_init(struct ttf_io_hashing *hashing, struct ttf_io *base, in
     ttf_sha256_init(&hashing->hash);
 }
 
-int ttf_io_hashing_result(struct ttf_io_hashing *hashing, int64_t *ret_bytes, char ret_hex[65])
+int ttf_io_hashing_result(struct ttf_io_hashing *hashing, void *piece, int64_t *ret_bytes,
+                          char ret_hex[65])
 {
     int64_t bytes;
     int r;
@@ -142,7 +143,7 @@ int ttf_io_hashing_result(struct ttf_io_hashing *hashing, int64_t *ret_bytes, ch
     if (r)
         return r;
     if (!hashing->sequential || bytes != hashing->at)
-        return ttf_sha256_handle(hashing->base, hashing->file, ret_bytes, ret_hex);
+        return ttf_sha256_handle_in(hashing->base, hashing->file, piece, ret_bytes, ret_hex);
     ttf_sha256_hex(&hashing->hash, ret_hex);
     *ret_bytes = bytes;
     return 0;

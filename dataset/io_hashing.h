@@ -20,9 +20,9 @@ void ttf_io_hashing_init(struct ttf_io_hashing *hashing, struct ttf_io *base, in
 
 /*
  * Bytes and hash of the file: what was hashed on the way if it was written from
- * front to back, else it is read back.
+ * front to back, else it is read back by pieces into `piece` (TTF_SHA256_PIECE bytes).
  */
-TTF_MUST_USE int ttf_io_hashing_result(struct ttf_io_hashing *hashing, int64_t *ret_bytes,
-                                       char ret_hex[65]);
+TTF_MUST_USE int ttf_io_hashing_result(struct ttf_io_hashing *hashing, void *piece,
+                                       int64_t *ret_bytes, char ret_hex[65]);
 
 #endif

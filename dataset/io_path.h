@@ -8,13 +8,18 @@
 #include "ttf/base/attr.h"
 #include "ttf/dataset/io.h"
 
+#define TTF_PATH_MAX 4096 /* the kernel's own bound, terminator included */
+
+/* A path into memory of the caller's; -ENAMETOOLONG. */
+TTF_MUST_USE int ttf_path_put(char ret[TTF_PATH_MAX], const char *fmt, ...) TTF_PRINTF(2, 3);
+
 /* A fresh string, to be freed; NULL: no memory. */
 char *ttf_path_format(const char *fmt, ...) TTF_PRINTF(1, 2);
 
 /* The folder a path lies in ("." if it has none), to be freed; NULL: no memory. */
 char *ttf_path_parent(const char *path);
 
-/* Syncs the folder that `path` lies in. */
+/* Syncs the folder that `path` lies in. Allocates nothing. */
 TTF_MUST_USE int ttf_io_sync_parent(struct ttf_io *io, const char *path);
 
 #endif

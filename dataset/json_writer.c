@@ -15,16 +15,41 @@ void ttf_json_init(struct ttf_json *json, bool pretty)
     json->first[0] = true;
 }
 
+void ttf_json_again(struct ttf_json *json, bool pretty)
+{
+    struct ttf_json kept = *json;
+
+    ttf_json_init(json, pretty);
+    json->text = kept.text;
+    json->room = kept.room;
+}
+
 static void fail(struct ttf_json *json, int error)
 {
     if (json->error == 0)
         json->error = error;
 }
 
+static int grow(struct ttf_json *json, size_t room)
+{
+    char *grown = realloc(json->text, room);
+
+    if (!grown)
+        return -ENOMEM;
+    json->text = grown;
+    json->room = room;
+    return 0;
+}
+
+int ttf_json_reserve(struct ttf_json *json, size_t bytes)
+{
+    /* One byte more, for the terminator. */
+    return bytes < json->room ? 0 : grow(json, bytes + 1);
+}
+
 static void put(struct ttf_json *json, const char *text, size_t n)
 {
     size_t room = json->room;
-    char *grown;
 
     if (json->error)
         return;
@@ -35,14 +60,9 @@ static void put(struct ttf_json *json, const char *text, size_t n)
         }
         room = room ? room * 2 : 512;
     }
-    if (room != json->room) {
-        grown = realloc(json->text, room);
-        if (!grown) {
-            fail(json, -ENOMEM);
-            return;
-        }
-        json->text = grown;
-        json->room = room;
+    if (room != json->room && grow(json, room) < 0) {
+        fail(json, -ENOMEM);
+        return;
     }
     memcpy(json->text + json->used, text, n);
     json->used += n;

@@ -13,6 +13,7 @@ int ttf_jsonl_open(struct ttf_jsonl *f, struct ttf_io *io, const char *path,
                    const struct ttf_lines_tail *tail, struct ttf_err *err)
 {
     *f = (struct ttf_jsonl){.io = io, .file = -1};
+    ttf_json_init(&f->json, false);
     f->path = strdup(path);
     if (!f->path)
         return ttf_err_set(err, -ENOMEM, path, "no memory");
@@ -111,37 +112,52 @@ static int put(struct ttf_jsonl *f, const char *text, size_t n)
     return r;
 }
 
-int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_json *json, struct ttf_err *err)
+int ttf_jsonl_reserve(struct ttf_jsonl *f, size_t bytes)
+{
+    return ttf_json_reserve(&f->json, bytes + 1); /* and a newline that may be owed */
+}
+
+struct ttf_json *ttf_jsonl_begin(struct ttf_jsonl *f, const char *type)
+{
+    ttf_line_again(&f->json, type, f->next_seq);
+    return &f->json;
+}
+
+/* The newline that the last line is owed, before this one. */
+static int put_newline_first(struct ttf_json *json, const char **text, size_t *n)
+{
+    int r = ttf_json_reserve(json, *n + 1);
+
+    if (r)
+        return r;
+    memmove(json->text + 1, json->text, *n + 1);
+    json->text[0] = '\n';
+    *text = json->text;
+    (*n)++;
+    return 0;
+}
+
+int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_err *err)
 {
     const char *text;
-    char *owed = NULL;
     size_t n;
     int r;
 
-    r = ttf_line_finish(json, &text, &n);
-    if (r) {
-        ttf_err_set(err, r, f->path, "a line cannot be put into words: %s", strerrordesc_np(-r));
-        goto out;
-    }
-    if (f->broken) {
-        r = ttf_err_set(err, f->broken, f->path,
-                        "an earlier write failed; nothing more is written");
-        goto out;
-    }
+    r = ttf_line_finish(&f->json, &text, &n);
+    if (r)
+        return ttf_err_set(err, r, f->path, "a line cannot be put into words: %s",
+                           strerrordesc_np(-r));
+    if (f->broken)
+        return ttf_err_set(err, f->broken, f->path,
+                           "an earlier write failed; nothing more is written");
     if (f->no_newline) {
-        owed = ttf_path_format("\n%s", text);
-        if (!owed) {
-            r = ttf_err_set(err, -ENOMEM, f->path, "no memory");
-            goto out;
-        }
-        text = owed;
-        n++;
+        r = put_newline_first(&f->json, &text, &n);
+        if (r)
+            return ttf_err_set(err, r, f->path, "no memory");
     }
     r = put(f, text, n);
-    if (r) {
-        ttf_err_set(err, r, f->path, "a line cannot be written: %s", strerrordesc_np(-r));
-        goto out;
-    }
+    if (r)
+        return ttf_err_set(err, r, f->path, "a line cannot be written: %s", strerrordesc_np(-r));
     f->bytes += (int64_t)n;
     f->next_seq++;
     /*
@@ -150,10 +166,7 @@ int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_json *json, struct ttf_err 
      */
     f->no_newline = ttf_io_append_all(f->io, f->file, "\n", 1) != 0;
     f->bytes += f->no_newline ? 0 : 1;
-out:
-    free(owed);
-    ttf_json_free(json);
-    return r;
+    return 0;
 }
 
 int ttf_jsonl_settle(struct ttf_jsonl *f, struct ttf_err *err)
@@ -181,6 +194,7 @@ void ttf_jsonl_close(struct ttf_jsonl *f)
     if (f->file >= 0)
         f->io->ops->close(f->io, f->file);
     f->file = -1;
+    ttf_json_free(&f->json);
     free(f->path);
     f->path = NULL;
 }

@@ -2,6 +2,9 @@
 /*
  * jsonl.h: a file of lines that only grows, each line durable when append returns.
  * DESIGN.md, "A line". For the store's files only.
+ *
+ * Lines are put into words in memory that is kept from line to line: appending
+ * allocates only for a line longer than any before and than what was reserved.
  */
 #ifndef TTF_DATASET_JSONL_H
 #define TTF_DATASET_JSONL_H
@@ -16,8 +19,9 @@
 struct ttf_jsonl {
     struct ttf_io *io;
     char *path;
-    int file;      /* -1: not open */
-    int64_t bytes; /* of good lines */
+    struct ttf_json json; /* the line being made; its memory is kept */
+    int file;             /* -1: not open */
+    int64_t bytes;        /* of good lines */
     int64_t next_seq;
     bool no_newline; /* the last line's newline is still to be written */
     int broken;      /* 0, or what every later append returns: what is on the disk is not known */
@@ -27,8 +31,14 @@ struct ttf_jsonl {
 TTF_MUST_USE int ttf_jsonl_open(struct ttf_jsonl *f, struct ttf_io *io, const char *path,
                                 const struct ttf_lines_tail *tail, struct ttf_err *err);
 
-/* Finishes the line in json (begun with seq f->next_seq), appends and syncs it; frees json. */
-TTF_MUST_USE int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_json *json, struct ttf_err *err);
+/* Memory for lines of so many bytes. -ENOMEM. */
+TTF_MUST_USE int ttf_jsonl_reserve(struct ttf_jsonl *f, size_t bytes);
+
+/* Begins a line; what is returned belongs to f. A line begun before and not appended is dropped. */
+struct ttf_json *ttf_jsonl_begin(struct ttf_jsonl *f, const char *type);
+
+/* Finishes the line that was begun, appends and syncs it. */
+TTF_MUST_USE int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_err *err);
 
 /* Writes a newline that is still owed, and syncs. */
 TTF_MUST_USE int ttf_jsonl_settle(struct ttf_jsonl *f, struct ttf_err *err);

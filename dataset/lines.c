@@ -13,6 +13,12 @@
 void ttf_line_begin(struct ttf_json *json, const char *type, int64_t seq)
 {
     ttf_json_init(json, false);
+    ttf_line_again(json, type, seq);
+}
+
+void ttf_line_again(struct ttf_json *json, const char *type, int64_t seq)
+{
+    ttf_json_again(json, false);
     ttf_json_object(json);
     ttf_json_kstring(json, "type", type);
     ttf_json_kint(json, "seq", seq);

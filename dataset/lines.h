@@ -24,6 +24,9 @@
 /* Begins an object with its type and seq. */
 void ttf_line_begin(struct ttf_json *json, const char *type, int64_t seq);
 
+/* The same in the memory of the line that was in json before. */
+void ttf_line_again(struct ttf_json *json, const char *type, int64_t seq);
+
 /* Adds the crc and closes. The text (without newline) belongs to json. */
 TTF_MUST_USE int ttf_line_finish(struct ttf_json *json, const char **ret_text, size_t *ret_bytes);
 

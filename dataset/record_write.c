@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "record_line.h"
+#include "ttf/dataset/writer.h"
 
 static void put_text(struct ttf_json *json, const char *key, const char *value)
 {
@@ -183,6 +184,21 @@ void ttf_slot_put(struct ttf_json *json, const struct ttf_slot_record *record)
         ttf_json_array_end(json);
     }
     put_sensors(json, record);
+}
+
+/*
+ * What the text of each part can come to: its keys, numbers of 20 digits, and texts as long as
+ * their fields. Names and reasons are plain words: hardly a byte of them is written as \u00xx.
+ */
+#define SLOT_BYTES  4096 /* times, result, reason, and sensors' 16 x 140 */
+#define IMAGE_BYTES 3072 /* names, levels, flags, and files' 4 x 400 */
+#define SHOT_BYTES  768  /* settings asked and granted, times, why it was refused */
+#define LAMP_BYTES  128
+
+size_t ttf_slot_line_bytes(unsigned n_images, unsigned n_shots, unsigned n_lamps)
+{
+    return SLOT_BYTES + (size_t)n_images * IMAGE_BYTES +
+           (size_t)n_shots * (SHOT_BYTES + (size_t)n_lamps * LAMP_BYTES);
 }
 
 void ttf_segment_put(struct ttf_json *json, const struct ttf_segment *s)

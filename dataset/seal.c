@@ -25,15 +25,13 @@ static int append_end(struct ttf_writer *writer, const char *reason, struct ttf_
         .paused = counts[TTF_RESULT_PAUSED],
         .power = counts[TTF_RESULT_POWER],
     };
-    struct ttf_json json;
     int i, r;
 
     for (i = 0; i < TTF_RESULT_COUNT; i++)
         end.slots += counts[i];
     ttf_text_cut(end.reason, sizeof(end.reason), reason);
-    ttf_line_begin(&json, "end", writer->records.next_seq);
-    ttf_end_put(&json, &end);
-    r = ttf_jsonl_append(&writer->records, &json, err);
+    ttf_end_put(ttf_jsonl_begin(&writer->records, "end"), &end);
+    r = ttf_jsonl_append(&writer->records, err);
     if (r == 0)
         writer->ended = true;
     return r;

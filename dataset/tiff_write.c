@@ -12,6 +12,10 @@
 
 struct ttf_tiff_writer {
     struct tiff_client client;
+    struct ttf_tiff_spec spec;
+    bool big; /* beyond 4 GB only BigTIFF has offsets enough */
+    uint8_t *profile;
+    size_t profile_bytes;
     uint32_t height, strip_rows;
     size_t row_bytes;
     uint32_t rows;        /* taken so far */
@@ -55,37 +59,26 @@ static bool set_compression(TIFF *tiff, const struct ttf_tiff_spec *spec)
                                                        : PREDICTOR_HORIZONTAL) == 1;
 }
 
-static int set_profile(struct tiff_client *client, const struct ttf_tiff_spec *spec,
-                       struct ttf_err *err)
+static int set_tags(struct ttf_tiff_writer *writer, struct ttf_err *err)
 {
-    uint8_t *profile = NULL;
-    size_t bytes = 0;
-    int r = ttf_icc_create(spec->icc, spec->samples, &profile, &bytes, err);
-
-    if (r < 0)
-        return r;
-    if (profile &&
-        TIFFSetField(client->tiff, TIFFTAG_ICCPROFILE, (uint32_t)bytes, (void *)profile) != 1)
-        r = tiff_client_fail(client, err, -ENOMEM, "setting the colour profile");
-    free(profile);
-    return r;
-}
-
-static int set_tags(struct tiff_client *client, const struct ttf_tiff_spec *spec,
-                    uint32_t strip_rows, struct ttf_err *err)
-{
+    struct tiff_client *client = &writer->client;
+    const struct ttf_tiff_spec *spec = &writer->spec;
     uint64_t exif = 0;
     int r = tiff_write_exif(client, &spec->times, 0, &exif, err);
 
     if (r < 0)
         return r;
-    if (!set_geometry(client->tiff, spec, strip_rows) || !set_compression(client->tiff, spec) ||
+    if (!set_geometry(client->tiff, spec, writer->strip_rows) ||
+        !set_compression(client->tiff, spec) ||
         !tiff_set_text(client->tiff, TIFFTAG_SOFTWARE, spec->software) ||
         !tiff_set_text(client->tiff, TIFFTAG_IMAGEDESCRIPTION, spec->description) ||
         !tiff_set_date_time(client->tiff, &spec->times) ||
         (exif && TIFFSetField(client->tiff, TIFFTAG_EXIFIFD, exif) != 1))
         return tiff_client_fail(client, err, -EINVAL, "setting a TIFF file's tags");
-    return set_profile(client, spec, err);
+    if (writer->profile && TIFFSetField(client->tiff, TIFFTAG_ICCPROFILE,
+                                        (uint32_t)writer->profile_bytes, writer->profile) != 1)
+        return tiff_client_fail(client, err, -ENOMEM, "setting the colour profile");
+    return 0;
 }
 
 /* Of one row and of the whole image; false if the geometry cannot be. */
@@ -101,8 +94,8 @@ static bool sizes_of(const struct ttf_tiff_spec *spec, size_t *ret_row, size_t *
     return ttf_mul_size(*ret_row, spec->height, ret_all);
 }
 
-int ttf_tiff_writer_open(struct ttf_io *io, int file, const struct ttf_tiff_spec *spec,
-                         struct ttf_tiff_writer **ret, struct ttf_err *err)
+int ttf_tiff_writer_create(const struct ttf_tiff_spec *spec, struct ttf_tiff_writer **ret,
+                           struct ttf_err *err)
 {
     struct ttf_tiff_writer *writer;
     size_t row_bytes, bytes;
@@ -118,6 +111,8 @@ int ttf_tiff_writer_open(struct ttf_io *io, int file, const struct ttf_tiff_spec
         ttf_err_set(err, -ENOMEM, NULL, "no memory for a TIFF writer");
         return -ENOMEM;
     }
+    writer->spec = *spec;
+    writer->big = bytes > CLASSIC_MAX;
     writer->height = spec->height;
     writer->row_bytes = row_bytes;
     writer->strip_rows = row_bytes < STRIP_BYTES ? (uint32_t)(STRIP_BYTES / row_bytes) : 1;
@@ -130,11 +125,7 @@ int ttf_tiff_writer_open(struct ttf_io *io, int file, const struct ttf_tiff_spec
                     writer->strip_rows * row_bytes);
         goto err_free;
     }
-    /* Beyond 4 GB only BigTIFF has offsets enough. */
-    r = tiff_client_attach(&writer->client, io, file, bytes > CLASSIC_MAX ? "w8l" : "wl", err);
-    if (r < 0)
-        goto err_free;
-    r = set_tags(&writer->client, spec, writer->strip_rows, err);
+    r = ttf_icc_create(spec->icc, spec->samples, &writer->profile, &writer->profile_bytes, err);
     if (r < 0)
         goto err_free;
     *ret = writer;
@@ -143,6 +134,38 @@ int ttf_tiff_writer_open(struct ttf_io *io, int file, const struct ttf_tiff_spec
 err_free:
     ttf_tiff_writer_abandon(writer);
     return r;
+}
+
+int ttf_tiff_writer_begin(struct ttf_tiff_writer *writer, const struct ttf_tiff_times *times,
+                          struct ttf_io *io, int file, struct ttf_err *err)
+{
+    int r;
+
+    writer->spec.times = *times;
+    writer->rows = writer->in_strip = writer->strip = 0;
+    r = tiff_client_attach(&writer->client, io, file, writer->big ? "w8l" : "wl", err);
+    if (r == 0)
+        r = set_tags(writer, err);
+    if (r < 0)
+        ttf_tiff_writer_drop(writer);
+    return r;
+}
+
+int ttf_tiff_writer_open(struct ttf_io *io, int file, const struct ttf_tiff_spec *spec,
+                         struct ttf_tiff_writer **ret, struct ttf_err *err)
+{
+    struct ttf_tiff_writer *writer = NULL;
+    int r = ttf_tiff_writer_create(spec, &writer, err);
+
+    if (r < 0)
+        return r;
+    r = ttf_tiff_writer_begin(writer, &spec->times, io, file, err);
+    if (r < 0) {
+        ttf_tiff_writer_abandon(writer);
+        return r;
+    }
+    *ret = writer;
+    return 0;
 }
 
 static int write_strip(struct ttf_tiff_writer *writer, struct ttf_err *err)
@@ -177,7 +200,7 @@ int ttf_tiff_writer_rows(struct ttf_tiff_writer *writer, const void *rows, size_
     return 0;
 }
 
-int ttf_tiff_writer_close(struct ttf_tiff_writer *writer, struct ttf_err *err)
+int ttf_tiff_writer_end(struct ttf_tiff_writer *writer, struct ttf_err *err)
 {
     int r = 0;
 
@@ -188,8 +211,21 @@ int ttf_tiff_writer_close(struct ttf_tiff_writer *writer, struct ttf_err *err)
         r = tiff_client_fail(&writer->client, err, -EIO, "completing a TIFF file");
     if (r == 0 && tiff_client_close(&writer->client) < 0)
         r = tiff_client_fail(&writer->client, err, -EIO, "completing a TIFF file");
+    ttf_tiff_writer_drop(writer);
+    return r;
+}
+
+int ttf_tiff_writer_close(struct ttf_tiff_writer *writer, struct ttf_err *err)
+{
+    int r = ttf_tiff_writer_end(writer, err);
+
     ttf_tiff_writer_abandon(writer);
     return r;
+}
+
+void ttf_tiff_writer_drop(struct ttf_tiff_writer *writer)
+{
+    tiff_client_drop(&writer->client);
 }
 
 void ttf_tiff_writer_abandon(struct ttf_tiff_writer *writer)
@@ -197,6 +233,7 @@ void ttf_tiff_writer_abandon(struct ttf_tiff_writer *writer)
     if (!writer)
         return;
     tiff_client_drop(&writer->client);
+    free(writer->profile);
     free(writer->bytes);
     free(writer);
 }

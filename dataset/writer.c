@@ -10,7 +10,11 @@
 #include "io_path.h"
 #include "record_line.h"
 #include "sums.h"
+#include "ttf/dataset/hash.h"
 #include "writer_private.h"
+
+/* Of an event without detail: a text of 255 bytes, each written as six at the most, and its frame. */
+#define EVENT_LINE_BYTES 4096
 
 struct ttf_writer *ttf_writer_alloc(struct ttf_io *io, const char *path)
 {
@@ -25,11 +29,24 @@ struct ttf_writer *ttf_writer_alloc(struct ttf_io *io, const char *path)
     writer->lock = writer->sums = writer->records.file = writer->events.file = -1;
     writer->state.last_due_ns = TTF_NS_UNKNOWN;
     writer->path = strndup(path, n);
-    if (!writer->path) {
+    writer->piece = malloc(TTF_SHA256_PIECE);
+    if (!writer->path || !writer->piece) {
+        free(writer->path);
+        free(writer->piece);
         free(writer);
         return NULL;
     }
     return writer;
+}
+
+int ttf_writer_reserve(struct ttf_writer *writer, size_t line_bytes, struct ttf_err *err)
+{
+    int r = ttf_jsonl_reserve(&writer->records, line_bytes);
+
+    if (r == 0)
+        r = ttf_jsonl_reserve(&writer->events, EVENT_LINE_BYTES);
+    return r ? ttf_err_set(err, r, writer->path, "no memory for lines of %zu bytes", line_bytes)
+             : 0;
 }
 
 int ttf_writer_lock(struct ttf_writer *writer, struct ttf_err *err)
@@ -106,7 +123,6 @@ int ttf_writer_segment(struct ttf_writer *writer, const struct ttf_segment *segm
 {
     const struct ttf_writer_state *state = &writer->state;
     struct ttf_segment s = *segment;
-    struct ttf_json json;
     int r;
 
     r = ttf_segment_check(&s, err);
@@ -123,9 +139,8 @@ int ttf_writer_segment(struct ttf_writer *writer, const struct ttf_segment *segm
     r = ttf_writer_unseal(writer, err);
     if (r)
         return r;
-    ttf_line_begin(&json, "segment", writer->records.next_seq);
-    ttf_segment_put(&json, &s);
-    r = ttf_jsonl_append(&writer->records, &json, err);
+    ttf_segment_put(ttf_jsonl_begin(&writer->records, "segment"), &s);
+    r = ttf_jsonl_append(&writer->records, err);
     if (r == 0) {
         writer->ended = false;
         r = ttf_writer_learn_segment(writer, &s);
@@ -137,20 +152,16 @@ int ttf_writer_plan(struct ttf_writer *writer, const char *yaml, const char *tex
                     struct ttf_err *err)
 {
     int n = writer->state.n_plans, r;
-    struct ttf_json json;
 
     if (!yaml && !text)
         return ttf_err_set(err, -EINVAL, "plan", "there is neither YAML nor JSON of it");
     r = ttf_writer_unseal(writer, err);
     if (r)
         return r;
-    ttf_line_begin(&json, "plan", writer->records.next_seq);
-    r = ttf_writer_plan_files(writer, n, yaml, text, &json, err);
-    if (r) {
-        ttf_json_free(&json);
-        return r;
-    }
-    r = ttf_jsonl_append(&writer->records, &json, err);
+    r = ttf_writer_plan_files(writer, n, yaml, text, ttf_jsonl_begin(&writer->records, "plan"),
+                              err);
+    if (r == 0)
+        r = ttf_jsonl_append(&writer->records, err);
     if (r)
         return r;
     writer->ended = false;
@@ -158,26 +169,29 @@ int ttf_writer_plan(struct ttf_writer *writer, const char *yaml, const char *tex
     return n;
 }
 
+static int open_sums(struct ttf_writer *writer)
+{
+    char path[TTF_PATH_MAX];
+    int r = ttf_path_put(path, "%s/" TTF_SUMS_NAME, writer->path);
+
+    return r ? r : writer->io->ops->open(writer->io, path, TTF_IO_APPEND);
+}
+
 /* Lines of SHA256SUMS for a slot's files. Not synced: opening repairs it from the records. */
 static void list_files(struct ttf_writer *writer, const struct ttf_slot_record *record)
 {
-    struct ttf_io *io = writer->io;
     const struct ttf_file_ref *file;
+    char line[sizeof(file->sha256) + sizeof(file->path) + 4];
     unsigned i, k;
-    char *line;
 
     for (i = 0; i < record->n_images; i++)
         for (k = 0; k < record->images[i].n_files && !writer->sums_behind; k++) {
             file = &record->images[i].files[k];
-            if (writer->sums < 0) {
-                line = ttf_path_format("%s/" TTF_SUMS_NAME, writer->path);
-                writer->sums = line ? io->ops->open(io, line, TTF_IO_APPEND) : -ENOMEM;
-                free(line);
-            }
-            line = ttf_path_format("%s  %s\n", file->sha256, file->path);
-            writer->sums_behind = writer->sums < 0 || !line ||
-                                  ttf_io_append_all(io, writer->sums, line, strlen(line)) != 0;
-            free(line);
+            if (writer->sums < 0)
+                writer->sums = open_sums(writer);
+            snprintf(line, sizeof(line), "%s  %s\n", file->sha256, file->path);
+            writer->sums_behind = writer->sums < 0 || ttf_io_append_all(writer->io, writer->sums,
+                                                                        line, strlen(line)) != 0;
         }
 }
 
@@ -185,7 +199,6 @@ int ttf_writer_commit(struct ttf_writer *writer, const struct ttf_slot_record *r
                       struct ttf_err *err)
 {
     struct ttf_writer_state *state = &writer->state;
-    struct ttf_json json;
     int r;
 
     r = ttf_slot_check(record, err);
@@ -199,9 +212,8 @@ int ttf_writer_commit(struct ttf_writer *writer, const struct ttf_slot_record *r
     r = ttf_writer_unseal(writer, err);
     if (r)
         return r;
-    ttf_line_begin(&json, "slot", writer->records.next_seq);
-    ttf_slot_put(&json, record);
-    r = ttf_jsonl_append(&writer->records, &json, err);
+    ttf_slot_put(ttf_jsonl_begin(&writer->records, "slot"), record);
+    r = ttf_jsonl_append(&writer->records, err);
     if (r)
         return r;
     writer->ended = false;
@@ -238,25 +250,22 @@ static int append_event(struct ttf_writer *writer, const char *kind, int64_t at_
                         int64_t at_utc_ns, const char *text, const char *detail,
                         struct ttf_err *err)
 {
-    struct ttf_json json;
+    struct ttf_json *json = ttf_jsonl_begin(&writer->events, "event");
     int r;
 
-    ttf_line_begin(&json, "event", writer->events.next_seq);
-    ttf_json_kstring(&json, "kind", kind);
+    ttf_json_kstring(json, "kind", kind);
     if (at_ns != TTF_NS_UNKNOWN)
-        ttf_json_kint(&json, "at_ns", at_ns);
+        ttf_json_kint(json, "at_ns", at_ns);
     if (at_utc_ns != TTF_NS_UNKNOWN)
-        ttf_json_kint(&json, "at_utc_ns", at_utc_ns);
+        ttf_json_kint(json, "at_utc_ns", at_utc_ns);
     if (text && text[0])
-        ttf_json_kstring(&json, "text", text);
+        ttf_json_kstring(json, "text", text);
     if (detail) {
-        r = put_detail(&json, detail, err);
-        if (r) {
-            ttf_json_free(&json);
+        r = put_detail(json, detail, err);
+        if (r)
             return r;
-        }
     }
-    return ttf_jsonl_append(&writer->events, &json, err);
+    return ttf_jsonl_append(&writer->events, err);
 }
 
 int ttf_writer_event(struct ttf_writer *writer, const char *kind, int64_t at_ns, int64_t at_utc_ns,
@@ -314,6 +323,7 @@ void ttf_writer_abandon(struct ttf_writer *writer)
     if (writer->lock >= 0)
         io->ops->close(io, writer->lock);
     free(writer->calibrations);
+    free(writer->piece);
     free(writer->path);
     free(writer);
 }

@@ -141,7 +141,7 @@ out:
 int ttf_writer_calibration(struct ttf_writer *writer, const char *id, const char *folder,
                            struct ttf_err *err)
 {
-    struct ttf_json json;
+    struct ttf_json *json;
     unsigned i;
     int r;
 
@@ -153,17 +153,14 @@ int ttf_writer_calibration(struct ttf_writer *writer, const char *id, const char
     r = ttf_writer_unseal(writer, err);
     if (r)
         return r;
-    ttf_line_begin(&json, "calibration", writer->records.next_seq);
-    ttf_json_kstring(&json, "id", id);
-    ttf_json_key(&json, "files");
-    ttf_json_array(&json);
-    r = copy_folder(writer, id, folder, &json, err);
-    ttf_json_array_end(&json);
-    if (r) {
-        ttf_json_free(&json);
-        return r;
-    }
-    r = ttf_jsonl_append(&writer->records, &json, err);
+    json = ttf_jsonl_begin(&writer->records, "calibration");
+    ttf_json_kstring(json, "id", id);
+    ttf_json_key(json, "files");
+    ttf_json_array(json);
+    r = copy_folder(writer, id, folder, json, err);
+    ttf_json_array_end(json);
+    if (r == 0)
+        r = ttf_jsonl_append(&writer->records, err);
     if (r)
         return r;
     writer->ended = false;

@@ -2,7 +2,6 @@
 /* One image file on its way to the disk (DESIGN.md, "Commit of a slot"). */
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "io_hashing.h"
@@ -16,7 +15,7 @@ struct attempt {
     ttf_produce_fn *produce;
     void *ctx;
     const char *path; /* relative */
-    char *full, *temporary;
+    char full[TTF_PATH_MAX], temporary[TTF_PATH_MAX];
 };
 
 /* A failure that another name, and so other blocks of the disk, may not meet again. */
@@ -49,7 +48,7 @@ static int attempt(struct attempt *a, struct ttf_file_ref *ret, struct ttf_err *
     r = io->ops->sync(io, file, false);
     if (r == 0) {
         step = "cannot be read back";
-        r = ttf_io_hashing_result(&hashing, &ret->bytes, ret->sha256);
+        r = ttf_io_hashing_result(&hashing, a->writer->piece, &ret->bytes, ret->sha256);
     }
     closed = io->ops->close(io, file);
     if (r == 0 && closed) {
@@ -94,7 +93,8 @@ static int make_path(struct ttf_file_ref *ref, const char *stream, int64_t index
 
 /* The first name from `retry` on that nothing on the disk has. */
 static int free_name(struct ttf_writer *writer, struct ttf_file_ref *ref, const char *stream,
-                     int64_t index, int bracket, const char *extension, int *retry, char **full)
+                     int64_t index, int bracket, const char *extension, int *retry,
+                     char full[TTF_PATH_MAX])
 {
     struct ttf_io_stat st;
     int r;
@@ -103,14 +103,12 @@ static int free_name(struct ttf_writer *writer, struct ttf_file_ref *ref, const 
         r = make_path(ref, stream, index, bracket, extension, *retry);
         if (r)
             return r;
-        *full = ttf_path_format("%s/%s", writer->path, ref->path);
-        if (!*full)
-            return -ENOMEM;
-        r = writer->io->ops->stat(writer->io, *full, &st);
+        r = ttf_path_put(full, "%s/%s", writer->path, ref->path);
+        if (r)
+            return r;
+        r = writer->io->ops->stat(writer->io, full, &st);
         if (r == -ENOENT)
             return 0;
-        free(*full);
-        *full = NULL;
         if (r && r != -EIO)
             return r;
     }
@@ -122,22 +120,15 @@ static int one_try(struct attempt *a, struct ttf_file_ref *ref, const char *stre
     struct ttf_io *io = a->writer->io;
     int r;
 
-    r = free_name(a->writer, ref, stream, index, bracket, extension, retry, &a->full);
+    r = free_name(a->writer, ref, stream, index, bracket, extension, retry, a->full);
+    if (r == 0)
+        r = ttf_path_put(a->temporary, "%s.tmp", a->full);
     if (r)
         return ttf_err_set(err, r, ref->path, "no name can be had for this file: %s",
                            strerrordesc_np(-r));
-    a->temporary = ttf_path_format("%s.tmp", a->full);
-    if (!a->temporary) {
-        r = ttf_err_set(err, -ENOMEM, ref->path, "no memory");
-    } else {
-        a->path = ref->path;
-        (void)io->ops->unlink(io, a->temporary);
-        r = attempt(a, ref, err);
-    }
-    free(a->temporary);
-    free(a->full);
-    a->temporary = a->full = NULL;
-    return r;
+    a->path = ref->path;
+    (void)io->ops->unlink(io, a->temporary);
+    return attempt(a, ref, err);
 }
 
 int ttf_writer_file(struct ttf_writer *writer, const char *role, const char *stream, int64_t index,
@@ -146,7 +137,7 @@ int ttf_writer_file(struct ttf_writer *writer, const char *role, const char *str
 {
     struct attempt a = {.writer = writer, .produce = produce, .ctx = ctx};
     struct ttf_file_ref ref = {0};
-    char *folder;
+    char folder[TTF_PATH_MAX];
     int r, retry = 0;
 
     if (!ttf_name_ok(role) || strlen(role) >= sizeof(ref.role) ||
@@ -158,12 +149,11 @@ int ttf_writer_file(struct ttf_writer *writer, const char *role, const char *str
     if (r)
         return r;
     snprintf(ref.role, sizeof(ref.role), "%s", role);
-    folder = ttf_path_format("%s/%s/%s", writer->path, strcmp(role, "raw") == 0 ? "raw" : "frames",
-                             stream);
-    if (!folder)
-        return ttf_err_set(err, -ENOMEM, stream, "no memory");
+    r = ttf_path_put(folder, "%s/%s/%s", writer->path, strcmp(role, "raw") == 0 ? "raw" : "frames",
+                     stream);
+    if (r)
+        return ttf_err_set(err, r, stream, "its folder's name is too long");
     r = ttf_io_mkdirs(writer->io, folder, err);
-    free(folder);
     if (r)
         return r;
     r = one_try(&a, &ref, stream, index, bracket, extension, &retry, err);

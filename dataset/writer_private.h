@@ -13,7 +13,8 @@
 struct ttf_writer {
     struct ttf_io *io;
     char *path;
-    int lock; /* handle of the folder, locked; -1 */
+    void *piece; /* TTF_SHA256_PIECE bytes, for reading back what was written */
+    int lock;    /* handle of the folder, locked; -1 */
     struct ttf_manifest manifest;
     struct ttf_writer_state state;
     struct ttf_jsonl records, events;

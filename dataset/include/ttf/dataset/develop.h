@@ -11,6 +11,7 @@
 #ifndef TTF_DATASET_DEVELOP_H
 #define TTF_DATASET_DEVELOP_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "ttf/base/err.h"
@@ -48,6 +49,14 @@ struct ttf_image_figures {
 TTF_MUST_USE int ttf_develop_create(const struct ttf_develop_config *config,
                                     struct ttf_develop **ret, struct ttf_err *err);
 void ttf_develop_destroy(struct ttf_develop *develop); /* NULL allowed */
+
+/*
+ * Memory for runs with a pool of that size, kept until it is destroyed: they then allocate
+ * nothing of their own, and only one may be under way at a time. tiff: for ttf_develop_tiff
+ * as well. Without it each run has its own. pool may be NULL. -ENOMEM.
+ */
+TTF_MUST_USE int ttf_develop_reserve(struct ttf_develop *develop, const struct ttf_pool *pool,
+                                     bool tiff, struct ttf_err *err);
 
 uint32_t ttf_develop_width(const struct ttf_develop *develop);
 uint32_t ttf_develop_height(const struct ttf_develop *develop);

@@ -29,6 +29,11 @@ struct ttf_dng_info {
 TTF_MUST_USE int ttf_dng_write(const struct ttf_raw_sum *raw, const struct ttf_dng_info *info,
                                struct ttf_io *io, int file, struct ttf_err *err);
 
+/* The same, working in memory of the caller's: ttf_dng_scratch_bytes of the raw's format. Allocates nothing of its own. */
+TTF_MUST_USE int ttf_dng_write_in(const struct ttf_raw_sum *raw, const struct ttf_dng_info *info,
+                                  void *scratch, struct ttf_io *io, int file, struct ttf_err *err);
+size_t ttf_dng_scratch_bytes(const struct ttf_frame_format *format);
+
 /*
  * Reads a CFA DNG (ours, or another's: 8..16 bits, uncompressed or lossless JPEG) as a sum of one frame:
  * its active area, linearized, of one black level. settings are exact from our files, else what EXIF tells.

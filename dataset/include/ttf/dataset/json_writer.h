@@ -2,7 +2,7 @@
 /*
  * json_writer.h: a small streaming writer of JSON text (UTF-8).
  *
- * Text grows in memory. The first failure (no memory, nesting beyond 16, a
+ * Text grows in memory, which is kept for the next text by again(). The first failure (no memory, nesting beyond 16, a
  * double that is not finite) sticks: finish reports it, and calls in between need
  * no checks. 64-bit integers keep every digit.
  */
@@ -26,6 +26,12 @@ struct ttf_json {
 };
 
 void ttf_json_init(struct ttf_json *json, bool pretty);
+
+/* Begins a new text in the memory of the last one. json was initialised once; a text handed out by finish is gone. */
+void ttf_json_again(struct ttf_json *json, bool pretty);
+
+/* Memory for a text of so many bytes: one that is no longer needs no other. -ENOMEM, the text unharmed. */
+TTF_MUST_USE int ttf_json_reserve(struct ttf_json *json, size_t bytes);
 
 void ttf_json_object(struct ttf_json *json); /* { */
 void ttf_json_object_end(struct ttf_json *json);

@@ -47,9 +47,25 @@ struct ttf_tiff_spec {
 struct ttf_tiff_writer;
 
 /*
- * Begins a file at the handle, from offset 0; the handle stays the caller's.
- * -EINVAL for a geometry that cannot be, -ENOMEM, or what the I/O table says.
+ * A writer for file after file of one kind, which owns all memory it needs besides
+ * libtiff's: begin .. end allocate nothing of their own. The spec's texts are borrowed
+ * for its life, its times are those of begin. -EINVAL for a geometry that cannot be, -ENOMEM.
  */
+TTF_MUST_USE int ttf_tiff_writer_create(const struct ttf_tiff_spec *spec,
+                                        struct ttf_tiff_writer **ret, struct ttf_err *err);
+
+/* Begins a file at the handle, from offset 0; the handle stays the caller's. -ENOMEM, or what the I/O table says. */
+TTF_MUST_USE int ttf_tiff_writer_begin(struct ttf_tiff_writer *writer,
+                                       const struct ttf_tiff_times *times, struct ttf_io *io,
+                                       int file, struct ttf_err *err);
+
+/* Completes the file: -EINVAL if rows are lacking. The writer is free for the next, also on failure. */
+TTF_MUST_USE int ttf_tiff_writer_end(struct ttf_tiff_writer *writer, struct ttf_err *err);
+
+/* Lets go of a file without completing it. The writer is free for the next. */
+void ttf_tiff_writer_drop(struct ttf_tiff_writer *writer);
+
+/* create and begin in one, for a single file; to be ended by close or abandon. */
 TTF_MUST_USE int ttf_tiff_writer_open(struct ttf_io *io, int file, const struct ttf_tiff_spec *spec,
                                       struct ttf_tiff_writer **ret, struct ttf_err *err);
 
@@ -57,7 +73,7 @@ TTF_MUST_USE int ttf_tiff_writer_open(struct ttf_io *io, int file, const struct 
 TTF_MUST_USE int ttf_tiff_writer_rows(struct ttf_tiff_writer *writer, const void *rows,
                                       size_t stride, uint32_t n, struct ttf_err *err);
 
-/* Completes the file (-EINVAL if rows are lacking) and frees, also on failure. */
+/* end, and frees the writer, also on failure. */
 TTF_MUST_USE int ttf_tiff_writer_close(struct ttf_tiff_writer *writer, struct ttf_err *err);
 
 /* Frees without completing. NULL allowed. */

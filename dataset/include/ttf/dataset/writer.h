@@ -47,6 +47,17 @@ TTF_MUST_USE int ttf_writer_create(struct ttf_io *io, const char *path,
 TTF_MUST_USE int ttf_writer_open(struct ttf_io *io, const char *path, struct ttf_writer **ret,
                                  struct ttf_err *err);
 
+/*
+ * Memory for record lines of line_bytes: slots and events whose lines are no longer
+ * (an event without detail never is) are then written without allocating. Kept until
+ * the writer is freed; without it the memory grows with the longest line. -ENOMEM.
+ */
+TTF_MUST_USE int ttf_writer_reserve(struct ttf_writer *writer, size_t line_bytes,
+                                    struct ttf_err *err);
+
+/* Bytes that a slot's line can come to: images, shots of all of them, lamps of each shot. */
+size_t ttf_slot_line_bytes(unsigned n_images, unsigned n_shots, unsigned n_lamps);
+
 const struct ttf_manifest *ttf_writer_manifest(const struct ttf_writer *writer);
 const struct ttf_writer_state *ttf_writer_state(const struct ttf_writer *writer);
 
