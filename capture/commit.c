@@ -79,7 +79,7 @@ static int try_file(struct ttf_committer *c, struct ttf_darkroom *room, const ch
     int r;
 
     if (!c->writer)
-        return -EIO;
+        return c->away < 0 ? c->away : -EIO;
     r = ttf_darkroom_print(room, c->writer, role, print, &err);
     if (r == 0 || r == -ENOSPC || r == -EROFS || ttf_committer_power_lost(c))
         return r;

@@ -34,7 +34,8 @@ static const char *reason_of(const struct month_fault *f)
     switch (f->fault.kind) {
     case TTF_FAULT_FRAME_LATE:
     case TTF_FAULT_FRAME_MISSING:
-        return f->lasts_ns > 0 ? "missing" : NULL;
+        /* Nothing came at all: for the session that is a camera that hangs. */
+        return f->lasts_ns > 0 ? "camera does not deliver" : NULL;
     case TTF_FAULT_FRAME_SHORT:
         return f->lasts_ns > 0 ? "short" : NULL;
     case TTF_FAULT_FRAME_CORRUPT:

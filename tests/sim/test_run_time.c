@@ -151,8 +151,6 @@ static void make_plan(struct timed *t)
     run->plan.n_day_levels = 1;
     run->plan.day_levels[0] = (struct ttf_lamp_level){.lamp = "left", .permille = 700};
     left->max_on_ns = 130 * S;
-    left->max_duty_permille = 800;
-    left->duty_window_ns = 300 * S;
     run->on_box = play;
     run->on_file = look_at_lamp;
     run->on_progress = slot_told;
