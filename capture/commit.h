@@ -43,6 +43,7 @@ struct ttf_committer {
     struct ttf_control *control; /* for answers; NULL allowed */
     /* the committer's until join */
     struct ttf_writer *writer; /* NULL while the dataset cannot be opened; owned by the session */
+    int away;                  /* why it cannot */
     struct ttf_ledger ledger;
     /* the plan and segment in force on the disk, by the session's numbers; NULL before there is one; owned */
     struct ttf_plan_change *in_force;

@@ -50,6 +50,7 @@ int ttf_committer_reopen(struct ttf_committer *c)
     ttf_writer_abandon(c->writer);
     c->writer = NULL;
     r = ttf_writer_open(c->io, c->path, &c->writer, &err);
+    c->away = r;
     if (r < 0) {
         c->writer = NULL;
         return r;
