@@ -246,6 +246,23 @@ static void a_seal_cut_off_at_its_last_byte_is_damage(void **state)
     assert_true(verify_says(path, "no line that sha256sum checks"));
 }
 
+static void a_file_that_cannot_be_read_is_damage_and_why_is_said(void **state)
+{
+    const char *path = three_slots(state);
+
+    assert_int_equal(unlink(in(path, "frames/main/000001.tif")), 0);
+    assert_int_equal(symlink("000001.tif", in(path, "frames/main/000001.tif")), 0);
+    assert_true(verify_says(path, "cannot be read: Too many levels"));
+}
+
+static void a_manifest_that_cannot_be_true_is_damage_before_the_seal_too(void **state)
+{
+    const char *path = three_slots(state);
+
+    assert_int_equal(run("sed -i 's/\"width\": 4/\"width\": 0/' '%s/dataset.json'", path), 0);
+    assert_true(verify_says(path, "streams[0].width"));
+}
+
 static void missing_records_are_damage_and_none_are_made(void **state)
 {
     const char *path = three_slots(state);
@@ -358,6 +375,8 @@ int main(void)
         T(an_end_is_not_added_under_a_seal),
         T(what_was_added_behind_the_seal_is_damage),
         T(a_seal_cut_off_at_its_last_byte_is_damage),
+        T(a_file_that_cannot_be_read_is_damage_and_why_is_said),
+        T(a_manifest_that_cannot_be_true_is_damage_before_the_seal_too),
         T(missing_records_are_damage_and_none_are_made),
         T(rot_in_the_events_is_refused_too),
         T(a_line_without_end_is_damage),
