@@ -169,7 +169,7 @@ static void both_logs_are_synced_before_the_seal(void **state)
         w->log,
         LINE("records.jsonl") "sync records.jsonl\nsync events.jsonl\n"
                               /* whatever no record names, so that it is what the seal says */
-                              "sync dataset.json\nsync events.jsonl\nsync records.jsonl\n"
+                              "sync events.jsonl\nsync records.jsonl\n"
                               "sync_dir main\n" WHOLE("SHA256SUMS", "d") "unlink .events-reserve\n"
                                                                          "sync_dir d\n");
     watch(w);
