@@ -22,6 +22,7 @@ struct sim_run {
     int64_t rehearse;
     int64_t
         free_bytes; /* what the disk says it has; 0: as it is. May change while running, in on_progress */
+    bool plain_disk;  /* the machine's files, none failing, and nobody waits for the disk */
     unsigned failing; /* so many file operations from now on give EIO; may be set in on_progress */
     void (*on_file)(struct sim_run *run); /* before each file operation */
     void (*on_progress)(struct sim_run *run, const struct ttf_progress *progress);
