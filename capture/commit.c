@@ -238,20 +238,29 @@ static void last_chance(struct ttf_committer *c)
         give_up(c, r, &err);
 }
 
+/* The oldest job. True if it was the last. */
+static bool do_next(struct ttf_committer *c)
+{
+    struct ttf_job *job = ttf_queue_pop(c->queue);
+    bool quit = job->kind == TTF_JOB_QUIT;
+
+    do_job(c, job);
+    ttf_job_free(job);
+    return quit;
+}
+
 static void *run(void *arg)
 {
     struct ttf_committer *c = arg;
     struct ttf_clock *clock = c->box->clock;
     bool quit = false;
 
-    while (!quit) {
-        struct ttf_job *job = ttf_queue_pop(c->queue);
-
-        quit = job->kind == TTF_JOB_QUIT;
-        do_job(c, job);
-        ttf_job_free(job);
-    }
+    while (!quit)
+        quit = do_next(c);
     last_chance(c);
+    /* What the loop saw in the meantime: a clock that was set. */
+    while (ttf_queue_length(c->queue) > 0)
+        (void)do_next(c);
     while (c->pending)
         ttf_committer_drop_first(c);
     for (unsigned i = 0; i < c->n_late; i++)
@@ -286,7 +295,7 @@ int ttf_committer_begin(struct ttf_committer *committer)
     return 0;
 }
 
-void ttf_committer_end(struct ttf_committer *committer)
+void ttf_committer_end(struct ttf_committer *committer, struct ttf_pulse *pulse)
 {
     struct ttf_job *job;
 
@@ -299,8 +308,10 @@ void ttf_committer_end(struct ttf_committer *committer)
         job = ttf_job_new(TTF_JOB_QUIT);
     }
     ttf_queue_push(committer->queue, job);
-    while (ttf_gate_wait(committer->queue->done, TTF_NS_NEVER) < 0)
-        ;
+    /* The last slots may take as long as they do: the loop keeps an eye on clock and watchdog. */
+    if (ttf_pulse_gate(pulse, committer->queue->done, TTF_NS_NEVER) < 0)
+        while (ttf_gate_wait(committer->queue->done, TTF_NS_NEVER) < 0)
+            ;
     pthread_join(committer->thread, NULL);
     pthread_mutex_destroy(&committer->progress_mutex);
     committer->running = false;

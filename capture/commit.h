@@ -10,6 +10,7 @@
 #include "events.h"
 #include "image_files.h"
 #include "ledger.h"
+#include "pulse.h"
 #include "rehearsal.h"
 #include "ttf/capture/session.h"
 
@@ -57,8 +58,8 @@ struct ttf_committer {
 /* Starts the thread. The caller has joined the clock. Negative errno. */
 TTF_MUST_USE int ttf_committer_begin(struct ttf_committer *committer);
 
-/* Lets it finish what is queued, and ends it. The caller has joined the clock. */
-void ttf_committer_end(struct ttf_committer *committer);
+/* Lets it finish what is queued, and ends it; until then the pulse beats on. The caller has joined the clock. */
+void ttf_committer_end(struct ttf_committer *committer, struct ttf_pulse *pulse);
 
 /* Tells the watcher; any thread, one at a time. */
 void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progress *progress);

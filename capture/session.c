@@ -242,8 +242,8 @@ static int run(struct ttf_session *s, struct ttf_err *err)
     if (r == -ECANCELED)
         ttf_events_emit(&s->events, "stop", "ended as asked");
     ttf_lamp_driver_end(&s->lamps);
+    ttf_committer_end(&s->committer, &s->pulse);
     ttf_pulse_end(&s->pulse);
-    ttf_committer_end(&s->committer);
     if (r == 0 || r == -ECANCELED) {
         int fatal = ttf_queue_fatal(&s->queue);
 

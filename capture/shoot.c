@@ -19,8 +19,8 @@
 #define LOCK_ROUNDS 4
 
 /* So often on end the procedure must come to the same settings; so often it is tried. */
-#define LOCK_ALIKE 3
-#define LOCK_TRIES 8
+#define LOCK_ALIKE 5
+#define LOCK_TRIES 12
 
 /* Of the first grant: how far the later ones may be from it. */
 #define LOCK_WANDER_SHARE 20
@@ -399,10 +399,27 @@ static int converge(struct ttf_shooter *shooter, const struct ttf_exposure *aske
     return -EIO;
 }
 
+/* Just what was asked for; a control that the camera lacks is read back 0, whatever was asked of it. */
+static bool granted_as_asked(const struct ttf_shooter *shooter, const struct ttf_exposure *asked,
+                             const struct ttf_exposure *granted)
+{
+    const struct ttf_camera_caps *caps = ttf_camera_caps(shooter->camera);
+    struct ttf_exposure possible = *asked;
+
+    if (caps->gain_max_milli == 0)
+        possible.gain_milli = 0;
+    if (!caps->has_white_balance)
+        possible.wb_r_milli = possible.wb_b_milli = 0;
+    if (!caps->has_lens)
+        possible.lens_mdpt = 0;
+    return ttf_exposure_equal(&possible, granted);
+}
+
 /*
  * A driver rounds, and does so each time alike; a frame whose settings went wrong is
- * another matter: what it carried must not become the setting of the whole run. So
- * what is not just as asked for counts only if it comes out alike several times.
+ * another matter: what it carried must not become the setting of the whole run. No such
+ * frame comes out just as asked for, so what does is right the first time. Anything else
+ * counts only if it comes out alike several times.
  */
 static int lock_steady(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
                        struct ttf_locked *ret)
@@ -415,7 +432,7 @@ static int lock_steady(struct ttf_shooter *shooter, const struct ttf_exposure *a
 
         if (r < 0 && (r != -EIO || ends_run(shooter, r)))
             return r;
-        if (r == 0 && ttf_exposure_equal(asked, &ret->granted))
+        if (r == 0 && granted_as_asked(shooter, asked, &ret->granted))
             return 0;
         alike = r < 0 ? 0 : ttf_exposure_equal(&before, &ret->granted) ? alike + 1 : 1;
         before = ret->granted;

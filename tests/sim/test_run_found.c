@@ -185,6 +185,70 @@ static void a_local_day_is_gone_on_with_after_two_cuts_without_a_clock(void **st
     sim_run_finish(&run);
 }
 
+static void frames_gone_wrong_alike_while_arming_are_outvoted_by_one_as_asked(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= 40; seed++) {
+        struct ttf_slot_record record;
+        struct ttf_fault *wrong;
+        struct sim_run run;
+
+        sim_run_init(&run);
+        run.config.seed = seed;
+        run.plan.count = 1;
+        /* One frame in five, each time by the same: among those that the exposure is locked by. */
+        wrong = sim_run_fault(&run, TTF_FAULT_WRONG_SETTINGS, 1);
+        wrong->rate_per_million = 200000;
+        wrong->duration_ns = 5 * TTF_NS_PER_S;
+        wrong->amount = -23;
+        assert_int_equal(sim_run_boot(&run), 0);
+        sim_run_record(&run, 0, &record);
+        assert_int_equal(record.images[0].shots[0].granted.exposure_ns, 20 * TTF_NS_PER_MS);
+        assert_string_equal(record.images[0].flags, "");
+        ttf_slot_record_free(&record);
+        sim_run_finish(&run);
+    }
+}
+
+static void stop_at_the_first(struct sim_run *run, const struct ttf_progress *progress)
+{
+    if (progress->kind == TTF_PROGRESS_SLOT && progress->index == 0)
+        run->stop = 1;
+}
+
+static void a_clock_set_while_the_last_slots_are_written_is_no_outage_either(void **state)
+{
+    static const int64_t steps_s[] = {520, -520};
+
+    (void)state;
+    for (unsigned i = 0; i < 2; i++) {
+        struct ttf_slot_record record;
+        struct sim_run run;
+        int64_t due;
+
+        sim_run_init(&run);
+        /* Stopped once slot 0 is told: slot 1 has been exposed, and is written for a minute yet. */
+        run.config.cost_commit_ns = 70 * TTF_NS_PER_S;
+        run.on_progress = stop_at_the_first;
+        sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, 120 * TTF_NS_PER_S)->amount = steps_s[i];
+        assert_int_equal(sim_run_boot(&run), 0);
+        sim_run_expect(&run, "cc");
+        assert_int_equal(sim_run_events(&run, "clock-step", NULL), 1);
+        due = sim_run_due_ns(&run, 5);
+        run.config.cost_commit_ns = 50 * TTF_NS_PER_MS;
+        run.config.power_on_ns = run.ended_ns + TTF_NS_PER_MIN;
+        run.on_progress = NULL;
+        run.stop = 0;
+        assert_int_equal(sim_run_boot(&run), 0);
+        sim_run_expect(&run, "ccwwcc");
+        sim_run_record(&run, 5, &record);
+        assert_true(record.due_ns + run.config.power_on_ns == due);
+        ttf_slot_record_free(&record);
+        sim_run_expect_whole(&run, true);
+        sim_run_finish(&run);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -197,6 +261,8 @@ int main(void)
         cmocka_unit_test(a_last_record_that_cannot_be_written_is_no_success),
         cmocka_unit_test(a_seal_that_fails_is_tried_again),
         cmocka_unit_test(a_local_day_is_gone_on_with_after_two_cuts_without_a_clock),
+        cmocka_unit_test(frames_gone_wrong_alike_while_arming_are_outvoted_by_one_as_asked),
+        cmocka_unit_test(a_clock_set_while_the_last_slots_are_written_is_no_outage_either),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
