@@ -7,6 +7,7 @@
 
 #include "commit.h"
 #include "exposure.h"
+#include "plan_change.h"
 #include "shoot.h"
 #include "ttf/base/time.h"
 
@@ -15,6 +16,9 @@
 
 /* Corrections of UTC that wait: after these the next step or trust tries again. */
 #define SEGMENTS 8u
+
+/* Notes on their way: more than people write at a time. */
+#define NOTES 8u
 
 /*
  * Slots with images that wait for a storage that is away: as many as come in the time that it is
@@ -42,6 +46,7 @@ struct ttf_stock_size ttf_stock_size_of(const struct ttf_plan *plan)
     size.jobs[TTF_JOB_SLOT] = size.slots + 1;
     size.jobs[TTF_JOB_EVENT] = TTF_QUEUE_EVENTS_MAX;
     size.jobs[TTF_JOB_SEGMENT] = SEGMENTS;
+    size.jobs[TTF_JOB_NOTE] = NOTES;
     size.jobs[TTF_JOB_QUIT] = 1;
     return size;
 }
@@ -87,6 +92,7 @@ static int allocate(struct ttf_stock *stock)
     if (!stock->slots || !stock->rooms || !stock->images || !stock->shots || !stock->jobs)
         return -ENOMEM;
     for (unsigned i = size->slots; i-- > 0;) {
+        stock->slots[i].change = NULL;
         stock->slots[i].next = stock->free_slots;
         stock->free_slots = &stock->slots[i];
     }
@@ -127,6 +133,9 @@ int ttf_stock_init(struct ttf_stock *stock, const struct ttf_stock_size *size)
 
 void ttf_stock_finish(struct ttf_stock *stock)
 {
+    /* Of those that are free it is NULL. */
+    for (unsigned i = 0; i < stock->size.slots; i++)
+        ttf_plan_change_free(stock->slots[i].change);
     release(stock);
     pthread_mutex_destroy(&stock->mutex);
 }
@@ -171,6 +180,8 @@ void ttf_stock_give_slot(struct ttf_stock *stock, struct ttf_slot_work *work)
 {
     if (!work)
         return;
+    ttf_plan_change_free(work->change);
+    work->change = NULL;
     pthread_mutex_lock(&stock->mutex);
     if (work->room) {
         work->room->next = stock->free_rooms;

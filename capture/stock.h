@@ -14,13 +14,15 @@
 #include <stddef.h>
 
 #include "ttf/capture/plan.h"
+#include "ttf/dataset/notes.h"
 #include "ttf/dataset/record.h"
 
 enum ttf_job_kind {
     TTF_JOB_IMAGE = 0, /* develop and write one image of a slot */
-    TTF_JOB_SLOT,      /* commit the slot's record */
+    TTF_JOB_SLOT,      /* commit the slot's record, or the change of plan */
     TTF_JOB_EVENT,
     TTF_JOB_SEGMENT, /* append a correcting segment line */
+    TTF_JOB_NOTE,    /* append to notes.jsonl */
     TTF_JOB_QUIT
 };
 
@@ -33,7 +35,12 @@ struct ttf_slot_room {
     struct ttf_shot *shots;   /* of all images together */
 };
 
-/* One slot under way. The loop fills an image, then pushes it, and touches it no more. */
+struct ttf_plan_change;
+
+/*
+ * One slot under way. The loop fills an image, then pushes it, and touches it no more. Or a change of
+ * plan, which goes to the disk in its turn among the records.
+ */
 struct ttf_slot_work {
     struct ttf_slot_work *next; /* the committer's: among those that wait for their storage */
     struct ttf_slot_record
@@ -41,20 +48,23 @@ struct ttf_slot_work {
     struct ttf_slot_room *room; /* NULL: a slot without images */
     int64_t begun_ns;           /* boot clock: the first lamp command */
     int64_t wakeup_ns;          /* how late the loop woke; TTF_NS_UNKNOWN */
+    struct ttf_plan_change *change; /* NULL: a slot; owned, with memory of its own */
 };
 
 struct ttf_job {
     enum ttf_job_kind kind;
     struct ttf_job *next;
-    struct ttf_slot_work *slot; /* IMAGE, SLOT; the SLOT job passes ownership on */
-    unsigned image;             /* IMAGE: which of the record's */
-    unsigned shot;              /* IMAGE: which of the plan's shots */
-    struct ttf_raw_sum *raw;    /* IMAGE: given back by the committer */
-    int64_t start_utc_ns;       /* IMAGE: exposure start; TTF_NS_UNKNOWN */
-    struct ttf_segment segment; /* SEGMENT */
-    int64_t at_ns, at_utc_ns;   /* EVENT */
-    char event[32];             /* EVENT: kind */
-    char text[256];             /* EVENT */
+    struct ttf_slot_work *slot;  /* IMAGE, SLOT; the SLOT job passes ownership on */
+    unsigned image;              /* IMAGE: which of the record's */
+    unsigned shot;               /* IMAGE: which of the plan's shots */
+    struct ttf_raw_sum *raw;     /* IMAGE: given back by the committer */
+    int64_t start_utc_ns;        /* IMAGE: exposure start; TTF_NS_UNKNOWN */
+    struct ttf_segment segment;  /* SEGMENT */
+    int64_t at_ns, at_utc_ns;    /* EVENT */
+    char event[32];              /* EVENT: kind */
+    char text[256];              /* EVENT */
+    const struct ttf_note *note; /* NOTE: lent until it is answered */
+    int64_t ask;                 /* NOTE: to be answered */
 };
 
 /* How much there is to be. */

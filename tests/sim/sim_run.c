@@ -53,7 +53,7 @@ static int disk_space(struct ttf_io *io, const char *path, struct ttf_io_space *
     const struct sim_disk *disk = (const struct sim_disk *)io;
     int r = ttf_io_posix()->ops->space(ttf_io_posix(), path, ret);
 
-    if (r == 0 && disk->run->free_bytes != 0)
+    if (r == 0 && disk->run->free_bytes != 0 && !strstr(path, "/second"))
         ret->free_bytes = disk->run->free_bytes;
     return r;
 }
@@ -73,12 +73,16 @@ static int storage_fault(void *ctx, const char *op, const char *path)
 {
     struct sim_run *run = ctx;
 
-    (void)op;
-    (void)path;
+    int error = 0;
+
     if (!run->box)
         return 0;
     if (run->on_file)
         run->on_file(run);
+    if (run->fault)
+        error = run->fault(run, op, path);
+    if (error)
+        return error;
     if (run->failing > 0) {
         run->failing--;
         return EIO;
@@ -107,7 +111,9 @@ static int run_session(struct sim_run *run, struct ttf_io *io)
         .io = io,
         .path = run->path,
         .plan = &run->plan,
-        .plan_yaml = "# as given\n",
+        .plan_yaml = run->plan_yaml ? run->plan_yaml : "# as given\n",
+        .plan_as_given = run->plan_as_given,
+        .control = run->control,
         .calibration_folder = run->calibration,
         .threads = 1,
         .progress = told,
@@ -142,6 +148,8 @@ int sim_run_boot(struct sim_run *run)
         print_error("box: %s: %s\n", run->err.where, run->err.what);
     assert_int_equal(run->code, 0);
     run->box = &box;
+    if (run->on_box)
+        run->on_box(run);
     run->code = run_session(run, run->plain_disk ? &disk.io : io);
     run->ended_ns = ttf_sim_elapsed_ns(&box, ttf_clock_now_ns(box.clock));
     run->back_ns = ttf_sim_back_ns(&box);

@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * crash: cuts the power of a dataset being written, everywhere, and looks at what
+ * is left. README.md. Exits 1 if anything promised was broken.
+ */
+#include <getopt.h>
+#include <inttypes.h>
+#include <malloc.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "cuts.h"
+
+#define PARTS_MAX 64
+
+struct asked {
+    bool exhaustive, random, quick;
+    unsigned depth, parts;
+    uint64_t seed, states;
+};
+
+static double now_s(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void add(struct cuts_counts *sum, const struct cuts_counts *part)
+{
+    unsigned i;
+
+    sum->cuts += part->cuts;
+    sum->states += part->states;
+    sum->deeper += part->deeper;
+    sum->steps += part->steps;
+    for (i = 0; i < RUN_FAULT_COUNT; i++)
+        sum->of[i] += part->of[i];
+}
+
+/* One process's share. */
+static void work(const struct asked *asked, bool random, unsigned part, struct cuts_counts *ret)
+{
+    struct cuts cuts = {
+        .bounds = {{.subset_bits = 10, .tear_step = 16, .pairs = true},
+                   {.subset_bits = 4, .tear_step = 512, .pairs = false}},
+        .depth = asked->depth,
+        .part = part,
+        .parts = asked->parts,
+        .stop_at_first = asked->quick,
+        .seed = asked->seed,
+    };
+
+    if (asked->quick)
+        cuts.bounds[0] = (struct cuts_bounds){.subset_bits = 5, .tear_step = 128, .pairs = false};
+    if (random) {
+        cuts.states_most = asked->states / asked->parts + (part < asked->states % asked->parts);
+        cuts_random(&cuts);
+    } else {
+        cuts_exhaustive(&cuts);
+    }
+    *ret = cuts.counts;
+    cuts_free(&cuts);
+}
+
+/* All shares, each in a process of its own; false: one of them ended badly. */
+static bool work_all(const struct asked *asked, bool random, struct cuts_counts *ret)
+{
+    struct cuts_counts counts;
+    int ends[PARTS_MAX][2], status;
+    bool well = true;
+    unsigned i;
+
+    (void)fflush(stdout);
+    for (i = 0; i < asked->parts; i++) {
+        if (pipe(ends[i]) != 0)
+            return false;
+        switch (fork()) {
+        case -1:
+            return false;
+        case 0:
+            work(asked, random, i, &counts);
+            (void)fflush(stdout);
+            _exit(write(ends[i][1], &counts, sizeof(counts)) == (ssize_t)sizeof(counts) ? 0 : 1);
+        default:
+            close(ends[i][1]);
+        }
+    }
+    for (i = 0; i < asked->parts; i++) {
+        if (read(ends[i][0], &counts, sizeof(counts)) == (ssize_t)sizeof(counts))
+            add(ret, &counts);
+        else
+            well = false;
+        close(ends[i][0]);
+    }
+    while (wait(&status) > 0)
+        well = well && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    return well;
+}
+
+static bool campaign(const struct asked *asked)
+{
+    struct cuts_counts c = {0};
+    double begun = now_s();
+    bool well = true;
+
+    if (asked->exhaustive)
+        well = work_all(asked, false, &c);
+    if (asked->random && !(asked->quick && c.of[RUN_WELL] < c.states))
+        well = work_all(asked, true, &c) && well;
+
+    printf("crash %s: %" PRIu64 " states of %" PRIu64 " cuts at %" PRIu64 " steps (%" PRIu64
+           " in recoveries), %.0f s; lost %" PRIu64 ", shown %" PRIu64 ", unopenable %" PRIu64
+           ", otherwise broken %" PRIu64 "%s\n",
+           asked->exhaustive && asked->random ? "quick"
+           : asked->random                    ? "random"
+                                              : "exhaustive",
+           c.states, c.cuts, c.steps, c.deeper, now_s() - begun, c.of[RUN_LOST], c.of[RUN_SHOWN],
+           c.of[RUN_UNOPENABLE], c.of[RUN_OTHER], well ? "" : "; a process ended badly");
+    (void)fflush(stdout);
+    return well && c.of[RUN_WELL] == c.states;
+}
+
+static int usage(void)
+{
+    fputs("usage: crash [exhaustive|random|--quick] [--depth 1|2] [--seed N] [--states N]\n"
+          "             [--processes N]\n",
+          stderr);
+    return 2;
+}
+
+static bool options(int argc, char **argv, struct asked *asked)
+{
+    static const struct option known[] = {
+        {"quick", no_argument, NULL, 'q'},           {"depth", required_argument, NULL, 'd'},
+        {"seed", required_argument, NULL, 's'},      {"states", required_argument, NULL, 'n'},
+        {"processes", required_argument, NULL, 'p'}, {NULL, 0, NULL, 0},
+    };
+    int c;
+
+    while ((c = getopt_long(argc, argv, "", known, NULL)) !=
+           -1) { /* NOLINT(concurrency-mt-unsafe) */
+        switch (c) {
+        case 'q':
+            asked->quick = true;
+            break;
+        case 'd':
+            asked->depth = (unsigned)strtoul(optarg, NULL, 10);
+            break;
+        case 's':
+            asked->seed = strtoull(optarg, NULL, 10);
+            break;
+        case 'n':
+            asked->states = strtoull(optarg, NULL, 10);
+            break;
+        case 'p':
+            asked->parts = (unsigned)strtoul(optarg, NULL, 10);
+            break;
+        default:
+            return false;
+        }
+    }
+    for (; optind < argc; optind++) {
+        if (strcmp(argv[optind], "exhaustive") == 0)
+            asked->exhaustive = true;
+        else if (strcmp(argv[optind], "random") == 0)
+            asked->random = true;
+        else
+            return false;
+    }
+    return asked->depth >= 1 && asked->depth <= 2 && asked->parts >= 1 && asked->parts <= PARTS_MAX;
+}
+
+int main(int argc, char **argv)
+{
+    struct asked asked = {.depth = 2, .seed = 1, .states = 1000000};
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    bool well;
+
+    asked.parts = cores > PARTS_MAX ? PARTS_MAX : cores < 1 ? 1 : (unsigned)cores;
+    if (!options(argc, argv, &asked))
+        return usage();
+    if (asked.quick) {
+        asked.depth = 1;
+        asked.states = asked.states == 1000000 ? 4000 : asked.states;
+    }
+    if (!asked.exhaustive && !asked.random)
+        asked.exhaustive = asked.random = true;
+    /* Readers take 128 KiB and give them back, a thousand times a second: not from the kernel each time. */
+    (void)mallopt(M_MMAP_THRESHOLD, 16 << 20);
+    (void)mallopt(M_TRIM_THRESHOLD, 64 << 20);
+    if (asked.quick || !asked.exhaustive || !asked.random)
+        return campaign(&asked) ? 0 : 1;
+    asked.random = false;
+    well = campaign(&asked);
+    asked.exhaustive = false;
+    asked.random = true;
+    well = campaign(&asked) && well;
+    return well ? 0 : 1;
+}

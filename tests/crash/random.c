@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Runs, faults and cuts drawn from a seed. */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cuts.h"
+#include "draw.h"
+
+#define STATES_OF_A_RUN 200 /* so that finding one again is quick */
+
+/* A disk that fails, or a program that is killed, at one step of the run. */
+enum trouble {
+    NO_TROUBLE,
+    KILLED,
+    SYNC_FAILS, /* and its pages are lost */
+    STEP_FAILS, /* EIO */
+    FULL        /* ENOSPC */
+};
+
+struct drawn_run {
+    struct cuts *cuts;
+    struct run run;
+    struct draw draw;
+    uint64_t states_left; /* of this run */
+    enum trouble trouble;
+    unsigned trouble_at; /* step */
+    unsigned step;
+    unsigned cut_percent;
+    bool in_trouble;
+};
+
+struct drawn_recovery {
+    struct drawn_run *of;
+    struct run *judged;
+    const struct cuts_moment *before;
+};
+
+/* Any choice: so many of a hundred kept; or all up to one; torn here and there. */
+static void choose(struct draw *draw, const struct disk *disk, struct disk_kept *kept)
+{
+    static const unsigned percents[] = {0, 10, 50, 50, 90, 100};
+    unsigned n = disk_effects(disk), i, percent = percents[draw_below(draw, 6)], upto = n;
+    size_t bytes;
+    uint16_t a, b;
+
+    if (draw_below(draw, 4) == 0) {
+        upto = (unsigned)draw_below(draw, n + 1);
+        percent = 100;
+    }
+    for (i = 0; i < n; i++) {
+        bytes = disk_effect_bytes(disk, i);
+        kept[i] = (struct disk_kept){0, 0};
+        if (i >= upto || draw_below(draw, 100) >= percent)
+            continue;
+        kept[i].to = (uint16_t)(bytes ? bytes : 1);
+        if (bytes > 1 && draw_below(draw, 5) == 0) {
+            a = (uint16_t)draw_below(draw, bytes);
+            b = (uint16_t)draw_below(draw, bytes + 1);
+            kept[i] = draw_below(draw, 2) ? (struct disk_kept){0, b}
+                                          : (struct disk_kept){a, (uint16_t)bytes};
+        }
+    }
+}
+
+static int recovery_step(void *ctx, struct disk *disk, const char *op, const char *path);
+
+static void cut_here(struct drawn_run *d, struct disk *disk, const struct run_promise *promise,
+                     const char *op, const char *path, const struct cuts_moment *before)
+{
+    struct disk_kept kept[DISK_EFFECTS_MAX];
+    struct cuts_moment moment = {disk, promise, kept, op, path, before};
+    struct run judged;
+    struct drawn_recovery next = {d, &judged, &moment};
+    struct disk *after;
+
+    if (d->states_left == 0)
+        return;
+    d->states_left--;
+    d->cuts->state++;
+    d->cuts->counts.cuts++;
+    choose(&d->draw, disk, kept);
+    after = disk_cut(disk, kept);
+    cuts_judge(d->cuts, &moment, after, before ? NULL : recovery_step, &next, &judged);
+    disk_destroy(after);
+}
+
+/* One in so many steps of a recovery is cut again: about one a recovery. */
+static int recovery_step(void *ctx, struct disk *disk, const char *op, const char *path)
+{
+    struct drawn_recovery *r = ctx;
+
+    if (draw_below(&r->of->draw, 64) == 0)
+        cut_here(r->of, disk, &r->judged->promise, op, path, r->before);
+    return 0;
+}
+
+static int trouble_comes(struct drawn_run *d, struct disk *disk, const char *op, const char *path)
+{
+    bool sync = strcmp(op, "sync") == 0;
+
+    if (d->trouble == NO_TROUBLE || d->step < d->trouble_at)
+        return 0;
+    if ((d->trouble == SYNC_FAILS && !sync) || (d->trouble == STEP_FAILS && sync) ||
+        (d->trouble == FULL && strcmp(op, "append") != 0 && strcmp(op, "open") != 0))
+        return 0; /* the next one that fits */
+    if (d->trouble == KILLED)
+        disk_kill(disk);
+    if (d->trouble == SYNC_FAILS)
+        disk_lose_dirty(disk, path);
+    d->run.may_fail = d->in_trouble = d->run.promise.troubled = true;
+    if (d->trouble == FULL) {
+        d->trouble = NO_TROUBLE;
+        return -ENOSPC;
+    }
+    d->trouble = NO_TROUBLE;
+    return -EIO;
+}
+
+static int run_step_comes(void *ctx, struct disk *disk, const char *op, const char *path)
+{
+    struct drawn_run *d = ctx;
+
+    d->step++;
+    while (d->states_left > 0 && draw_below(&d->draw, 100) < d->cut_percent)
+        cut_here(d, disk, &d->run.promise, op, path, NULL);
+    return trouble_comes(d, disk, op, path);
+}
+
+/* After trouble: sometimes the program goes on, sometimes it begins anew. */
+static bool get_over_it(struct drawn_run *d, bool done)
+{
+    bool killed = disk_io(d->run.disk)->ops->lock(disk_io(d->run.disk), 0) == -EIO;
+
+    if (!killed && d->run.writer && (done || draw_below(&d->draw, 2)))
+        return true;
+    run_end(&d->run);
+    disk_revive(d->run.disk);
+    d->in_trouble = d->run.may_fail = false;
+    return run_do(&d->run, RUN_CREATE);
+}
+
+static enum run_step draw_step(struct draw *draw)
+{
+    static const enum run_step steps[] = {
+        RUN_SEGMENT,  RUN_CORRECT,  RUN_PLAN,      RUN_CALIBRATE, RUN_SLOT_ONE,  RUN_SLOT_ONE,
+        RUN_SLOT_TWO, RUN_SLOT_TWO, RUN_SLOT_PAIR, RUN_SLOT_PAIR, RUN_SLOT_NONE, RUN_EVENT,
+        RUN_EVENT,    RUN_SEAL,     RUN_REOPEN,    RUN_ABANDON,
+    };
+
+    return steps[draw_below(draw, sizeof(steps) / sizeof(steps[0]))];
+}
+
+static void one_run(struct cuts *cuts)
+{
+    static const enum trouble troubles[] = {NO_TROUBLE, NO_TROUBLE, KILLED, KILLED,
+                                            SYNC_FAILS, STEP_FAILS, FULL};
+    struct drawn_run *d = calloc(1, sizeof(*d));
+    unsigned i, n;
+    bool well;
+
+    if (!d)
+        abort();
+    d->cuts = cuts;
+    draw_seed(&d->draw, cuts->seed);
+    d->states_left = STATES_OF_A_RUN;
+    if (d->states_left > cuts->states_most - cuts->counts.states)
+        d->states_left = cuts->states_most - cuts->counts.states;
+    d->trouble = troubles[draw_below(&d->draw, 7)];
+    d->trouble_at = (unsigned)draw_below(&d->draw, 250);
+    d->cut_percent = (unsigned)draw_below(&d->draw, 50);
+    n = 5 + (unsigned)draw_below(&d->draw, 20);
+    run_init(&d->run, run_fresh_disk());
+    disk_on_step(d->run.disk, run_step_comes, d);
+    well = run_do(&d->run, RUN_CREATE);
+    for (i = 0; i < n && d->states_left > 0 && !d->run.broken[0] && (well || d->in_trouble); i++) {
+        if (d->in_trouble)
+            well = get_over_it(d, well);
+        if (d->run.writer && !d->run.broken[0])
+            well = run_do(&d->run, draw_step(&d->draw));
+    }
+    while (d->states_left > 0 && !d->run.broken[0])
+        cut_here(d, d->run.disk, &d->run.promise, "the end", "", NULL);
+    if (d->run.broken[0]) {
+        printf("broken without a cut: %s\n  seed %llu, step %u\n", d->run.broken,
+               (unsigned long long)cuts->seed, d->step);
+        cuts->counts.states++;
+        cuts->counts.of[d->run.fault]++;
+    }
+    cuts->counts.steps += d->step;
+    run_end(&d->run);
+    disk_destroy(d->run.disk);
+    free(d);
+}
+
+void cuts_random(struct cuts *cuts)
+{
+    cuts->seed += cuts->part;
+    while (cuts->counts.states < cuts->states_most &&
+           !(cuts->stop_at_first && cuts->counts.of[RUN_WELL] < cuts->counts.states)) {
+        cuts->state = 0;
+        one_run(cuts);
+        cuts->seed += cuts->parts;
+    }
+}
