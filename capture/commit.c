@@ -215,7 +215,7 @@ static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
     if (work->record.n_images > 0)
         ttf_clock_charge(c->box->clock, TTF_WORK_COMMIT, 1);
     if (ttf_committer_power_lost(c) || ttf_queue_fatal(c->queue) < 0) {
-        ttf_slot_work_free(work);
+        ttf_stock_give_slot(&c->queue->stock, work);
         return;
     }
     ttf_committer_keep(c, work);
@@ -247,14 +247,8 @@ static void do_event(struct ttf_committer *c, const struct ttf_job *job)
 
     /* In order: one that cannot be written now waits, and those after it. */
     if ((c->n_late > 0 || ttf_committer_write_event(c, job) < 0) &&
-        c->n_late < TTF_COMMIT_LATE_EVENTS) {
-        struct ttf_job *copy = ttf_job_new(TTF_JOB_EVENT);
-
-        if (copy) {
-            *copy = *job;
-            c->late[c->n_late++] = copy;
-        }
-    }
+        c->n_late < TTF_COMMIT_LATE_EVENTS)
+        c->late[c->n_late++] = *job;
     ttf_committer_tell(c, &p);
 }
 
@@ -333,7 +327,7 @@ static bool do_next(struct ttf_committer *c)
     bool quit = job->kind == TTF_JOB_QUIT;
 
     do_job(c, job);
-    ttf_job_free(job);
+    ttf_job_free(c->queue, job);
     return quit;
 }
 
@@ -351,8 +345,6 @@ static void *run(void *arg)
         (void)do_next(c);
     while (c->pending)
         ttf_committer_drop_first(c);
-    for (unsigned i = 0; i < c->n_late; i++)
-        ttf_job_free(c->late[i]);
     c->n_late = 0;
     ttf_gate_open(c->queue->done);
     ttf_clock_leave(clock);
@@ -389,13 +381,9 @@ void ttf_committer_end(struct ttf_committer *committer, struct ttf_pulse *pulse)
 
     if (!committer->running)
         return;
-    job = ttf_job_new(TTF_JOB_QUIT);
-    while (!job) { /* nothing can be ended without it: memory comes back as the committer works */
-        (void)ttf_clock_wait_until(committer->box->clock,
-                                   ttf_clock_now_ns(committer->box->clock) + TTF_NS_PER_MS);
-        job = ttf_job_new(TTF_JOB_QUIT);
-    }
-    ttf_queue_push(committer->queue, job);
+    job = ttf_job_new(committer->queue, TTF_JOB_QUIT);
+    if (job) /* there is one, for this */
+        ttf_queue_push(committer->queue, job);
     /* The last slots may take as long as they do: the loop keeps an eye on clock and watchdog. */
     ttf_pulse_last_gate(pulse, committer->queue->done);
     pthread_join(committer->thread, NULL);

@@ -36,6 +36,7 @@ struct ttf_committer {
     const char *calibration_folder;
     struct ttf_manifest manifest; /* of the dataset the run began in */
     int64_t reserve_bytes, slot_bytes, total;
+    size_t line_bytes; /* of a record, at the most: the writer is made to hold it */
     struct ttf_darkroom *rooms[TTF_PLAN_SHOTS_MAX]; /* of each shot of the plan */
     struct ttf_rehearsal *rehearsal;                /* NULL: none */
     ttf_progress_fn *progress;
@@ -58,7 +59,7 @@ struct ttf_committer {
     bool calibration_lost;
     struct ttf_slot_work *pending, *pending_tail; /* records that could not be written yet */
     unsigned n_pending;
-    struct ttf_job *late[TTF_COMMIT_LATE_EVENTS]; /* events that could not be written yet */
+    struct ttf_job late[TTF_COMMIT_LATE_EVENTS]; /* events that could not be written yet: copies */
     unsigned n_late;
     struct ttf_segment segment; /* a correction that could not be written yet, if has_segment */
     bool has_segment;

@@ -50,8 +50,11 @@ int ttf_committer_reopen(struct ttf_committer *c)
     ttf_writer_abandon(c->writer);
     c->writer = NULL;
     r = ttf_writer_open(c->io, c->path, &c->writer, &err);
+    if (r == 0)
+        r = ttf_writer_reserve(c->writer, c->line_bytes, &err);
     c->away = r;
     if (r < 0) {
+        ttf_writer_abandon(c->writer);
         c->writer = NULL;
         return r;
     }
@@ -120,7 +123,7 @@ void ttf_committer_drop_first(struct ttf_committer *c)
     if (!c->pending)
         c->pending_tail = NULL;
     c->n_pending--;
-    ttf_slot_work_free(work);
+    ttf_stock_give_slot(&c->queue->stock, work);
 }
 
 void ttf_committer_keep(struct ttf_committer *c, struct ttf_slot_work *work)
@@ -177,10 +180,9 @@ void ttf_committer_write_late(struct ttf_committer *c)
 {
     if (c->has_segment && ttf_committer_write_correction(c, &c->segment) == 0)
         c->has_segment = false;
-    while (c->n_late > 0 && ttf_committer_write_event(c, c->late[0]) == 0) {
-        ttf_job_free(c->late[0]);
+    while (c->n_late > 0 && ttf_committer_write_event(c, &c->late[0]) == 0) {
         c->n_late--;
-        memmove(&c->late[0], &c->late[1], c->n_late * sizeof(struct ttf_job *));
+        memmove(&c->late[0], &c->late[1], c->n_late * sizeof(c->late[0]));
     }
 }
 

@@ -6,7 +6,7 @@
 
 void ttf_events_emit(struct ttf_events *events, const char *kind, const char *fmt, ...)
 {
-    struct ttf_job *job = ttf_job_new(TTF_JOB_EVENT);
+    struct ttf_job *job = ttf_job_new(events->queue, TTF_JOB_EVENT);
     struct ttf_utc utc;
     va_list args;
 

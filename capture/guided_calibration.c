@@ -18,6 +18,7 @@ struct guide {
     struct ttf_lamp_driver lamps;
     struct ttf_pulse pulse;
     struct ttf_shooter camera;
+    struct ttf_shot shots[TTF_SHOOT_TRIES * TTF_CAMERA_SET_MAX]; /* of one set */
 };
 
 static int check(const struct ttf_guided_config *config, struct ttf_err *err)
@@ -54,17 +55,21 @@ static int accumulate(struct guide *g, const struct ttf_locked *locked, unsigned
                       struct ttf_raw_sum *sum, struct ttf_err *err)
 {
     while (sum->n < frames) {
-        struct ttf_image image = {0};
+        struct ttf_image image = {.shots = g->shots};
         unsigned left = frames - sum->n;
         unsigned before = sum->n;
         struct ttf_take take = {
-            .locked = locked, .give_up_ns = TTF_NS_NEVER, .raw = sum, .image = &image};
+            .locked = locked,
+            .give_up_ns = TTF_NS_NEVER,
+            .raw = sum,
+            .image = &image,
+            .shots_room = TTF_SHOOT_TRIES * TTF_CAMERA_SET_MAX,
+        };
         int r;
 
         /* It fills the sum up to `average` frames in all. */
         take.average = before + (left < TTF_CAMERA_SET_MAX ? left : TTF_CAMERA_SET_MAX);
         r = ttf_shoot(&g->camera, &take);
-        free(image.shots);
         if (r < 0)
             return r;
         if (sum->n == before)
@@ -124,7 +129,8 @@ static int with_devices(struct guide *g, const struct ttf_guided_config *config,
                         struct ttf_raw_sum *sum, struct ttf_err *err)
 {
     struct ttf_box *box = config->box;
-    int r = ttf_queue_init(&g->queue, box->clock);
+    const struct ttf_stock_size size = {.jobs[TTF_JOB_EVENT] = TTF_QUEUE_EVENTS_MAX};
+    int r = ttf_queue_init(&g->queue, box->clock, &size);
 
     if (r < 0)
         return r;

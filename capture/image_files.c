@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "image_flags.h"
@@ -33,7 +34,36 @@ static int produce_raw(void *ctx, struct ttf_io *io, int file, struct ttf_err *e
     struct ttf_dng_info info = p->room->dng;
 
     info.times = p->times;
-    return ttf_dng_write(p->print->raw, &info, io, file, err);
+    return ttf_dng_write_in(p->print->raw, &info, p->room->strip, io, file, err);
+}
+
+static int reserve(struct ttf_darkroom *room, const struct ttf_frame_format *format,
+                   struct ttf_err *err)
+{
+    if (room->keep != TTF_KEEP_DEVELOPED) {
+        room->strip = malloc(ttf_dng_scratch_bytes(format));
+        if (!room->strip)
+            return ttf_err_set(err, -ENOMEM, NULL, "no memory for raw files");
+    }
+    return room->keep == TTF_KEEP_RAW ? 0
+                                      : ttf_develop_reserve(room->develop, room->pool, true, err);
+}
+
+/* dc: as of the whole region. */
+static int init_reference(struct ttf_darkroom *room, const struct ttf_develop_config *dc,
+                          const struct ttf_region *patch, struct ttf_err *err)
+{
+    struct ttf_develop_config part = *dc;
+    int r;
+
+    part.region = (struct ttf_region){dc->region.x + patch->x, dc->region.y + patch->y,
+                                      patch->width, patch->height};
+    r = ttf_develop_create(&part, &room->reference, err);
+    if (r == 0)
+        r = ttf_develop_reserve(room->reference, room->pool, false, err);
+    if (r == 0)
+        r = ttf_pixbuf_alloc(&room->patch, patch->width, patch->height, 3, TTF_SAMPLE_U16);
+    return r;
 }
 
 int ttf_darkroom_init(struct ttf_darkroom *room, const struct ttf_darkroom_config *config,
@@ -60,13 +90,10 @@ int ttf_darkroom_init(struct ttf_darkroom *room, const struct ttf_darkroom_confi
     if (config->calibration)
         snprintf(room->calibration, sizeof(room->calibration), "%s", config->calibration->id);
     r = ttf_develop_create(&dc, &room->develop, err);
-    if (r < 0 || patch->width == 0)
-        return r;
-    dc.region = (struct ttf_region){dc.region.x + patch->x, dc.region.y + patch->y, patch->width,
-                                    patch->height};
-    r = ttf_develop_create(&dc, &room->reference, err);
     if (r == 0)
-        r = ttf_pixbuf_alloc(&room->patch, patch->width, patch->height, 3, TTF_SAMPLE_U16);
+        r = reserve(room, config->format, err);
+    if (r == 0 && patch->width != 0)
+        r = init_reference(room, &dc, patch, err);
     if (r < 0)
         ttf_darkroom_finish(room);
     return r;
@@ -77,6 +104,7 @@ void ttf_darkroom_finish(struct ttf_darkroom *room)
     ttf_develop_destroy(room->develop);
     ttf_develop_destroy(room->reference);
     ttf_pixbuf_free(&room->patch);
+    free(room->strip);
     memset(room, 0, sizeof(*room));
 }
 

@@ -13,6 +13,7 @@ struct ttf_darkroom {
     struct ttf_develop *develop;   /* the whole region */
     struct ttf_develop *reference; /* the reference patch; NULL: none */
     struct ttf_pixbuf patch;       /* of it */
+    void *strip;                   /* what writing raw files works in; NULL: none are kept */
     struct ttf_pool *pool;         /* borrowed */
     enum ttf_keep keep;
     char calibration[64]; /* id; empty: none */
@@ -33,6 +34,7 @@ struct ttf_darkroom_config {
     int zone_offset_s;
 };
 
+/* With all memory that its work needs: from then on only libraries allocate, for the file they write. */
 TTF_MUST_USE int ttf_darkroom_init(struct ttf_darkroom *room,
                                    const struct ttf_darkroom_config *config, struct ttf_err *err);
 void ttf_darkroom_finish(struct ttf_darkroom *room); /* a zeroed one is fine */

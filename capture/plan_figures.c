@@ -5,6 +5,7 @@
 
 #include "exposure.h"
 #include "lamp_programme.h"
+#include "stock.h"
 #include "ttf/base/checked.h"
 #include "ttf/base/time.h"
 
@@ -236,5 +237,10 @@ void ttf_plan_figures_fill(const struct ttf_plan *plan, const struct ttf_box *bo
         f.bytes = INT64_MAX;
     for (unsigned i = 0; box && box->lamps && i < ttf_lamps_count(box->lamps); i++)
         fill_lamp(plan, box, i, &f);
+    if (box) {
+        const struct ttf_stock_size slots = ttf_stock_size_of(plan);
+
+        f.memory_bytes += ttf_stock_bytes(&slots);
+    }
     *ret = f;
 }

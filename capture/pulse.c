@@ -61,7 +61,7 @@ static void correct_one(struct ttf_pulse *pulse, struct ttf_segment *s, const st
     if (s->gap_ns == TTF_NS_UNKNOWN && pulse->has_before)
         s->gap_ns = ttf_resume_gap_ns(&pulse->before, s->first_index, s->origin_utc_ns);
     s->corrects = true;
-    job = ttf_job_new(TTF_JOB_SEGMENT);
+    job = ttf_job_new(pulse->queue, TTF_JOB_SEGMENT);
     if (!job)
         return; /* the next trust or step tries again */
     job->segment = *s;

@@ -2,15 +2,17 @@
 #include "queue.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "frame_check.h"
-#include "plan_change.h"
-
-int ttf_queue_init(struct ttf_queue *queue, struct ttf_clock *clock)
+int ttf_queue_init(struct ttf_queue *queue, struct ttf_clock *clock,
+                   const struct ttf_stock_size *size)
 {
+    int r;
+
     memset(queue, 0, sizeof(*queue));
+    r = ttf_stock_init(&queue->stock, size);
+    if (r < 0)
+        return r;
     queue->work = ttf_gate_create(clock);
     queue->room = ttf_gate_create(clock);
     queue->done = ttf_gate_create(clock);
@@ -18,50 +20,51 @@ int ttf_queue_init(struct ttf_queue *queue, struct ttf_clock *clock)
         ttf_gate_destroy(queue->work);
         ttf_gate_destroy(queue->room);
         ttf_gate_destroy(queue->done);
+        ttf_stock_finish(&queue->stock);
         return -ENOMEM;
+    }
+    return 0;
+}
+
+int ttf_queue_reserve_raw(struct ttf_queue *queue, const struct ttf_frame_format *format)
+{
+    for (unsigned i = 0; i < TTF_QUEUE_RAW; i++) {
+        struct ttf_raw_sum *raw = &queue->raw[i];
+        struct ttf_raw_sum larger;
+        int r;
+
+        if (raw->sum && ttf_raw_sum_refit(raw, format) == 0)
+            continue;
+        r = ttf_raw_sum_init(&larger, format);
+        if (r < 0)
+            return r;
+        /* Written to, so that it is there: the kernel only promises what nobody has touched. */
+        memset(larger.sum, 0xff, larger.room * sizeof(*larger.sum));
+        ttf_raw_sum_free(raw);
+        *raw = larger;
     }
     return 0;
 }
 
 void ttf_queue_finish(struct ttf_queue *queue)
 {
-    while (queue->head) {
-        struct ttf_job *job = queue->head;
-
-        queue->head = job->next;
-        if (job->kind == TTF_JOB_SLOT)
-            ttf_slot_work_free(job->slot);
-        ttf_job_free(job);
-    }
     for (unsigned i = 0; i < TTF_QUEUE_RAW; i++)
         ttf_raw_sum_free(&queue->raw[i]);
     ttf_gate_destroy(queue->work);
     ttf_gate_destroy(queue->room);
     ttf_gate_destroy(queue->done);
     pthread_mutex_destroy(&queue->mutex);
+    ttf_stock_finish(&queue->stock);
 }
 
-struct ttf_job *ttf_job_new(enum ttf_job_kind kind)
+struct ttf_job *ttf_job_new(struct ttf_queue *queue, enum ttf_job_kind kind)
 {
-    struct ttf_job *job = calloc(1, sizeof(*job));
-
-    if (job)
-        job->kind = kind;
-    return job;
+    return ttf_stock_job(&queue->stock, kind);
 }
 
-void ttf_job_free(struct ttf_job *job)
+void ttf_job_free(struct ttf_queue *queue, struct ttf_job *job)
 {
-    free(job);
-}
-
-void ttf_slot_work_free(struct ttf_slot_work *work)
-{
-    if (!work)
-        return;
-    ttf_slot_record_free(&work->record);
-    ttf_plan_change_free(work->change);
-    free(work);
+    ttf_stock_give_job(&queue->stock, job);
 }
 
 void ttf_queue_push(struct ttf_queue *queue, struct ttf_job *job)
@@ -69,7 +72,7 @@ void ttf_queue_push(struct ttf_queue *queue, struct ttf_job *job)
     pthread_mutex_lock(&queue->mutex);
     if (job->kind == TTF_JOB_EVENT && queue->length >= TTF_QUEUE_EVENTS_MAX) {
         pthread_mutex_unlock(&queue->mutex);
-        ttf_job_free(job);
+        ttf_job_free(queue, job);
         return;
     }
     if (queue->tail)
@@ -115,11 +118,6 @@ struct ttf_job *ttf_queue_pop(struct ttf_queue *queue)
     }
 }
 
-static bool fits(const struct ttf_raw_sum *raw, const struct ttf_frame_format *format)
-{
-    return raw->sum && ttf_frame_format_equal(&raw->format, format);
-}
-
 int ttf_queue_take_raw(struct ttf_queue *queue, const struct ttf_frame_format *format,
                        struct ttf_raw_sum **ret)
 {
@@ -136,16 +134,10 @@ int ttf_queue_take_raw(struct ttf_queue *queue, const struct ttf_frame_format *f
     pthread_mutex_unlock(&queue->mutex);
     if (!raw)
         return 0;
-    if (fits(raw, format)) {
-        ttf_raw_sum_reset(raw);
-    } else {
-        ttf_raw_sum_free(raw);
-        memset(raw, 0, sizeof(*raw));
-        r = ttf_raw_sum_init(raw, format);
-        if (r < 0) {
-            ttf_queue_give_raw(queue, raw);
-            return r;
-        }
+    r = ttf_raw_sum_refit(raw, format);
+    if (r < 0) {
+        ttf_queue_give_raw(queue, raw);
+        return r;
     }
     *ret = raw;
     return 1;

@@ -11,55 +11,15 @@
 #include <pthread.h>
 #include <stdbool.h>
 
+#include "stock.h"
 #include "ttf/base/err.h"
 #include "ttf/dataset/calibration.h"
-#include "ttf/dataset/notes.h"
-#include "ttf/dataset/record.h"
 #include "ttf/hal/clock.h"
 
 #define TTF_QUEUE_RAW 2 /* raw sums: one being exposed, one being committed */
 
 /* Events beyond this many unwritten jobs are dropped (a disk that hangs); records never are. */
 #define TTF_QUEUE_EVENTS_MAX 1024
-
-enum ttf_job_kind {
-    TTF_JOB_IMAGE = 0, /* develop and write one image of a slot */
-    TTF_JOB_SLOT,      /* commit the slot's record, or the change of plan */
-    TTF_JOB_EVENT,
-    TTF_JOB_SEGMENT, /* append a correcting segment line */
-    TTF_JOB_NOTE,    /* append to notes.jsonl */
-    TTF_JOB_QUIT
-};
-
-struct ttf_plan_change;
-
-/*
- * One slot under way. The loop fills an image, then pushes it, and touches it no more. Or a change of
- * plan, which goes to the disk in its turn among the records.
- */
-struct ttf_slot_work {
-    struct ttf_slot_work *next; /* the committer's: among those that wait for their storage */
-    struct ttf_slot_record record;
-    int64_t begun_ns;               /* boot clock: the first lamp command */
-    int64_t wakeup_ns;              /* how late the loop woke; TTF_NS_UNKNOWN */
-    struct ttf_plan_change *change; /* NULL: a slot; owned */
-};
-
-struct ttf_job {
-    enum ttf_job_kind kind;
-    struct ttf_job *next;
-    struct ttf_slot_work *slot;  /* IMAGE, SLOT; the SLOT job passes ownership on */
-    unsigned image;              /* IMAGE: which of the record's */
-    unsigned shot;               /* IMAGE: which of the plan's shots */
-    struct ttf_raw_sum *raw;     /* IMAGE: given back by the committer */
-    int64_t start_utc_ns;        /* IMAGE: exposure start; TTF_NS_UNKNOWN */
-    struct ttf_segment segment;  /* SEGMENT */
-    int64_t at_ns, at_utc_ns;    /* EVENT */
-    char event[32];              /* EVENT: kind */
-    char text[256];              /* EVENT */
-    const struct ttf_note *note; /* NOTE: lent until it is answered */
-    int64_t ask;                 /* NOTE: to be answered */
-};
 
 struct ttf_queue {
     pthread_mutex_t mutex;
@@ -68,6 +28,7 @@ struct ttf_queue {
     struct ttf_gate *done; /* the committer has ended */
     struct ttf_job *head, *tail;
     unsigned length;
+    struct ttf_stock stock; /* the memory of all that passes, and of what waits beyond */
     struct ttf_raw_sum raw[TTF_QUEUE_RAW];
     bool raw_taken[TTF_QUEUE_RAW];
     /* told by the committer, read by the loop */
@@ -76,18 +37,22 @@ struct ttf_queue {
     struct ttf_err fatal_err;
 };
 
-/* -ENOMEM. */
-TTF_MUST_USE int ttf_queue_init(struct ttf_queue *queue, struct ttf_clock *clock);
+/* With memory for so much as may pass at a time. -ENOMEM. */
+TTF_MUST_USE int ttf_queue_init(struct ttf_queue *queue, struct ttf_clock *clock,
+                                const struct ttf_stock_size *size);
+
+/* Makes the raw sums, of frames of that format and of the larger of those told before. As ttf_raw_sum_init. */
+TTF_MUST_USE int ttf_queue_reserve_raw(struct ttf_queue *queue,
+                                       const struct ttf_frame_format *format);
 
 /* Frees what is left in it. Both threads have ended. */
 void ttf_queue_finish(struct ttf_queue *queue);
 
-/* A zeroed job, or NULL: no memory. */
-struct ttf_job *ttf_job_new(enum ttf_job_kind kind);
-void ttf_job_free(struct ttf_job *job);
-void ttf_slot_work_free(struct ttf_slot_work *work);
+/* A zeroed job, or NULL: of its kind as many are out as there may be (events; of others there are enough). */
+struct ttf_job *ttf_job_new(struct ttf_queue *queue, enum ttf_job_kind kind);
+void ttf_job_free(struct ttf_queue *queue, struct ttf_job *job);
 
-/* Passes ownership of the job. An event into a crowded queue is dropped. Any thread. */
+/* Passes ownership of the job. An event into a crowded queue is dropped. Never allocates. Any thread. */
 void ttf_queue_push(struct ttf_queue *queue, struct ttf_job *job);
 
 /* How many jobs wait. Any thread. */
@@ -96,7 +61,7 @@ unsigned ttf_queue_length(struct ttf_queue *queue);
 /* The oldest job; waits for it. Committer. */
 struct ttf_job *ttf_queue_pop(struct ttf_queue *queue);
 
-/* A free raw sum for frames of that format, emptied: 1 and *ret; 0 if none is free; -ENOMEM. Loop. */
+/* A free raw sum for frames of that format, emptied: 1 and *ret; 0 if none is free; -ENOSPC for a format beyond what was reserved. Loop. */
 TTF_MUST_USE int ttf_queue_take_raw(struct ttf_queue *queue, const struct ttf_frame_format *format,
                                     struct ttf_raw_sum **ret);
 

@@ -2,10 +2,9 @@
 #include "rehearsal.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-#define CODES 65536
+#define CODE_MAX 65535u
 
 void ttf_rehearsal_init(struct ttf_rehearsal *rehearsal)
 {
@@ -16,12 +15,37 @@ void ttf_rehearsal_init(struct ttf_rehearsal *rehearsal)
     rehearsal->last_level = NAN;
 }
 
+/*
+ * The byte of the code that n / 1000 samples at the most lie above: its high one, or, high being
+ * that one (-1: not known yet), its low one. *above: samples above, counted on.
+ */
+static unsigned quantile_byte(const struct ttf_raw_sum *raw, size_t n, int high, size_t limit,
+                              size_t *above)
+{
+    size_t histogram[256] = {0};
+    unsigned byte = 255;
+
+    for (size_t i = 0; i < n; i++) {
+        uint32_t mean = raw->sum[i] / raw->n;
+
+        if (mean > CODE_MAX)
+            mean = CODE_MAX;
+        if (high < 0)
+            histogram[mean >> 8]++;
+        else if (mean >> 8 == (uint32_t)high)
+            histogram[mean & 255]++;
+    }
+    while (byte > 0 && *above + histogram[byte] <= limit)
+        *above += histogram[byte--];
+    return byte;
+}
+
 double ttf_raw_headroom_stops(const struct ttf_raw_sum *raw)
 {
     size_t n = (size_t)raw->format.width * raw->format.height * raw->samples;
     size_t above = 0;
-    unsigned code = CODES - 1;
-    uint32_t *histogram = calloc(CODES, sizeof(*histogram));
+    unsigned high;
+    unsigned low;
     uint16_t black;
     uint16_t white;
     double room;
@@ -29,19 +53,11 @@ double ttf_raw_headroom_stops(const struct ttf_raw_sum *raw)
 
     ttf_raw_sum_levels(&raw->format, &black, &white);
     room = (double)white - black;
-    if (!histogram || raw->n == 0) {
-        free(histogram);
+    if (raw->n == 0)
         return NAN;
-    }
-    for (size_t i = 0; i < n; i++) {
-        uint32_t mean = raw->sum[i] / raw->n;
-
-        histogram[mean < CODES ? mean : CODES - 1]++;
-    }
-    while (code > 0 && (above += histogram[code]) <= n / 1000)
-        code--;
-    free(histogram);
-    level = (double)code - black;
+    high = quantile_byte(raw, n, -1, n / 1000, &above);
+    low = quantile_byte(raw, n, (int)high, n / 1000, &above);
+    level = (double)(high << 8 | low) - black;
     return level < 1 ? log2(room) : level >= room ? 0 : log2(room / level);
 }
 

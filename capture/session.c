@@ -130,6 +130,18 @@ static bool calibrates(const struct ttf_session *s, const struct ttf_shooter *ca
                                   strcmp(s->calibration.camera, camera->name) == 0);
 }
 
+/* The last memory of a run: from now on it allocates nothing. */
+static int reserve_memory(struct ttf_session *s, struct ttf_err *err)
+{
+    for (unsigned i = 0; i < s->n_cameras; i++) {
+        int r = ttf_queue_reserve_raw(&s->queue, &s->cameras[i].format);
+
+        if (r < 0)
+            return ttf_err_set(err, r, s->cameras[i].name, "no memory for two raw frames");
+    }
+    return ttf_writer_reserve(s->committer.writer, s->committer.line_bytes, err);
+}
+
 static int set_up_darkrooms(struct ttf_session *s, struct ttf_err *err)
 {
     s->pool = ttf_pool_create(s->config->threads);
@@ -427,6 +439,8 @@ static int armed(struct ttf_session *s, struct ttf_session_result *ret, struct t
     if (r == 0)
         r = set_up_darkrooms(s, err);
     if (r == 0)
+        r = reserve_memory(s, err);
+    if (r == 0)
         r = ttf_lamp_programme_init(&s->programme, &s->plan, s->box->lamps, s->slot0_ns, err);
     s->programme.begin_ns = s->slot0_ns - s->lead_ns - s->first_settle_ns;
     if (r == 0)
@@ -444,10 +458,14 @@ static bool needs_lamps(const struct ttf_session *s)
 static int with_devices(struct ttf_session *s, struct ttf_session_result *ret, struct ttf_err *err)
 {
     int64_t now = ttf_clock_now_ns(s->box->clock);
-    int r = ttf_queue_init(&s->queue, s->box->clock);
+    const struct ttf_stock_size size = ttf_stock_size_of(&s->plan);
+    int r = ttf_queue_init(&s->queue, s->box->clock, &size);
 
     if (r < 0)
-        return r;
+        return ttf_err_set(err, r, NULL, "no memory for the slots under way: %.1f MB",
+                           (double)ttf_stock_bytes(&size) / 1e6);
+    s->committer.line_bytes = ttf_slot_line_bytes(
+        size.n_images, size.n_shots, s->box->lamps ? ttf_lamps_count(s->box->lamps) : 0);
     s->events.queue = &s->queue;
     s->events.clock = s->box->clock;
     r = ttf_lamp_driver_begin(&s->lamps, needs_lamps(s) ? s->box->lamps : NULL, &s->events,

@@ -138,7 +138,7 @@ static int take_note(struct ttf_session *s, struct ttf_note *note, int64_t numbe
 
     if (r < 0)
         return r;
-    job = ttf_job_new(TTF_JOB_NOTE);
+    job = ttf_job_new(&s->queue, TTF_JOB_NOTE);
     if (!job)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     if (note->utc_ns == TTF_NS_UNKNOWN)

@@ -3,7 +3,6 @@
 
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "exposure.h"
@@ -38,21 +37,15 @@ static bool ends_run(const struct ttf_shooter *shooter, int r)
            (r < 0 && r == ttf_queue_fatal(shooter->pulse->queue));
 }
 
+/* The next place in the record. The last is never needed twice: there is one for each exposure that can be. */
 static struct ttf_shot *new_shot(struct ttf_take *take)
 {
     struct ttf_image *image = take->image;
     struct ttf_shot *shot;
 
-    if (image->n_shots == take->shots_room) {
-        unsigned room = take->shots_room ? take->shots_room * 2 : 4;
-        struct ttf_shot *more = realloc(image->shots, room * sizeof(*more));
-
-        if (!more)
-            return NULL;
-        image->shots = more;
-        take->shots_room = room;
-    }
-    shot = &image->shots[image->n_shots++];
+    if (image->n_shots < take->shots_room)
+        image->n_shots++;
+    shot = &image->shots[image->n_shots - 1];
     memset(shot, 0, sizeof(*shot));
     shot->asked = take->locked->asked;
     shot->start_ns = TTF_NS_UNKNOWN;
@@ -60,16 +53,13 @@ static struct ttf_shot *new_shot(struct ttf_take *take)
     return shot;
 }
 
-static int note_missing(struct ttf_take *take, unsigned n)
+static void note_missing(struct ttf_take *take, unsigned n)
 {
     while (n-- > 0) {
         struct ttf_shot *shot = new_shot(take);
 
-        if (!shot)
-            return -ENOMEM;
         snprintf(shot->refused, sizeof(shot->refused), "%s", TTF_REFUSED_MISSING);
     }
-    return 0;
 }
 
 static void accept_frame(struct ttf_shooter *shooter, struct ttf_take *take,
@@ -110,16 +100,14 @@ static void note_lamps(struct ttf_shooter *shooter, struct ttf_take *take, struc
 /*
  * Judges a frame and adds it up if it is good. On the last try a frame whose only
  * fault is its settings is better than none, as long as the sum stays of one kind.
+ * Why it was refused, or NULL.
  */
-static int judge_frame(struct ttf_shooter *shooter, struct ttf_take *take,
-                       const struct ttf_frame *frame, bool last_try, const char **ret_refused)
+static const char *judge_frame(struct ttf_shooter *shooter, struct ttf_take *take,
+                               const struct ttf_frame *frame, bool last_try)
 {
     struct ttf_shot *shot = new_shot(take);
     const char *refused = ttf_frame_refused(frame, &shooter->format, &take->locked->granted);
-    int r;
 
-    if (!shot)
-        return -ENOMEM;
     shot->granted = frame->settings;
     shot->start_ns = frame->start_ns;
     shot->end_ns = frame->end_ns;
@@ -130,16 +118,14 @@ static int judge_frame(struct ttf_shooter *shooter, struct ttf_take *take,
         refused = NULL;
     }
     if (!refused) {
-        r = ttf_raw_sum_add(take->raw, frame);
-        if (r < 0)
+        if (ttf_raw_sum_add(take->raw, frame) < 0)
             refused = TTF_REFUSED_FORMAT;
         else
             accept_frame(shooter, take, frame);
     }
     if (refused)
         snprintf(shot->refused, sizeof(shot->refused), "%s", refused);
-    *ret_refused = refused;
-    return 0;
+    return refused;
 }
 
 static int64_t delivery_deadline(const struct ttf_shooter *shooter, int64_t middle_ns,
@@ -183,18 +169,16 @@ static int attempt(struct ttf_shooter *shooter, struct ttf_take *take, unsigned 
     }
     while (a.delivered < n) {
         struct ttf_frame *frame = NULL;
-        const char *refused = NULL;
+        const char *refused;
 
         r = ttf_pulse_next(shooter->pulse, shooter->camera, deadline, &frame, NULL);
         if (r < 0)
             break;
         a.delivered++;
-        r = judge_frame(shooter, take, frame, last_try, &refused);
+        refused = judge_frame(shooter, take, frame, last_try);
         ttf_camera_release(shooter->camera, frame);
         if (refused)
             a.refused = refused;
-        if (r < 0)
-            break;
     }
     if (r < 0 && ends_run(shooter, r))
         return r;
@@ -202,10 +186,10 @@ static int attempt(struct ttf_shooter *shooter, struct ttf_take *take, unsigned 
         ttf_camera_cancel(shooter->camera);
         a.refused = TTF_REFUSED_MISSING;
         a.error = r;
-        r = note_missing(take, n - a.delivered);
+        note_missing(take, n - a.delivered);
     }
     *ret = a;
-    return r < 0 ? r : 0;
+    return 0;
 }
 
 static bool gone(const struct attempt *a)

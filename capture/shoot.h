@@ -27,6 +27,9 @@ struct ttf_locked {
     struct ttf_exposure asked, granted;
 };
 
+/* Sets of up to `average` exposures that one image can come to: two, and one for each step of the ladder. */
+#define TTF_SHOOT_TRIES (2 + TTF_CAMERA_RECOVERY_COUNT)
+
 /* One image to take. */
 struct ttf_take {
     const struct ttf_locked *locked;
@@ -35,8 +38,8 @@ struct ttf_take {
     int64_t give_up_ns; /* no new try after this */
     int64_t settle_ns;  /* of lamps; lit for less: flagged */
     struct ttf_raw_sum *raw;
-    struct ttf_image *image; /* shots, n_averaged, lacking and flags are filled */
-    unsigned shots_room;     /* allocated in image->shots */
+    struct ttf_image *image; /* its shots, n_averaged, lacking and flags are filled */
+    unsigned shots_room;     /* places in image->shots, the caller's: TTF_SHOOT_TRIES x average */
     /* results */
     int64_t start_ns; /* of the first accepted frame; TTF_NS_UNKNOWN */
     int64_t middle_got_ns;
@@ -46,7 +49,7 @@ struct ttf_take {
 /*
  * Takes it, with one new try for bad frames and the ladder for none. 0 also when
  * the image is lacking (image->lacking says why); negative only from the pulse
- * (power, storage) and for -ENOMEM.
+ * (power, storage). Allocates nothing.
  */
 TTF_MUST_USE int ttf_shoot(struct ttf_shooter *shooter, struct ttf_take *take);
 

@@ -2,7 +2,6 @@
 /* One slot: lamps, exposures, hand over. README.md, "The way of a slot". */
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "exposure.h"
@@ -13,25 +12,21 @@
 /* A slot begun later than this part of its interval is missed rather than taken late. */
 #define LATE_SHARE 10
 
-#define RECORDS_WAITING_MAX 2048
-
 static int64_t now_ns(const struct ttf_session *s)
 {
     return ttf_clock_now_ns(s->box->clock);
 }
 
-static struct ttf_slot_work *new_work(const struct ttf_session *s, int64_t index)
+/* NULL: the committer has them all. */
+static struct ttf_slot_work *new_work(struct ttf_session *s, int64_t index)
 {
-    struct ttf_slot_work *work = calloc(1, sizeof(*work));
+    struct ttf_slot_work *work = ttf_stock_slot(&s->queue.stock);
 
     if (!work)
         return NULL;
-    ttf_slot_record_init(&work->record);
     work->record.index = index;
     work->record.segment = s->segment;
     work->record.due_ns = ttf_grid_due_ns(&s->grid, index);
-    work->record.middle_ns = TTF_NS_UNKNOWN;
-    work->wakeup_ns = TTF_NS_UNKNOWN;
     work->begun_ns = now_ns(s);
     return work;
 }
@@ -52,10 +47,10 @@ static void want_lamps(struct ttf_session *s, const unsigned levels[TTF_LAMPS_MA
 
 static int hand_over(struct ttf_session *s, struct ttf_slot_work *work)
 {
-    struct ttf_job *job = ttf_job_new(TTF_JOB_SLOT);
+    struct ttf_job *job = ttf_job_new(&s->queue, TTF_JOB_SLOT);
 
-    if (!job) {
-        ttf_slot_work_free(work);
+    if (!job) { /* there is one for each slot */
+        ttf_stock_give_slot(&s->queue.stock, work);
         ttf_queue_tell_fatal(&s->queue, -ENOMEM, NULL);
         return -ENOMEM;
     }
@@ -66,28 +61,22 @@ static int hand_over(struct ttf_session *s, struct ttf_slot_work *work)
 
 int ttf_session_hand_over_change(struct ttf_session *s, struct ttf_plan_change *change)
 {
-    struct ttf_slot_work *work = calloc(1, sizeof(*work));
-    struct ttf_job *job = ttf_job_new(TTF_JOB_SLOT);
+    struct ttf_slot_work *work = ttf_stock_slot(&s->queue.stock);
 
-    if (!work || !job) {
-        free(work);
-        ttf_job_free(job);
+    if (!work) {
         ttf_plan_change_free(change);
         return -ENOMEM;
     }
-    ttf_slot_record_init(&work->record);
     work->change = change;
-    job->slot = work;
-    ttf_queue_push(&s->queue, job);
-    return 0;
+    return hand_over(s, work);
 }
 
-/* Thousands of lost slots must not fill the memory while the disk takes them one by one. */
-static int wait_for_committer(struct ttf_session *s)
+/* Thousands of lost slots wait for each other, while the disk takes them one by one. */
+static int work_by_and_by(struct ttf_session *s, int64_t index, struct ttf_slot_work **ret)
 {
     int r = 0;
 
-    while (r == 0 && ttf_queue_length(&s->queue) > RECORDS_WAITING_MAX)
+    while (r == 0 && !(*ret = new_work(s, index)))
         r = ttf_pulse_wait(&s->pulse, now_ns(s) + 10 * TTF_NS_PER_MS, false);
     return r;
 }
@@ -95,15 +84,11 @@ static int wait_for_committer(struct ttf_session *s)
 int ttf_session_no_slot(struct ttf_session *s, int64_t index, enum ttf_result result,
                         const char *reason)
 {
-    struct ttf_slot_work *work;
-    int r = wait_for_committer(s);
+    struct ttf_slot_work *work = NULL;
+    int r = work_by_and_by(s, index, &work);
 
     if (r < 0)
         return r;
-    work = new_work(s, index);
-
-    if (!work)
-        return -ENOMEM;
     work->record.result = result;
     snprintf(work->record.reason, sizeof(work->record.reason), "%s", reason);
     return hand_over(s, work);
@@ -153,13 +138,14 @@ struct shooting {
     struct ttf_slot_work *work;
     unsigned shot;
     unsigned image;          /* of the record */
+    unsigned shots_used;     /* of the places in the work's room */
     int64_t give_up_ns;      /* the next slot needs the loop by then */
     struct ttf_raw_sum *raw; /* taken for the first image already; NULL */
 };
 
 static int push_image(struct shooting *g, const struct ttf_take *take)
 {
-    struct ttf_job *job = ttf_job_new(TTF_JOB_IMAGE);
+    struct ttf_job *job = ttf_job_new(&g->s->queue, TTF_JOB_IMAGE);
 
     if (!job)
         return -ENOMEM;
@@ -202,10 +188,12 @@ static int take_image(struct shooting *g, unsigned bracket, int64_t middle_ns)
                             .give_up_ns = g->give_up_ns,
                             .settle_ns = ttf_lamp_settle_ns(&s->plan, shot, s->box->lamps),
                             .raw = g->raw,
-                            .image = image};
+                            .image = image,
+                            .shots_room = shot->average * TTF_SHOOT_TRIES};
     int r = 1;
 
     snprintf(image->stream, sizeof(image->stream), "%s", shot->stream);
+    image->shots = g->work->room->shots + g->shots_used;
     image->bracket = shot->n_brackets > 1 ? (int)bracket : -1;
     image->relative_exposure = relative_exposure(s, g->shot, bracket);
     g->raw = NULL;
@@ -220,6 +208,7 @@ static int take_image(struct shooting *g, unsigned bracket, int64_t middle_ns)
     }
     r = ttf_shoot(camera, &take);
     s->trouble |= take.trouble;
+    g->shots_used += image->n_shots;
     if (g->image == 0)
         g->work->record.middle_ns = take.middle_got_ns;
     if (r == 0 && image->lacking[0] == '\0') {
@@ -278,15 +267,6 @@ static void read_sensors(struct ttf_session *s, struct ttf_slot_record *record)
                             readings[i].name);
         s->sensor_silent[i] = !readings[i].ok;
     }
-}
-
-static unsigned slot_images(const struct ttf_plan *plan)
-{
-    unsigned n = 0;
-
-    for (unsigned i = 0; i < plan->n_shots; i++)
-        n += ttf_shot_images(&plan->shots[i]);
-    return n;
 }
 
 /* Why a slot cannot even begin, or NULL. */
@@ -350,20 +330,17 @@ static int do_slot(struct ttf_session *s, int64_t index, int64_t submit_ns, int6
 
     /* Lamps first: they settle while room is waited for. */
     work = new_work(s, index);
-    if (!work || ttf_slot_record_images(&work->record, slot_images(&s->plan)) < 0) {
-        ttf_slot_work_free(work);
-        return -ENOMEM;
+    if (!work || !ttf_stock_images(&s->queue.stock, work)) {
+        ttf_stock_give_slot(&s->queue.stock, work);
+        return ttf_session_no_slot(s, index, TTF_RESULT_MISSED, TTF_REASON_STORAGE_SLOW);
     }
     note_wakeup(work, late_ns);
     want_lamps(s, s->programme.shot[0]);
     r = raw_by(s, &camera->format, submit_ns, &raw);
-    if (r == 0) {
-        ttf_slot_work_free(work);
-        return ttf_session_no_slot(s, index, TTF_RESULT_MISSED, TTF_REASON_STORAGE_SLOW);
-    }
-    if (r < 0) {
-        ttf_slot_work_free(work);
-        return r;
+    if (r <= 0) {
+        ttf_stock_give_slot(&s->queue.stock, work);
+        return r < 0 ? r
+                     : ttf_session_no_slot(s, index, TTF_RESULT_MISSED, TTF_REASON_STORAGE_SLOW);
     }
     r = take_slot(s, work, raw, submit_ns);
     if (r < 0) {

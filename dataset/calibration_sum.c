@@ -54,21 +54,46 @@ int calibration_samples(const struct ttf_frame_format *format)
     return format->packing == TTF_PACKING_RGB8 || format->packing == TTF_PACKING_YUYV8 ? 3 : 1;
 }
 
-int ttf_raw_sum_init(struct ttf_raw_sum *sum, const struct ttf_frame_format *format)
+/* Samples per pixel, and of a frame into *ret; negative as init. */
+static int samples_of(const struct ttf_frame_format *format, size_t *ret)
 {
     int samples = calibration_samples(format);
-    size_t n;
 
     if (samples < 0)
         return samples;
-    if (!ttf_mul_size((size_t)format->width * format->height, (size_t)samples, &n))
-        return -EINVAL;
+    return ttf_mul_size((size_t)format->width * format->height, (size_t)samples, ret) ? samples
+                                                                                      : -EINVAL;
+}
+
+int ttf_raw_sum_init(struct ttf_raw_sum *sum, const struct ttf_frame_format *format)
+{
+    size_t n;
+    int samples = samples_of(format, &n);
+
+    if (samples < 0)
+        return samples;
     memset(sum, 0, sizeof(*sum));
     sum->sum = calloc(n, sizeof(*sum->sum));
     if (!sum->sum)
         return -ENOMEM;
+    sum->room = n;
     sum->format = *format;
     sum->samples = (unsigned)samples;
+    return 0;
+}
+
+int ttf_raw_sum_refit(struct ttf_raw_sum *sum, const struct ttf_frame_format *format)
+{
+    size_t n;
+    int samples = samples_of(format, &n);
+
+    if (samples < 0)
+        return samples;
+    if (n > sum->room)
+        return -ENOSPC;
+    sum->format = *format;
+    sum->samples = (unsigned)samples;
+    sum->n = 0;
     return 0;
 }
 

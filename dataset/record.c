@@ -46,6 +46,12 @@ static void free_images(struct ttf_slot_record *record)
     record->n_images = 0;
 }
 
+void ttf_image_init(struct ttf_image *image)
+{
+    *image = (struct ttf_image){
+        .bracket = -1, .mean_level = NAN, .reference_level = NAN, .sharpness = NAN};
+}
+
 int ttf_slot_record_images(struct ttf_slot_record *record, unsigned n)
 {
     struct ttf_image *images = NULL;
@@ -56,12 +62,8 @@ int ttf_slot_record_images(struct ttf_slot_record *record, unsigned n)
         if (!images)
             return -ENOMEM;
     }
-    for (i = 0; i < n; i++) {
-        images[i].bracket = -1;
-        images[i].mean_level = NAN;
-        images[i].reference_level = NAN;
-        images[i].sharpness = NAN;
-    }
+    for (i = 0; i < n; i++)
+        ttf_image_init(&images[i]);
     free_images(record);
     record->images = images;
     record->n_images = n;

@@ -97,9 +97,13 @@ int sim_image_model_create(const struct ttf_sim_config *config, struct ttf_scene
     r = sensor_init(&m->sensor, config);
     if (r == 0)
         r = allocate(m);
+    if (r < 0)
+        ttf_err_set(err, r, NULL, "no memory for the simulated camera");
+    else if (scene->ops->prepare)
+        r = scene->ops->prepare(scene->priv, m->optics.src_width, m->optics.src_height, err);
     if (r < 0) {
         sim_image_model_destroy(m);
-        return ttf_err_set(err, r, NULL, "no memory for the simulated camera");
+        return r;
     }
     fill_light_maps(m, config);
     *ret = m;

@@ -76,18 +76,26 @@ static int canvas_get(struct procedural *p, uint32_t w, uint32_t h)
     return 0;
 }
 
-static int procedural_render(void *scene, int64_t t_ns, uint32_t w, uint32_t h, float *rgb,
-                             struct ttf_err *err)
+static int procedural_prepare(void *scene, uint32_t w, uint32_t h, struct ttf_err *err)
 {
     struct procedural *p = scene;
-    double phase = (double)t_ns / (double)p->span_ns;
     int r;
 
     if (w == 0 || h == 0)
         return ttf_err_set(err, -EINVAL, p->kind->name, "a picture without pixels was asked for");
     r = canvas_get(p, w, h);
+    return r < 0 ? ttf_err_set(err, r, p->kind->name, "no memory for a scene of %u x %u", w, h) : 0;
+}
+
+static int procedural_render(void *scene, int64_t t_ns, uint32_t w, uint32_t h, float *rgb,
+                             struct ttf_err *err)
+{
+    struct procedural *p = scene;
+    double phase = (double)t_ns / (double)p->span_ns;
+    int r = procedural_prepare(scene, w, h, err);
+
     if (r < 0)
-        return ttf_err_set(err, r, p->kind->name, "no memory for a scene of %u x %u", w, h);
+        return r;
     phase = phase < 0.0 ? 0.0 : phase > 1.0 ? 1.0 : phase;
     p->kind->render(p->features, &p->kept[0], (float)phase, rgb);
     /* No diffuser gives back more than it gets, whatever a highlight came to. */
@@ -109,7 +117,11 @@ static void procedural_destroy(void *scene)
 }
 
 static const struct ttf_scene_ops procedural_ops = {
-    .name = "procedural", .render = procedural_render, .destroy = procedural_destroy};
+    .name = "procedural",
+    .render = procedural_render,
+    .destroy = procedural_destroy,
+    .prepare = procedural_prepare,
+};
 
 static const struct scene_kind *find_kind(const char *name)
 {

@@ -58,6 +58,16 @@ static int disk_space(struct ttf_io *io, const char *path, struct ttf_io_space *
     return r;
 }
 
+static int no_sync(struct ttf_io *io, int file, bool data_only)
+{
+    return 0;
+}
+
+static int no_sync_dir(struct ttf_io *io, const char *path)
+{
+    return 0;
+}
+
 /* What a file operation meets in this box, at this moment. */
 static int storage_fault(void *ctx, const char *op, const char *path)
 {
@@ -125,6 +135,10 @@ int sim_run_boot(struct sim_run *run)
     assert_non_null(io);
     disk.io.ops = &disk.ops;
     disk.ops.space = disk_space;
+    if (run->plain_disk) {
+        disk.ops.sync = no_sync;
+        disk.ops.sync_dir = no_sync_dir;
+    }
     memset(&run->err, 0, sizeof(run->err));
     assert_int_equal(
         ttf_scene_procedural(run->scene, run->config.seed, run->scene_span_ns, &scene, &run->err),
@@ -136,7 +150,7 @@ int sim_run_boot(struct sim_run *run)
     run->box = &box;
     if (run->on_box)
         run->on_box(run);
-    run->code = run_session(run, io);
+    run->code = run_session(run, run->plain_disk ? &disk.io : io);
     run->ended_ns = ttf_sim_elapsed_ns(&box, ttf_clock_now_ns(box.clock));
     run->back_ns = ttf_sim_back_ns(&box);
     run->bites = ttf_sim_watchdog_bites(&box);

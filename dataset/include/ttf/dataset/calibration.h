@@ -28,6 +28,7 @@ struct ttf_raw_sum {
     struct ttf_frame_format format; /* of each frame that went in */
     struct ttf_exposure settings;   /* of the first */
     uint32_t *sum;                  /* width x height x samples, tightly packed */
+    size_t room;                    /* samples that sum has memory for */
     unsigned n;                     /* frames in it */
     unsigned samples;               /* per pixel: 1, or 3 of RGB8 and YUYV8 */
 };
@@ -38,6 +39,8 @@ void ttf_raw_sum_levels(const struct ttf_frame_format *format, uint16_t *ret_bla
 
 /* Room for frames of that format, n = 0. -EINVAL for a format that cannot be, -ENOTSUP for an unknown packing, -ENOMEM. */
 TTF_MUST_USE int ttf_raw_sum_init(struct ttf_raw_sum *sum, const struct ttf_frame_format *format);
+/* Empties it for frames of a format, perhaps another, within its memory: -ENOSPC beyond that; as init. */
+TTF_MUST_USE int ttf_raw_sum_refit(struct ttf_raw_sum *sum, const struct ttf_frame_format *format);
 void ttf_raw_sum_reset(struct ttf_raw_sum *sum); /* n = 0 again, memory kept */
 /* -EINVAL if the frame's format or bytes do not fit; -EOVERFLOW beyond 65,535 frames. */
 TTF_MUST_USE int ttf_raw_sum_add(struct ttf_raw_sum *sum, const struct ttf_frame *frame);

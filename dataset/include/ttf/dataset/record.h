@@ -123,7 +123,10 @@ struct ttf_end_record {
     int64_t slots, captured, partial, missed, failed, paused, power;
 };
 
-/* Room for n images, zeroed with absent values set. -ENOMEM. */
+/* An image of which nothing is known yet: zeroed, absent values set. It has no shots. */
+void ttf_image_init(struct ttf_image *image);
+
+/* Room for n images, as ttf_image_init makes them. -ENOMEM. */
 TTF_MUST_USE int ttf_slot_record_images(struct ttf_slot_record *record, unsigned n);
 TTF_MUST_USE int ttf_image_shots(struct ttf_image *image, unsigned n);
 void ttf_slot_record_init(struct ttf_slot_record *record);

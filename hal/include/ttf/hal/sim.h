@@ -34,6 +34,11 @@ struct ttf_scene_ops {
     int (*render)(void *scene, int64_t t_ns, uint32_t w, uint32_t h, float *rgb,
                   struct ttf_err *err);
     void (*destroy)(void *scene);
+    /*
+     * Makes the memory that render needs for this size, so that it allocates none then.
+     * Optional: a scene that reads pictures does so as it goes. 0 or a negative errno.
+     */
+    int (*prepare)(void *scene, uint32_t w, uint32_t h, struct ttf_err *err);
 };
 
 struct ttf_scene {
