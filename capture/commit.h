@@ -37,6 +37,7 @@ struct ttf_committer {
     ttf_progress_fn *progress;
     void *progress_ctx;
     /* the committer's until join */
+    bool doubt;                /* a sync failed, and the dataset was not opened anew since */
     struct ttf_writer *writer; /* NULL while the dataset cannot be opened; owned by the session */
     struct ttf_ledger ledger;
     struct ttf_slot_work *pending, *pending_tail; /* records that could not be written yet */

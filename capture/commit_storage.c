@@ -46,13 +46,12 @@ static int reopen(struct ttf_committer *c)
     struct ttf_err err = {0};
     int r;
 
-    ttf_writer_abandon(c->writer);
+    struct ttf_writer *old = c->writer;
+
     c->writer = NULL;
-    r = ttf_writer_open(c->io, c->path, &c->writer, &err);
-    if (r < 0) {
-        c->writer = NULL;
+    r = ttf_writer_open_anew(c->io, c->path, old, &c->doubt, &c->writer, &err);
+    if (r < 0)
         return r;
-    }
     for (struct ttf_slot_work *work = c->pending; work; work = work->next)
         drop_lost_files(c, &work->record);
     return 0;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A calibration's folder, copied into the dataset. */
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -112,6 +113,7 @@ static int copy_folder(struct ttf_writer *writer, const char *id, const char *fo
     char *to = ttf_path_format("%s/calibration/%s", writer->path, id);
     struct ttf_io *io = writer->io;
     struct ttf_paths names = {0};
+    char relative[80];
     size_t i;
     int r;
 
@@ -124,7 +126,8 @@ static int copy_folder(struct ttf_writer *writer, const char *id, const char *fo
         goto out;
     }
     ttf_paths_sort(&names);
-    r = ttf_io_mkdirs(io, to, err);
+    snprintf(relative, sizeof(relative), "calibration/%s", id);
+    r = ttf_writer_folder(writer, relative, err);
     for (i = 0; r == 0 && i < names.n; i++)
         r = copy_named(writer, id, folder, names.items[i], json, err);
     if (r == 0) {
@@ -150,6 +153,9 @@ int ttf_writer_calibration(struct ttf_writer *writer, const char *id, const char
     for (i = 0; i < writer->n_calibrations; i++)
         if (strcmp(writer->calibrations[i], id) == 0)
             return 0;
+    r = ttf_writer_room_for_calibration(writer);
+    if (r)
+        return ttf_err_set(err, r, id, "no memory");
     r = ttf_writer_unseal(writer, err);
     if (r)
         return r;

@@ -24,6 +24,25 @@ static bool worth_another_name(int r)
     return r == -EIO || r == -EUCLEAN || r == -ENXIO || r == -EREMOTEIO;
 }
 
+/* Whole, but of no record, and its name is not for sure: the seal must not promise that it is there. */
+static void remember_leftover(struct ttf_writer *writer, const char *path)
+{
+    if (writer->n_leftovers < TTF_COUNT_OF(writer->leftovers))
+        snprintf(writer->leftovers[writer->n_leftovers++], sizeof(writer->leftovers[0]), "%s",
+                 path);
+}
+
+void ttf_writer_remove_leftovers(struct ttf_writer *writer)
+{
+    char full[TTF_PATH_MAX];
+    unsigned i;
+
+    for (i = 0; i < writer->n_leftovers; i++)
+        if (ttf_path_put(full, "%s/%s", writer->path, writer->leftovers[i]) == 0)
+            (void)writer->io->ops->unlink(writer->io, full);
+    writer->n_leftovers = 0;
+}
+
 /* Writes, syncs, renames, syncs the folder. What it leaves on failure is removed as well as can be. */
 static int attempt(struct attempt *a, struct ttf_file_ref *ret, struct ttf_err *err)
 {
@@ -65,7 +84,8 @@ static int attempt(struct attempt *a, struct ttf_file_ref *ret, struct ttf_err *
     }
     r = ttf_io_sync_parent(io, a->full);
     if (r) {
-        io->ops->unlink(io, a->full);
+        if (io->ops->unlink(io, a->full) != 0)
+            remember_leftover(a->writer, a->path);
         return ttf_err_set(err, r, a->path, "its folder cannot be synced to the disk: %s",
                            strerrordesc_np(-r));
     }
@@ -91,13 +111,16 @@ static int make_path(struct ttf_file_ref *ref, const char *stream, int64_t index
     return n < (int)sizeof(ref->path) && ttf_path_ok(ref->path) ? 0 : -EINVAL;
 }
 
+/* So many names that cannot even be looked at are no bad luck any more: the folder is gone. */
+#define UNREADABLE_MAX 8
+
 /* The first name from `retry` on that nothing on the disk has. */
 static int free_name(struct ttf_writer *writer, struct ttf_file_ref *ref, const char *stream,
                      int64_t index, int bracket, const char *extension, int *retry,
                      char full[TTF_PATH_MAX])
 {
     struct ttf_io_stat st;
-    int r;
+    int unreadable = 0, r;
 
     for (;; (*retry)++) {
         r = make_path(ref, stream, index, bracket, extension, *retry);
@@ -109,7 +132,7 @@ static int free_name(struct ttf_writer *writer, struct ttf_file_ref *ref, const 
         r = writer->io->ops->stat(writer->io, full, &st);
         if (r == -ENOENT)
             return 0;
-        if (r && r != -EIO)
+        if (r && (r != -EIO || ++unreadable == UNREADABLE_MAX))
             return r;
     }
 }
@@ -131,13 +154,50 @@ static int one_try(struct attempt *a, struct ttf_file_ref *ref, const char *stre
     return attempt(a, ref, err);
 }
 
+int ttf_writer_folder(struct ttf_writer *writer, const char *relative, struct ttf_err *err)
+{
+    char path[TTF_PATH_MAX];
+    const char *end = relative;
+    int r = ttf_path_put(path, "%s/%s", writer->path, relative);
+
+    if (r)
+        return ttf_err_set(err, r, relative, "this folder's name is too long");
+    r = ttf_io_mkdirs(writer->io, path, err);
+    for (; r == 0 && end; end = strchr(end + 1, '/')) {
+        /* The path still fits: it is a part of the one above. */
+        snprintf(path, sizeof(path), "%s%s%.*s", writer->path, end > relative ? "/" : "",
+                 (int)(end - relative), relative);
+        r = writer->io->ops->sync_dir(writer->io, path);
+        if (r)
+            ttf_err_set(err, r, path, "cannot be synced to the disk: %s", strerrordesc_np(-r));
+    }
+    return r;
+}
+
+/* The folder of a stream: made sure of once, by the first file that goes there. */
+static int image_folder(struct ttf_writer *writer, const char *stream, bool raw,
+                        struct ttf_err *err)
+{
+    const struct ttf_stream *s = ttf_manifest_stream(&writer->manifest, stream);
+    uint64_t bit = UINT64_C(1) << (2 * (unsigned)(s - writer->manifest.streams) + raw);
+    char relative[80];
+    int r;
+
+    if (writer->folders_synced & bit)
+        return 0;
+    snprintf(relative, sizeof(relative), "%s/%s", raw ? "raw" : "frames", stream);
+    r = ttf_writer_folder(writer, relative, err);
+    if (r == 0)
+        writer->folders_synced |= bit;
+    return r;
+}
+
 int ttf_writer_file(struct ttf_writer *writer, const char *role, const char *stream, int64_t index,
                     int bracket, const char *extension, ttf_produce_fn *produce, void *ctx,
                     struct ttf_file_ref *ret, struct ttf_err *err)
 {
     struct attempt a = {.writer = writer, .produce = produce, .ctx = ctx};
     struct ttf_file_ref ref = {0};
-    char folder[TTF_PATH_MAX];
     int r, retry = 0;
 
     if (!ttf_name_ok(role) || strlen(role) >= sizeof(ref.role) ||
@@ -149,11 +209,7 @@ int ttf_writer_file(struct ttf_writer *writer, const char *role, const char *str
     if (r)
         return r;
     snprintf(ref.role, sizeof(ref.role), "%s", role);
-    r = ttf_path_put(folder, "%s/%s/%s", writer->path, strcmp(role, "raw") == 0 ? "raw" : "frames",
-                     stream);
-    if (r)
-        return ttf_err_set(err, r, stream, "its folder's name is too long");
-    r = ttf_io_mkdirs(writer->io, folder, err);
+    r = image_folder(writer, stream, strcmp(role, "raw") == 0, err);
     if (r)
         return r;
     r = one_try(&a, &ref, stream, index, bracket, extension, &retry, err);

@@ -22,9 +22,22 @@ struct ttf_writer {
     bool ended;       /* the last line is an "end" line */
     int sums;         /* handle of SHA256SUMS, appended to; -1: not open */
     bool sums_behind; /* an append failed: to be rebuilt */
+    uint64_t folders_synced; /* by stream: bit 2 i of frames/, 2 i + 1 of raw/ */
+    unsigned n_leftovers;    /* files that could not be removed again; those beyond are forgotten */
+    char leftovers[8][192];
     unsigned n_calibrations;
     char (*calibrations)[64]; /* ids that have a line */
 };
+
+/*
+ * Makes a folder of the dataset ("plans"), and those above it in the dataset, durable: each name is
+ * synced even if it is there, since who made it may have been killed, or told that it failed, before.
+ */
+TTF_MUST_USE int ttf_writer_folder(struct ttf_writer *writer, const char *relative,
+                                   struct ttf_err *err);
+
+/* Tries once more to remove what could not be removed. */
+void ttf_writer_remove_leftovers(struct ttf_writer *writer);
 
 /* Takes the folder's lock. -EBUSY. */
 TTF_MUST_USE int ttf_writer_lock(struct ttf_writer *writer, struct ttf_err *err);
@@ -40,6 +53,8 @@ TTF_MUST_USE int ttf_writer_learn(struct ttf_writer *writer, const struct ttf_li
                                   struct ttf_err *err);
 TTF_MUST_USE int ttf_writer_learn_segment(struct ttf_writer *writer,
                                           const struct ttf_segment *segment);
+/* Memory for one more, so that learning it cannot fail once its line is written. */
+TTF_MUST_USE int ttf_writer_room_for_calibration(struct ttf_writer *writer);
 TTF_MUST_USE int ttf_writer_learn_calibration(struct ttf_writer *writer, const char *id);
 
 /* Space that events can fall back on. Making it may fail quietly: the disk is full already. */
