@@ -30,3 +30,7 @@ if(TTFBOX_FUZZ)
     add_compile_options(-fsanitize=fuzzer-no-link)
     add_link_options(-fsanitize=fuzzer-no-link)
 endif()
+if(TTFBOX_COVERAGE)
+    # Only the rooms that `./dev coverage` looks at count (cmake/Rooms.cmake); the others stay fast.
+    add_link_options(--coverage)
+endif()

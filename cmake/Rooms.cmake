@@ -37,6 +37,10 @@ function(ttf_room name)
         target_link_libraries(ttf_${name} PUBLIC ttf_${used})
     endforeach()
     target_link_libraries(ttf_${name} PRIVATE ${R_LIBS})
+    # Counted as written: optimised, branches would be merged. Atomic, because rooms have threads.
+    if(name IN_LIST TTFBOX_COVERAGE)
+        target_compile_options(ttf_${name} PRIVATE --coverage -O0 -fprofile-update=atomic)
+    endif()
 endfunction()
 
 # A cmocka test program: ttf_test(NAME SOURCES ... USES rooms... LABEL unit|sim|... [LIBS ...] [TIMEOUT s])

@@ -73,7 +73,7 @@ static int fill(struct ttf_lines *l)
         l->at = 0;
     }
     while (room - l->have < PIECE_BYTES)
-        room = room ? room * 2 : 2 * PIECE_BYTES;
+        room = room ? room * 2 : PIECE_BYTES;
     if (room > TTF_LINE_MAX + 4 * PIECE_BYTES)
         return -EFBIG;
     if (room != l->room) {

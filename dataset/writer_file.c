@@ -158,20 +158,17 @@ int ttf_writer_folder(struct ttf_writer *writer, const char *relative, struct tt
 {
     char path[TTF_PATH_MAX];
     const char *end = relative;
-    int r = ttf_path_put(path, "%s/%s", writer->path, relative);
+    int r = 0;
 
-    if (r)
-        return ttf_err_set(err, r, relative, "this folder's name is too long");
-    r = ttf_io_mkdirs(writer->io, path, err);
-    for (; r == 0 && end; end = strchr(end + 1, '/')) {
-        /* The path still fits: it is a part of the one above. */
-        snprintf(path, sizeof(path), "%s%s%.*s", writer->path, end > relative ? "/" : "",
-                 (int)(end - relative), relative);
-        r = writer->io->ops->sync_dir(writer->io, path);
-        if (r)
-            ttf_err_set(err, r, path, "cannot be synced to the disk: %s", strerrordesc_np(-r));
+    while (r == 0 && end) {
+        end = strchr(end + 1, '/');
+        r = ttf_path_put(path, "%s/%.*s", writer->path,
+                         (int)(end ? (size_t)(end - relative) : strlen(relative)), relative);
+        if (r == 0)
+            r = ttf_io_make_folder(writer->io, path, true);
     }
-    return r;
+    return r ? ttf_err_set(err, r, relative, "this folder cannot be made: %s", strerrordesc_np(-r))
+             : 0;
 }
 
 /* The folder of a stream: made sure of once, by the first file that goes there. */

@@ -19,7 +19,8 @@ static int learn_line(void *ctx, const struct ttf_line *line, struct ttf_err *er
     int r;
 
     r = ttf_writer_learn(opening->writer, line, err);
-    return r || opening->writer->sealed ? r : ttf_sums_compare_line(&opening->sums, line, err);
+    /* Also of a sealed one, whose list is not compared: each file entry is looked at before anything is touched. */
+    return r ? r : ttf_sums_compare_line(&opening->sums, line, err);
 }
 
 /* Whatever SHA256SUMS lists and no record names was committed and is lost. */
@@ -49,6 +50,7 @@ static int open_records(struct ttf_writer *writer, struct ttf_lines_tail *tail,
     if (!path)
         return ttf_err_set(err, -ENOMEM, writer->path, "no memory");
     r = ttf_sums_compare_begin(&opening.sums, writer->io, writer->path, err);
+    opening.sums.differs = writer->sealed;
     if (r == 0)
         r = ttf_lines_scan(writer->io, path, learn_line, NULL, &opening, tail, err);
     if (r == -ENOENT)

@@ -10,6 +10,7 @@ ttf_build_packages="gcc libc6-dev cmake ninja-build pkg-config git ca-certificat
 ttf_test_packages="ffmpeg libraw-bin libimage-exiftool-perl libtiff-tools rt-tests man-db groff"
 ttf_demo_packages="ffmpeg"
 ttf_fuzz_packages="clang libclang-rt-14-dev"
+ttf_coverage_packages="gcovr"
 ttf_lint_packages="clang-format clang-tidy shellcheck"
 
 # Installs those of the named packages that are missing; says nothing if none is.
@@ -48,5 +49,7 @@ ttf_install_test() { ttf_install $ttf_test_packages; }
 ttf_install_demo() { ttf_install $ttf_demo_packages; }
 # shellcheck disable=SC2086
 ttf_install_fuzz() { ttf_install $ttf_fuzz_packages; }
+# shellcheck disable=SC2086
+ttf_install_coverage() { ttf_install $ttf_coverage_packages; }
 # shellcheck disable=SC2086
 ttf_install_lint() { ttf_install $ttf_lint_packages; }

@@ -399,6 +399,55 @@ static int full_disk(void *ctx, const char *op, const char *path)
     return *full && strcmp(op, "append") == 0 ? ENOSPC : 0;
 }
 
+/* Appends a slot line whose crc holds and whose file has no sha256 that could be. */
+static void append_bad_entry(const char *path, int64_t seq)
+{
+    static const char TEXT[] =
+        "\"index\":%d,\"segment\":0,\"due_ns\":0,\"result\":\"captured\","
+        "\"images\":[{\"stream\":\"main\",\"n_averaged\":1,\"files\":[{\"role\":"
+        "\"developed\",\"path\":\"frames/main/000001.tif\",\"bytes\":1,"
+        "\"sha256\":\"no hash\"}]}]";
+    char line[512], whole[600];
+    size_t n, old;
+    char *text = file_text(in(path, "records.jsonl"), &old);
+    char *both = malloc(old + sizeof whole);
+
+    assert_non_null(both);
+    n = (size_t)snprintf(line, sizeof line, "{\"type\":\"slot\",\"seq\":%d,", (int)seq);
+    n += (size_t)snprintf(line + n, sizeof line - n, TEXT, 1);
+    n = (size_t)snprintf(whole, sizeof whole, "%s,\"crc\":\"%08x\"}\n", line,
+                         ttf_crc32(0, line, n));
+    memcpy(both, text, old);
+    memcpy(both + old, whole, n);
+    write_text(in(path, "records.jsonl"), both, old + n);
+    free(both);
+    free(text);
+}
+
+/* Found by the fuzzer: it was opened, and the damage came up at the first write, or half-way in a repair. */
+static void a_file_entry_that_cannot_be_is_refused_before_anything_is_touched(void **state)
+{
+    const char *path = in(*state, "d");
+    struct ttf_writer *writer = small_create(quick_io(), path);
+    struct ttf_err err = {0};
+
+    assert_int_equal(small_slot(writer, 0), 0);
+    ttf_writer_close(writer);
+    append_bad_entry(path, 3); /* behind plan, segment and slot */
+    write_text(in(path, "SHA256SUMS"), "", 0);
+    write_text(in(path, "frames/main/000005.tif.tmp"), "half", 4);
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, &err), -TTF_EDAMAGED);
+    assert_non_null(strstr(err.where, "records.jsonl:4"));
+    assert_non_null(strstr(err.what, "sha256"));
+    assert_true(exists(in(path, "frames/main/000005.tif.tmp")));
+    assert_int_equal(size_of(in(path, "SHA256SUMS")), 0);
+    /* Sealed, the same. */
+    write_text(in(path, "SHA256SUMS"),
+               "0000000000000000000000000000000000000000000000000000000000000000  records.jsonl\n",
+               80);
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, &err), -TTF_EDAMAGED);
+}
+
 static void events_are_written_on_a_full_disk(void **state)
 {
     const char *path = in(*state, "d");
@@ -436,6 +485,7 @@ int main(void)
         T(what_was_cut_off_is_set_aside_as_an_event),
         T(a_lost_newline_between_two_lines_spares_the_first),
         T(files_of_one_uncommitted_slot_are_reclaimed_of_several_left_alone),
+        T(a_file_entry_that_cannot_be_is_refused_before_anything_is_touched),
         T(events_are_written_on_a_full_disk),
     };
 

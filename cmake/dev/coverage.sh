@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Lines and branches of dataset/ and capture/ that the tests reach; called by ./dev coverage from the
+# root, with the build made. Arguments go to coverage.py.
+set -uo pipefail
+jobs=$(nproc)
+find build-coverage -name '*.gcda' -delete
+# The syntheses and the devices are not counted, so their own tests are left out.
+ctest --preset coverage -j "$jobs" -L 'unit|sim|cli' \
+    -E '^test_(synth|quilt|rank|search|agreement|boundary|timed|time_jitter|factors|map_file|scenes|hal|conformance|guardian|sim)|quilt' \
+    >build-coverage/tests.log 2>&1
+status=$?
+[ "$status" -eq 0 ] || grep -E 'Failed|Timeout' build-coverage/tests.log
+gcovr --root . --object-directory build-coverage --filter dataset/ --filter capture/ -j "$jobs" \
+    --exclude-unreachable-branches --json build-coverage/coverage.json \
+    --html-details build-coverage/coverage.html >build-coverage/gcovr.log 2>&1 || {
+    cat build-coverage/gcovr.log
+    exit 1
+}
+python3 cmake/dev/coverage.py build-coverage/coverage.json "$@" || exit 1
+echo "each line: build-coverage/coverage.html"
+exit "$status"

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Makes the seeds of sums, events and store anew, into the folder given (tests/fuzz/seeds).
+
+They speak of the small dataset of store.c: three slots of one file each. Lines have neither seq nor
+crc of their own; the targets frame them (framing.h). The first byte is the mode of store.h.
+"""
+import hashlib
+import os
+import sys
+
+FRAME_RECORDS, FRAME_EVENTS, MEND_SUMS, ENDED = 1, 2, 4, 8
+PICTURES = [("frames/main/%06d.tif" % i, b"picture %d\n" % i) for i in range(3)]
+PLAN = ("plans/0.yaml", b"interval: 10s\ncount: 3\n")
+
+
+def sha(data):
+    return hashlib.sha256(data).hexdigest()
+
+
+def entry(file, role=""):
+    path, data = file
+    return '{%s"path":"%s","bytes":%d,"sha256":"%s"}' % (role, path, len(data), sha(data))
+
+
+def slot(i, segment=0, **more):
+    return ('{"type":"slot","seq":0,"index":%d,"segment":%d,"due_ns":%d000000000,'
+            '"result":"captured","images":[{"stream":"main","n_averaged":1,"files":[%s]}]'
+            % (i, segment, 5 + 10 * i, entry(PICTURES[i], '"role":"developed",')))
+
+
+SEGMENT = ('{"type":"segment","seq":0,"segment":%d,"first_index":%d,"origin_ns":5000000000,'
+           '"trust":"%s","interval_ns":10000000000,"plan":0%s')
+HEAD = ['{"type":"plan","seq":0,"plan":0,"files":[%s]' % entry(PLAN), SEGMENT % (0, 0, "none", "")]
+SLOTS = [slot(i) for i in range(3)]
+MISSED = ('{"type":"slot","seq":0,"index":%d,"segment":%d,"due_ns":%d,"result":"%s",'
+          '"reason":"storage too slow"')
+END = '{"type":"end","seq":0,"reason":"count","slots":3,"captured":3'
+EVENT = '{"type":"event","seq":0,"kind":"door","at_ns":1,"at_utc_ns":1790000000000000000,"text":"opened"'
+REPAIR = ('{"type":"event","seq":0,"kind":"repair","text":"set aside here",'
+          '"detail":{"file":"records.jsonl","bytes":3,"hex":"7b2274"}')
+SUMS = "".join("%s  %s\n" % (sha(data), path) for path, data in PICTURES)
+
+
+def lines(*of):
+    return "".join(line + "\n" for line in of)
+
+
+def sealed(records):
+    names = ["dataset.json", "events.jsonl", *[p for p, _ in PICTURES], "plans/0.yaml", "records.jsonl"]
+    return "".join("0" * 64 + "  " + name + "\n" for name in names) if records else SUMS
+
+
+FULL = lines(*HEAD, *SLOTS)
+RICH = ('{"type":"slot","seq":0,"index":4,"segment":1,"due_ns":25000000000,"middle_ns":25000250000,'
+        '"result":"partial","reason":"lamp tripped","sensors":[{"name":"box","kind":"temp_mdegc",'
+        '"ok":true,"value":21500},{"name":"door","kind":"open","ok":false}],"images":[{"stream":"main",'
+        '"bracket":{"index":0,"relative_exposure":0.25},"shots":[{"asked":{"exposure_ns":10000000,'
+        '"gain_milli":1000,"wb_r_milli":1000,"wb_b_milli":1000,"lens_mdpt":3000},"granted":'
+        '{"exposure_ns":10000000,"gain_milli":1000},"start_ns":1,"end_ns":2,"refused":"corrupt",'
+        '"lamps":[{"name":"left","commanded_permille":1000,"measured_permille":996}]}],'
+        '"lacking":"lamp tripped","flags":["saturated","lamp-tripped"],"mean_level":0.5,'
+        '"reference_level":0.25,"sharpness":1.5}]')
+RESUMED = lines(*HEAD, SLOTS[0], SEGMENT % (1, 1, "rtc", ',"origin_utc_ns":1790000000000000000,'
+                '"uncertainty_ns":1000000000,"boot_id":"0a0b0c0d-0000-4000-8000-000000000001",'
+                '"zone":"Europe/Berlin","zone_offset_s":7200,"gap_ns":null'),
+                MISSED % (1, 1, 5, "missed"), MISSED % (2, 1, 15, "power"),
+                SEGMENT % (1, 1, "ntp", ',"corrects":true,"gap_ns":3590000000000'), RICH)
+
+SEEDS = {
+    "sums": {
+        "running": (0, SUMS), "behind": (0, SUMS[:81]), "torn": (0, SUMS[:120]),
+        "ahead": (0, SUMS + sha(b"") + "  frames/main/000003.tif\n"),
+        "other-order": (0, "".join(reversed(SUMS.splitlines(True)))),
+        "sealed": (MEND_SUMS | ENDED, sealed(True)), "sealed-wrong": (ENDED, sealed(True)),
+        "sealed-not-ended": (MEND_SUMS, sealed(True)),
+    },
+    "events": {
+        "none": (FRAME_EVENTS, ""), "some": (FRAME_EVENTS, lines(EVENT, REPAIR, EVENT)),
+        "no-newline": (FRAME_EVENTS, lines(EVENT) + EVENT),
+        "fragment": (FRAME_EVENTS, lines(EVENT) + '~{"type":"event","se'),
+        "damaged": (FRAME_EVENTS, lines(EVENT, "~" + EVENT, EVENT)),
+        "two-without-newline": (FRAME_EVENTS, lines(EVENT) + EVENT + "\0" + EVENT),
+    },
+    "store": {
+        "running": (7, FULL + "\0" + lines(EVENT) + "\0" + SUMS),
+        "ended": (7, FULL + END + "\n" + "\0" + "\0" + SUMS),
+        "sealed": (7, FULL + END + "\n" + "\0" + "\0" + sealed(True)),
+        "resumed": (7, RESUMED + "\0" + lines(EVENT, REPAIR) + "\0" + SUMS[:88]),
+        "no-newline": (7, FULL[:-1] + "\0" + EVENT + "\0" + SUMS),
+        "fragment": (7, lines(*HEAD, *SLOTS[:2]) + "~" + SLOTS[2][:70] + "\0" + "\0" + SUMS[:176]),
+        "uncommitted": (7, lines(*HEAD, *SLOTS[:2]) + "\0" + "\0" + SUMS[:176] +
+                        "\0frames/main/000002.tif.tmp"),
+        "two-uncommitted": (7, lines(*HEAD, SLOTS[0]) + "\0" + "\0" + SUMS[:88]),
+        "stray": (7, FULL + "\0" + "\0" + SUMS + "\0frames/main/000001.mask.tif"),
+        "calibration": (7, lines(*HEAD, '{"type":"calibration","seq":0,"id":"cal-a","files":[%s]'
+                        % entry(PLAN), *SLOTS) + "\0" + "\0" + SUMS),
+        "as-it-is": (0, "\0\0"),
+    },
+}
+
+
+def main():
+    for target, seeds in SEEDS.items():
+        folder = os.path.join(sys.argv[1], target)
+        os.makedirs(folder, exist_ok=True)
+        for name, (mode, text) in seeds.items():
+            with open(os.path.join(folder, name), "wb") as f:
+                f.write(bytes([mode]) + text.encode())
+
+
+if __name__ == "__main__":
+    main()

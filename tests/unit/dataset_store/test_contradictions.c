@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Records whose every crc holds and that still cannot be true: a writer refuses them, a reader
+ * does not pass them on, verify names them.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "lines.h"
+#include "store_ios.h"
+#include "store_test.h"
+#include "ttf/dataset/hash.h"
+#include "ttf/dataset/reader.h"
+#include "ttf/dataset/verify.h"
+
+/* Lines: 0 plan, 1 segment, 2..4 slots 0..2; closed, not sealed. */
+static const char *three_slots(void **state)
+{
+    const char *path = in(*state, "d");
+    struct ttf_writer *writer = small_create(quick_io(), path);
+    int64_t i;
+
+    for (i = 0; i < 3; i++)
+        assert_int_equal(small_slot(writer, i), 0);
+    ttf_writer_close(writer);
+    return path;
+}
+
+/* Replaces what stands in that line (from 0) of records.jsonl, and gives the line its right crc. */
+static void change_line(const char *path, int number, const char *from, const char *to)
+{
+    size_t n, before, body;
+    char *text = file_text(in(path, "records.jsonl"), &n), *line = text, *end, *at;
+    char *changed = malloc(n + strlen(to) + 1);
+
+    assert_non_null(changed);
+    for (; number > 0; number--)
+        line = strchr(line, '\n') + 1;
+    end = strchr(line, '\n');
+    at = strstr(line, from);
+    assert_true(at && at < end);
+    before = (size_t)(at - text);
+    memcpy(changed, text, before);
+    strcpy(changed + before, to);
+    body = (size_t)(end - at) - strlen(from) - TTF_LINE_TAIL;
+    strncat(changed, at + strlen(from), body);
+    before = strlen(changed);
+    snprintf(changed + before, TTF_LINE_TAIL + 1, ",\"crc\":\"%08x\"}",
+             ttf_crc32(0, changed + (line - text), before - (size_t)(line - text)));
+    strcat(changed, end);
+    write_text(in(path, "records.jsonl"), changed, strlen(changed));
+    free(changed);
+    free(text);
+}
+
+static bool verify_says(const char *path, const char *says)
+{
+    struct ttf_verify_options options = {.deep = true};
+    struct ttf_verify_report report;
+    bool said = false;
+    unsigned i;
+
+    assert_int_equal(ttf_verify(quick_io(), path, &options, &report, NULL), 0);
+    for (i = 0; i < report.n_findings; i++)
+        said = said || (report.findings[i].severity == TTF_FINDING_DAMAGE &&
+                        strstr(report.findings[i].text, says));
+    said = said && report.damaged;
+    ttf_verify_report_free(&report);
+    return said;
+}
+
+static int opened_for_writing(const char *path)
+{
+    struct ttf_writer *writer;
+    int r = ttf_writer_open(quick_io(), path, &writer, NULL);
+
+    if (r == 0)
+        ttf_writer_abandon(writer);
+    return r;
+}
+
+static int opened_for_reading(const char *path)
+{
+    struct ttf_reader *reader;
+    int r = ttf_reader_open(quick_io(), path, &reader, NULL);
+
+    if (r == 0)
+        ttf_reader_close(reader);
+    return r;
+}
+
+static void records_that_contradict_each_other_are_damage(void **state)
+{
+    static const struct {
+        int line;
+        const char *from, *to, *says;
+        int writer, reader;
+    } cases[] = {
+        {4, "\"index\":2", "\"index\":1", "index does not rise", -TTF_EDAMAGED, -TTF_EDAMAGED},
+        {4, "\"segment\":0", "\"segment\":1", "no line before it", -TTF_EDAMAGED, -TTF_EDAMAGED},
+        {1, "\"segment\":0", "\"segment\":1", "leaves others out", -TTF_EDAMAGED, -TTF_EDAMAGED},
+        {1, "\"plan\":0", "\"plan\":3", "its plan has no line", 0, 0},
+        {4, "\"seq\":4", "\"seq\":3", "lost or doubled", -TTF_EDAMAGED, -TTF_EDAMAGED},
+        {4, "\"seq\":4", "\"seq\":5", "lost or doubled", -TTF_EDAMAGED, -TTF_EDAMAGED},
+        {4, "\"index\":2", "\"index\":2,\"index\":2", "not JSON", -TTF_EDAMAGED, -TTF_EDAMAGED},
+        {4, "\"type\":\"slot\"", "\"typo\":\"slot\"", "no type", -TTF_EDAMAGED, -TTF_EDAMAGED},
+        {4, "frames/main/000002.tif", "../main/000002.tif", "does not lie in the dataset",
+         -TTF_EDAMAGED, 0},
+        {4, "\"sha256\":\"0b02eb1c", "\"sha256\":\"0B02EB1C", "64 hex digits", -TTF_EDAMAGED, 0},
+        {4, "\"files\":", "\"fires\":", "no files and does not say why", -TTF_EDAMAGED, 0},
+        {4, "\"n_averaged\":1", "\"n_averaged\":1,\"calibration\":\"cal-1\"",
+         "names calibration cal-1", 0, 0},
+        {4, "\"result\":\"captured\"", "\"result\":\"dreamt\"", "dreamt", -TTF_EDAMAGED,
+         -TTF_EDAMAGED},
+    };
+    size_t i;
+
+    for (i = 0; i < TTF_COUNT_OF(cases); i++) {
+        const char *path = three_slots(state);
+
+        change_line(path, cases[i].line, cases[i].from, cases[i].to);
+        if (!verify_says(path, cases[i].says))
+            fail_msg("%s: verify does not say that it %s", cases[i].to, cases[i].says);
+        if (opened_for_reading(path) != cases[i].reader)
+            fail_msg("%s: read: %d", cases[i].to, opened_for_reading(path));
+        if (opened_for_writing(path) != cases[i].writer)
+            fail_msg("%s: opened: %d", cases[i].to, opened_for_writing(path));
+        assert_int_equal(run("rm -r '%s'", path), 0);
+    }
+}
+
+static void only_the_wrong_line_is_blamed(void **state)
+{
+    struct ttf_verify_options options = {.deep = true};
+    struct ttf_verify_report report;
+    const char *path = three_slots(state);
+
+    assert_int_equal(run("sed -i '4s/index/indox/' '%s/records.jsonl'", path), 0);
+    assert_int_equal(ttf_verify(quick_io(), path, &options, &report, NULL), 0);
+    assert_int_equal(report.n_findings, 1); /* nor its file for being without a record */
+    assert_string_equal(report.findings[0].file, "records.jsonl:4");
+    ttf_verify_report_free(&report);
+}
+
+static void an_end_that_counts_wrong_is_damage(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_writer *writer;
+
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+    ttf_writer_close(writer);
+    change_line(path, 5, "\"slots\":3", "\"slots\":4");
+    assert_true(verify_says(path, "counts 4 slots"));
+}
+
+static void a_seal_without_an_end_is_damage(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_writer *writer;
+
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+    ttf_writer_close(writer);
+    change_line(path, 5, "\"type\":\"end\"", "\"type\":\"and\"");
+    assert_true(verify_says(path, "does not close with an \"end\" line"));
+}
+
+static void what_was_added_behind_the_seal_is_damage(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_writer *writer;
+
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+    ttf_writer_close(writer);
+    assert_int_equal(run("printf '{\"type\":\"ev' >> '%s/events.jsonl'", path), 0);
+    assert_true(verify_says(path, "ends in 11 bytes"));
+    assert_int_equal(opened_for_writing(path), -TTF_EDAMAGED);
+}
+
+static void a_seal_cut_off_at_its_last_byte_is_damage(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_writer *writer;
+
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+    ttf_writer_close(writer);
+    assert_int_equal(truncate(in(path, "SHA256SUMS"), size_of(in(path, "SHA256SUMS")) - 1), 0);
+    assert_true(verify_says(path, "no line that sha256sum checks"));
+}
+
+static void missing_records_are_damage_and_none_are_made(void **state)
+{
+    const char *path = three_slots(state);
+
+    assert_int_equal(unlink(in(path, "records.jsonl")), 0);
+    assert_true(verify_says(path, "is missing"));
+    assert_int_equal(opened_for_reading(path), -TTF_EDAMAGED);
+    assert_int_equal(opened_for_writing(path), -TTF_EDAMAGED);
+    assert_false(exists(in(path, "records.jsonl")));
+    assert_true(exists(in(path, "frames/main/000002.tif")));
+}
+
+static void rot_in_the_events_is_refused_too(void **state)
+{
+    const char *path = three_slots(state);
+
+    assert_int_equal(run("printf '{}\\n' >> '%s/events.jsonl'", path), 0);
+    assert_true(verify_says(path, "crc does not hold"));
+    assert_int_equal(opened_for_writing(path), -TTF_EDAMAGED);
+}
+
+static void a_line_without_end_is_damage(void **state)
+{
+    const char *path = three_slots(state);
+
+    assert_int_equal(run("head -c 20000000 /dev/zero | tr '\\0' x >> '%s/events.jsonl'", path), 0);
+    assert_true(verify_says(path, "longer than any line"));
+    assert_int_equal(opened_for_writing(path), -TTF_EDAMAGED);
+}
+
+static void a_record_that_changes_while_it_is_read_is_not_passed_on(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_slot_record record;
+    struct ttf_reader *reader;
+
+    assert_int_equal(ttf_reader_open(quick_io(), path, &reader, NULL), 0);
+    /* In place: the reader has the file open. */
+    assert_int_equal(run("printf 7 | dd of='%s/records.jsonl' bs=1 conv=notrunc seek="
+                         "$(($(grep -ob '\"index\":1' '%s/records.jsonl' | cut -d: -f1) + 8))",
+                         path, path),
+                     0);
+    assert_int_equal(ttf_reader_slot(reader, 0, &record, NULL), 0);
+    ttf_slot_record_free(&record);
+    assert_int_equal(ttf_reader_slot(reader, 1, &record, NULL), -TTF_EDAMAGED);
+    ttf_reader_close(reader);
+}
+
+static void a_fragment_is_told_by_the_reader(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_reader *reader;
+
+    assert_int_equal(run("printf '{\"type\":\"sl' >> '%s/records.jsonl'", path), 0);
+    assert_int_equal(ttf_reader_open(quick_io(), path, &reader, NULL), 0);
+    assert_true(ttf_reader_summary(reader)->unterminated);
+    assert_int_equal(ttf_reader_summary(reader)->slots, 3);
+    ttf_reader_close(reader);
+}
+
+static void sums_that_say_something_else_are_made_anew_from_the_records(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_writer *writer;
+
+    /* Another sha256, a line twice, a last line cut off: none of it lists what no record names. */
+    static const char *const edits[] = {"s/^./g/;s/^g/0/;2s/^.../fff/", "2p", "$s/tif$/ti/"};
+    size_t i;
+
+    for (i = 0; i < TTF_COUNT_OF(edits); i++) {
+        assert_int_equal(run("sed -i '%s' '%s/SHA256SUMS'", edits[i], path), 0);
+        if (i == 2)
+            assert_int_equal(truncate(in(path, "SHA256SUMS"), size_of(in(path, "SHA256SUMS")) - 1),
+                             0);
+        assert_int_not_equal(run("cd '%s' && sha256sum --strict -c SHA256SUMS && "
+                                 "[ $(wc -l < SHA256SUMS) -eq 3 ]",
+                                 path),
+                             0);
+        assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+        assert_int_equal(ttf_writer_state(writer)->repaired, 1);
+        ttf_writer_close(writer);
+        assert_int_equal(sha256sum_check(path), 0);
+        assert_int_equal(run("[ $(wc -l < '%s/SHA256SUMS') -eq 3 ]", path), 0);
+    }
+}
+
+static void damage_is_named_among_a_thousand_notes(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_writer *writer;
+
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+    ttf_writer_close(writer);
+    assert_int_equal(run("cd '%s' && seq -f a%%g.txt 1100 | xargs touch", path), 0);
+    write_text(in(path, "frames/main/000009.tif"), "added", 5);
+    assert_true(verify_says(path, "not covered by the seal"));
+}
+
+int main(void)
+{
+#define T(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
+    const struct CMUnitTest tests[] = {
+        T(records_that_contradict_each_other_are_damage),
+        T(only_the_wrong_line_is_blamed),
+        T(an_end_that_counts_wrong_is_damage),
+        T(a_seal_without_an_end_is_damage),
+        T(what_was_added_behind_the_seal_is_damage),
+        T(a_seal_cut_off_at_its_last_byte_is_damage),
+        T(missing_records_are_damage_and_none_are_made),
+        T(rot_in_the_events_is_refused_too),
+        T(a_line_without_end_is_damage),
+        T(a_record_that_changes_while_it_is_read_is_not_passed_on),
+        T(a_fragment_is_told_by_the_reader),
+        T(sums_that_say_something_else_are_made_anew_from_the_records),
+        T(damage_is_named_among_a_thousand_notes),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
