@@ -6,8 +6,14 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "asks.h"
 #include "commit_storage.h"
 #include "image_flags.h"
+#include "previews.h"
+
+/* Removed so far ahead of the reserve that it need not be done anew for each slot. */
+#define PREVIEW_SLOTS 8
+
 void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progress *progress)
 {
     if (!committer->progress)
@@ -21,6 +27,8 @@ void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progre
 
 static const char *storage_reason(int r)
 {
+    if (r == -EROFS)
+        return TTF_REASON_READ_ONLY;
     return r == -ENOSPC ? TTF_REASON_DISK_FULL
                         : (r == -ENOMEM ? TTF_REASON_NO_MEMORY : TTF_REASON_IO_ERROR);
 }
@@ -35,20 +43,37 @@ static void note_disk(struct ttf_committer *c, bool full)
     ttf_queue_tell_disk(c->queue, full);
 }
 
+/* Previews go first. True if that made room. */
+static bool drop_previews(struct ttf_committer *c, int64_t free_bytes)
+{
+    unsigned n = ttf_previews_remove(c->io, c->path, free_bytes);
+
+    if (n > 0)
+        ttf_events_emit(c->events, "disk", "%u files of preview/ were removed to make room", n);
+    return n > 0;
+}
+
 static void look_at_space(struct ttf_committer *c)
 {
     struct ttf_io_space space;
+    int64_t needs = c->reserve_bytes + c->slot_bytes;
 
     if (!c->writer || ttf_writer_space(c->writer, &space) < 0)
         return;
-    note_disk(c, space.free_bytes < c->reserve_bytes + c->slot_bytes);
+    if (space.free_bytes < needs + c->slot_bytes &&
+        drop_previews(c, needs + PREVIEW_SLOTS * c->slot_bytes) &&
+        ttf_writer_space(c->writer, &space) < 0)
+        return;
+    if (space.free_bytes < needs && ttf_committer_move(c, "less room than the reserve", NULL) == 0)
+        return;
+    note_disk(c, space.free_bytes < needs);
 }
 
 /* ---- images ---- */
 
 /* Writes one file; an error that may pass is tried once more. */
-static int print_file(struct ttf_committer *c, struct ttf_darkroom *room, const char *role,
-                      const struct ttf_print *print)
+static int try_file(struct ttf_committer *c, struct ttf_darkroom *room, const char *role,
+                    const struct ttf_print *print)
 {
     struct ttf_err err = {0};
     int r;
@@ -61,6 +86,21 @@ static int print_file(struct ttf_committer *c, struct ttf_darkroom *room, const 
     ttf_events_emit(c->events, "retry", "%s file of slot %lld is written again: %s", role,
                     (long long)print->index, err.what);
     return ttf_darkroom_print(room, c->writer, role, print, &err);
+}
+
+/* The frame is still in memory: what has failed here for good is written to the second storage. */
+static int print_file(struct ttf_committer *c, struct ttf_darkroom *room, const char *role,
+                      const struct ttf_print *print, struct ttf_slot_work *work)
+{
+    int r = try_file(c, room, role, print);
+
+    if (r == 0 || r == -ENOMEM || ttf_committer_power_lost(c))
+        return r;
+    if (r == -ENOSPC && drop_previews(c, c->reserve_bytes + PREVIEW_SLOTS * c->slot_bytes))
+        r = try_file(c, room, role, print);
+    if (r < 0 && ttf_committer_move(c, storage_reason(r), work) == 0)
+        r = try_file(c, room, role, print);
+    return r;
 }
 
 static void print_image(struct ttf_committer *c, const struct ttf_job *job)
@@ -77,9 +117,9 @@ static void print_image(struct ttf_committer *c, const struct ttf_job *job)
     snprintf(image->calibration, sizeof(image->calibration), "%s", room->calibration);
     ttf_darkroom_reference(room, &print);
     if (room->keep != TTF_KEEP_DEVELOPED)
-        raw = print_file(c, room, "raw", &print);
+        raw = print_file(c, room, "raw", &print, job->slot);
     if (room->keep != TTF_KEEP_RAW && !ttf_committer_power_lost(c))
-        developed = print_file(c, room, "developed", &print);
+        developed = print_file(c, room, "developed", &print, job->slot);
     if (ttf_committer_power_lost(c))
         return;
     /* What one file holds is not lost with the other: from the raw the developed one can be made again. */
@@ -114,10 +154,29 @@ static void do_image(struct ttf_committer *c, struct ttf_job *job)
 
 /* ---- slots ---- */
 
+/* Nothing more can be recorded: an event where the storage takes one, and the watcher is told. */
 static void give_up(struct ttf_committer *c, int code, const struct ttf_err *err)
 {
     int told = code == -ENOSPC || code == -EROFS || code == -TTF_EDAMAGED ? code : -EIO;
+    struct ttf_progress p = {.kind = TTF_PROGRESS_ALARM,
+                             .index = c->ledger.next_index,
+                             .total = c->total,
+                             .now_ns = ttf_clock_now_ns(c->box->clock),
+                             .error_ns = TTF_NS_UNKNOWN,
+                             .wakeup_ns = TTF_NS_UNKNOWN};
+    char text[256];
 
+    if (ttf_queue_fatal(c->queue) < 0)
+        return; /* told before */
+    snprintf(text, sizeof(text), "%s, %s: the run ends; nothing that was committed is lost",
+             storage_reason(told),
+             c->second_path[0] ? (c->moved ? "in the second storage too"
+                                           : "and the second storage cannot be used")
+                               : "and the plan names no second storage");
+    if (c->writer)
+        ttf_committer_say(c, c->writer, text);
+    p.text = text;
+    ttf_committer_tell(c, &p);
     ttf_queue_tell_fatal(c->queue, told, err);
 }
 
@@ -132,12 +191,27 @@ static bool lasting(struct ttf_committer *c)
            (c->strikes >= TTF_COMMIT_STRIKES && now - c->first_strike_ns >= TTF_COMMIT_PATIENCE_NS);
 }
 
+/* Writes what waits, in the second storage if this one takes it no more. */
+static int flush(struct ttf_committer *c, struct ttf_err *err)
+{
+    int r = ttf_committer_flush(c, err);
+
+    if (r == -ENOSPC && drop_previews(c, c->reserve_bytes))
+        r = ttf_committer_flush(c, err);
+    if (r == 0 || r == -ENOMEM || r == -EINVAL || ttf_committer_power_lost(c))
+        return r;
+    /* There, or, if that one fails as well, here once more, opened anew. */
+    if (ttf_committer_move(c, storage_reason(r), NULL) != -ENOENT)
+        r = ttf_committer_flush(c, err);
+    return r;
+}
+
 static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
 {
     struct ttf_err err = {0};
     int r;
 
-    ttf_ledger_judge(&work->record);
+    ttf_ledger_judge(&work->record); /* nothing to judge of a change */
     if (work->record.n_images > 0)
         ttf_clock_charge(c->box->clock, TTF_WORK_COMMIT, 1);
     if (ttf_committer_power_lost(c) || ttf_queue_fatal(c->queue) < 0) {
@@ -145,7 +219,7 @@ static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
         return;
     }
     ttf_committer_keep(c, work);
-    r = ttf_committer_flush(c, &err);
+    r = flush(c, &err);
     c->busy_since_ns = TTF_NS_UNKNOWN;
     if (r == 0) {
         c->strikes = 0;
@@ -186,10 +260,18 @@ static void do_event(struct ttf_committer *c, const struct ttf_job *job)
 
 static void do_segment(struct ttf_committer *c, const struct ttf_job *job)
 {
-    if (c->writer && ttf_writer_segment(c->writer, &job->segment, NULL) == 0)
+    if (ttf_committer_write_correction(c, &job->segment) == 0)
         return;
     c->segment = job->segment; /* the newest says all */
     c->has_segment = true;
+}
+
+static void do_note(struct ttf_committer *c, const struct ttf_job *job)
+{
+    struct ttf_err err = {0};
+    int r = ttf_note_append(c->io, c->path, job->note, &err);
+
+    ttf_asks_answer(c->control, job->ask, r, &err);
 }
 
 static void do_job(struct ttf_committer *c, struct ttf_job *job)
@@ -211,6 +293,10 @@ static void do_job(struct ttf_committer *c, struct ttf_job *job)
         if (!dark)
             do_segment(c, job);
         break;
+    case TTF_JOB_NOTE:
+        if (!dark)
+            do_note(c, job);
+        break;
     case TTF_JOB_QUIT:
         break;
     }
@@ -227,6 +313,8 @@ static void last_chance(struct ttf_committer *c)
     if (ttf_committer_power_lost(c) || !(c->pending || c->n_late > 0 || c->has_segment))
         return;
     r = ttf_committer_catch_up(c, &err);
+    if (r < 0 && ttf_committer_move(c, storage_reason(r), NULL) == 0)
+        r = ttf_committer_catch_up(c, &err);
     while ((r == -EIO || r == -ENOSPC) && ttf_queue_fatal(c->queue) == 0 &&
            ttf_clock_now_ns(clock) < until) {
         (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + TTF_NS_PER_S);

@@ -31,15 +31,31 @@ struct ttf_committer {
     struct ttf_events *events;
     struct ttf_io *io;
     const char *path;
+    char second_path[4096];  /* of the dataset in the second storage; empty: none */
+    char calibration_id[64]; /* empty: none */
+    const char *calibration_folder;
+    struct ttf_manifest manifest; /* of the dataset the run began in */
     int64_t reserve_bytes, slot_bytes, total;
     struct ttf_darkroom *rooms[TTF_PLAN_SHOTS_MAX]; /* of each shot of the plan */
     struct ttf_rehearsal *rehearsal;                /* NULL: none */
     ttf_progress_fn *progress;
     void *progress_ctx;
+    struct ttf_control *control; /* for answers; NULL allowed */
     /* the committer's until join */
     bool doubt;                /* a sync failed, and the dataset was not opened anew since */
     struct ttf_writer *writer; /* NULL while the dataset cannot be opened; owned by the session */
     struct ttf_ledger ledger;
+    /* the plan and segment in force on the disk, by the session's numbers; NULL before there is one; owned */
+    struct ttf_plan_change *in_force;
+    /* what the session's numbers are ahead of the dataset's, once it goes on in a second one */
+    int segment_base, plan_base;
+    int64_t slot0_ns; /* set before begin: where the run's slot 0 was, or would have been, due */
+    int n_plans;      /* by the session's numbers, written so far */
+    bool moved;       /* to the second storage */
+    struct ttf_segment continued; /* the first one there, if it was begun by this session */
+    bool has_continued;
+    bool second_failed; /* it was tried, and told */
+    bool calibration_lost;
     struct ttf_slot_work *pending, *pending_tail; /* records that could not be written yet */
     unsigned n_pending;
     struct ttf_job *late[TTF_COMMIT_LATE_EVENTS]; /* events that could not be written yet */

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "image_flags.h"
+#include "plan_change.h"
 
 bool ttf_committer_power_lost(struct ttf_committer *c)
 {
@@ -15,7 +16,7 @@ bool ttf_committer_power_lost(struct ttf_committer *c)
 }
 
 /* Image files that opening the dataset anew may have cleared away are taken from a record not yet written. */
-static void drop_lost_files(struct ttf_committer *c, struct ttf_slot_record *record)
+void ttf_committer_drop_lost_files(struct ttf_committer *c, struct ttf_slot_record *record)
 {
     char path[4096];
 
@@ -41,7 +42,7 @@ static void drop_lost_files(struct ttf_committer *c, struct ttf_slot_record *rec
 }
 
 /* After a write that failed nobody knows what is on the disk: open it anew, which repairs what it must. */
-static int reopen(struct ttf_committer *c)
+int ttf_committer_reopen(struct ttf_committer *c)
 {
     struct ttf_err err = {0};
     int r;
@@ -53,7 +54,7 @@ static int reopen(struct ttf_committer *c)
     if (r < 0)
         return r;
     for (struct ttf_slot_work *work = c->pending; work; work = work->next)
-        drop_lost_files(c, &work->record);
+        ttf_committer_drop_lost_files(c, &work->record);
     return 0;
 }
 
@@ -83,14 +84,21 @@ static void acknowledge(struct ttf_committer *c, const struct ttf_slot_work *wor
 }
 
 /* Writes one record. 0 once it is on the disk. */
-static int write_record(struct ttf_committer *c, const struct ttf_slot_record *record,
+static int write_record(struct ttf_committer *c, const struct ttf_slot_record *of_session,
                         struct ttf_err *err)
 {
-    int r = c->writer ? ttf_writer_commit(c->writer, record, err) : -EIO;
+    struct ttf_slot_record numbered = *of_session;
+    const struct ttf_slot_record *record = &numbered;
+    int r;
 
+    numbered.segment = ttf_committer_segment_number(c, of_session->segment);
+    r = c->writer ? ttf_writer_commit(c->writer, record, err) : -EIO;
     if (r == 0 || ttf_committer_power_lost(c))
         return r;
-    r = reopen(c);
+    /* Two tries have failed by now; opening it anew would clear away the slot's files, which can still be fetched. */
+    if (c->second_path[0] && !c->moved && !c->second_failed)
+        return r;
+    r = ttf_committer_reopen(c);
     if (r < 0)
         return ttf_err_set(err, r, c->path, "the dataset cannot be opened anew");
     if (ttf_writer_state(c->writer)->next_index > record->index)
@@ -129,11 +137,13 @@ int ttf_committer_flush(struct ttf_committer *c, struct ttf_err *err)
 {
     while (c->pending) {
         struct ttf_slot_work *work = c->pending;
-        int r = write_record(c, &work->record, err);
+        bool slot = !work->change;
+        int r = slot ? write_record(c, &work->record, err)
+                     : ttf_committer_write_change(c, &work->change, err);
 
         if (r < 0)
             return r;
-        if (ttf_ledger_add(&c->ledger, &work->record) == 0)
+        if (slot && ttf_ledger_add(&c->ledger, &work->record) == 0)
             acknowledge(c, work);
         ttf_committer_drop_first(c);
     }
@@ -148,9 +158,22 @@ int ttf_committer_write_event(struct ttf_committer *c, const struct ttf_job *eve
                             NULL, NULL);
 }
 
+void ttf_committer_say(struct ttf_committer *c, struct ttf_writer *writer, const char *text)
+{
+    struct ttf_utc utc;
+    int r;
+
+    ttf_clock_utc(c->box->clock, &utc);
+    r = ttf_writer_event(writer, "storage", utc.boot_ns,
+                         utc.trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : utc.utc_ns, text, NULL,
+                         NULL);
+    if (r < 0)
+        return; /* a storage that takes nothing more */
+}
+
 void ttf_committer_write_late(struct ttf_committer *c)
 {
-    if (c->has_segment && c->writer && ttf_writer_segment(c->writer, &c->segment, NULL) == 0)
+    if (c->has_segment && ttf_committer_write_correction(c, &c->segment) == 0)
         c->has_segment = false;
     while (c->n_late > 0 && ttf_committer_write_event(c, c->late[0]) == 0) {
         ttf_job_free(c->late[0]);
@@ -162,7 +185,7 @@ void ttf_committer_write_late(struct ttf_committer *c)
 /* What waits for a storage that was away. 0 once all records are written. */
 int ttf_committer_catch_up(struct ttf_committer *c, struct ttf_err *err)
 {
-    int r = c->writer ? 0 : reopen(c);
+    int r = c->writer ? 0 : ttf_committer_reopen(c);
 
     if (r == 0)
         r = ttf_committer_flush(c, err);

@@ -23,8 +23,37 @@ void ttf_committer_drop_first(struct ttf_committer *c);
  */
 TTF_MUST_USE int ttf_committer_flush(struct ttf_committer *c, struct ttf_err *err);
 
+/* Writes a change of plan, at a second try after a failure as above; takes it (*change NULL) once it is in force. */
+TTF_MUST_USE int ttf_committer_write_change(struct ttf_committer *c,
+                                            struct ttf_plan_change **change, struct ttf_err *err);
+
+/* The session's numbers of segments and plans as the dataset has them: another one after a move. Negative: not of this one. */
+int ttf_committer_segment_number(const struct ttf_committer *c, int segment);
+int ttf_committer_plan_number(const struct ttf_committer *c, int plan);
+
+/* Opens the dataset anew, which repairs what it must. */
+TTF_MUST_USE int ttf_committer_reopen(struct ttf_committer *c);
+
+/*
+ * Goes on in the second storage, for this reason: what waits goes along, and the files of slots without
+ * a record as far as they can be read (under_way: one that does not wait yet; NULL). -ENOENT: there is none, or it is
+ * the one in use. Otherwise nothing has changed, and it may be tried again.
+ */
+TTF_MUST_USE int ttf_committer_move(struct ttf_committer *c, const char *why,
+                                    struct ttf_slot_work *under_way);
+
+/* Image files of a record not yet written that are not there any more are taken from it. */
+void ttf_committer_drop_lost_files(struct ttf_committer *c, struct ttf_slot_record *record);
+
 /* One event, now; negative errno. */
 TTF_MUST_USE int ttf_committer_write_event(struct ttf_committer *c, const struct ttf_job *event);
+
+/* A correction of a segment's UTC, now; negative errno. */
+TTF_MUST_USE int ttf_committer_write_correction(struct ttf_committer *c,
+                                                const struct ttf_segment *of_session);
+
+/* An event of kind "storage" into this dataset, now, if it takes it. */
+void ttf_committer_say(struct ttf_committer *c, struct ttf_writer *writer, const char *text);
 
 /* Events and corrections of UTC that wait, as far as the storage takes them. */
 void ttf_committer_write_late(struct ttf_committer *c);

@@ -14,6 +14,7 @@
 /* Reasons, as they stand in records. README.md says what brings each about. */
 #define TTF_REASON_STORAGE_SLOW "storage too slow"
 #define TTF_REASON_DISK_FULL    "disk full"
+#define TTF_REASON_READ_ONLY    "storage can only be read"
 #define TTF_REASON_IO_ERROR     "storage error"
 #define TTF_REASON_LATE         "previous slot took too long"
 #define TTF_REASON_RECOVERING   "camera recovering"
@@ -23,6 +24,7 @@
 #define TTF_REASON_NOT_RUNNING  "the program was not running"
 #define TTF_REASON_HAD_ENDED    "the run had come to its end"
 #define TTF_REASON_BEFORE_START "the capture began after this slot"
+#define TTF_REASON_PAUSED       "paused by a person"
 #define TTF_REASON_NO_MEMORY    "out of memory"
 
 struct ttf_ledger {

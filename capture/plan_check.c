@@ -178,6 +178,9 @@ static int check_rest(const struct ttf_plan *plan, struct ttf_err *err)
         return bad(err, "mm_per_px", "the scale must be positive");
     if (plan->reserve_bytes < 0)
         return bad(err, "reserve", "the reserve cannot be negative");
+    if (plan->second_storage[0] && plan->second_storage[0] != '/')
+        return bad(err, "storage.second",
+                   "the second storage must be an absolute path, as /mnt/usb");
     if (plan->keep < TTF_KEEP_DEFAULT || plan->keep > TTF_KEEP_BOTH)
         return bad(err, "keep", "keep is raw, developed or both");
     return 0;

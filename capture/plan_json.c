@@ -4,11 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "plan_names.h"
 #include "ttf/capture/plan.h"
 #include "ttf/dataset/json_writer.h"
 
-static const char *const mode_names[] = {"none", "continuous", "capture-only", "photoperiod"};
-static const char *const keep_names[] = {"default", "raw", "developed", "both"};
+const char *const ttf_lamp_mode_names[4] = {"none", "continuous", "capture-only", "photoperiod"};
+const char *const ttf_keep_names[4] = {"default", "raw", "developed", "both"};
 
 static void write_levels(struct ttf_json *j, const struct ttf_lamp_level *levels, unsigned n)
 {
@@ -22,7 +23,7 @@ static void write_lamps(struct ttf_json *j, const struct ttf_plan *plan)
 {
     ttf_json_key(j, "lamps");
     ttf_json_object(j);
-    ttf_json_kstring(j, "mode", mode_names[plan->lamps]);
+    ttf_json_kstring(j, "mode", ttf_lamp_mode_names[plan->lamps]);
     ttf_json_kint(j, "settle_ns", plan->settle_ns);
     if (plan->lamps == TTF_LAMPS_PHOTOPERIOD) {
         ttf_json_kint(j, "day_ns", plan->day_ns);
@@ -100,10 +101,16 @@ int ttf_plan_json(const struct ttf_plan *plan, char **ret_text, struct ttf_err *
     ttf_json_kdouble(&j, "mains_hz", plan->mains_hz);
     write_region(&j, "region", &plan->region);
     write_region(&j, "reference", &plan->reference);
-    ttf_json_kstring(&j, "keep", keep_names[plan->keep]);
+    ttf_json_kstring(&j, "keep", ttf_keep_names[plan->keep]);
     if (plan->mm_per_px > 0)
         ttf_json_kdouble(&j, "mm_per_px", plan->mm_per_px);
     ttf_json_kint(&j, "reserve_bytes", plan->reserve_bytes);
+    if (plan->second_storage[0]) {
+        ttf_json_key(&j, "storage");
+        ttf_json_object(&j);
+        ttf_json_kstring(&j, "second", plan->second_storage);
+        ttf_json_object_end(&j);
+    }
     ttf_json_object_end(&j);
     r = ttf_json_finish(&j, &text, &bytes);
     if (r == 0) {

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "asks.h"
 #include "resume.h"
 
 void ttf_pulse_begin(struct ttf_pulse *pulse, struct ttf_box *box, struct ttf_queue *queue,
@@ -50,13 +51,10 @@ bool ttf_pulse_stop_wanted(const struct ttf_pulse *pulse)
 }
 
 /* A better vouched-for UTC corrects what the segment's line says of its origin. */
-static void correct_segment(struct ttf_pulse *pulse, const struct ttf_utc *utc)
+static void correct_one(struct ttf_pulse *pulse, struct ttf_segment *s, const struct ttf_utc *utc)
 {
-    struct ttf_segment *s = &pulse->segment;
     struct ttf_job *job;
 
-    if (!pulse->has_segment)
-        return;
     s->origin_utc_ns = utc->utc_ns + (s->origin_ns - utc->boot_ns);
     s->uncertainty_ns = utc->uncertainty_ns;
     snprintf(s->trust, sizeof(s->trust), "%s", ttf_trust_name(utc->trust));
@@ -68,6 +66,23 @@ static void correct_segment(struct ttf_pulse *pulse, const struct ttf_utc *utc)
         return; /* the next trust or step tries again */
     job->segment = *s;
     ttf_queue_push(pulse->queue, job);
+}
+
+static void correct_segment(struct ttf_pulse *pulse, const struct ttf_utc *utc)
+{
+    for (unsigned i = 0; i < pulse->n_earlier; i++)
+        correct_one(pulse, &pulse->earlier[i], utc);
+    if (pulse->has_segment)
+        correct_one(pulse, &pulse->segment, utc);
+}
+
+void ttf_pulse_next_segment(struct ttf_pulse *pulse, const struct ttf_segment *segment)
+{
+    if (pulse->n_earlier == TTF_PULSE_EARLIER)
+        memmove(&pulse->earlier[0], &pulse->earlier[1],
+                --pulse->n_earlier * sizeof(pulse->earlier[0]));
+    pulse->earlier[pulse->n_earlier++] = pulse->segment;
+    pulse->segment = *segment;
 }
 
 static void look_at_utc(struct ttf_pulse *pulse)
@@ -176,6 +191,8 @@ int ttf_pulse_wait(struct ttf_pulse *pulse, int64_t deadline_ns, bool stoppable)
             return r;
         if (stoppable && ttf_pulse_stop_wanted(pulse))
             return -ECANCELED;
+        if (stoppable && ttf_asks_due(pulse->control, pulse->next_index))
+            return 1;
         if (ttf_clock_now_ns(pulse->box->clock) >= deadline_ns)
             return 0;
         r = ttf_clock_wait_until(pulse->box->clock, until);

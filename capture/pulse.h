@@ -8,6 +8,7 @@
 #define TTF_CAPTURE_PRIVATE_PULSE_H
 
 #include "lamp_driver.h"
+#include "ttf/capture/control.h"
 #include "ttf/hal/box.h"
 #include "utc_watch.h"
 
@@ -16,16 +17,24 @@
 #define TTF_WATCHDOG_NS     (15 * TTF_NS_PER_S)
 #define TTF_BLOCKING_MAX_NS (10 * TTF_NS_PER_S) /* a device call that cannot be cut into ticks */
 
+/* Changes of plan in one boot whose UTC is corrected too; of more, the latest. */
+#define TTF_PULSE_EARLIER 8
+
 struct ttf_pulse {
     struct ttf_box *box;
     struct ttf_queue *queue;
     struct ttf_events *events;
     struct ttf_lamp_driver *lamps;
-    const volatile int *stop; /* NULL allowed */
+    const volatile int *stop;    /* NULL allowed */
+    struct ttf_control *control; /* NULL allowed */
+    int64_t next_index;          /* what is asked for up to here is heard */
     struct ttf_utc_watch utc;
     struct ttf_segment segment; /* the current one; corrected when UTC becomes better known */
     bool has_segment;
-    struct ttf_segment before; /* the one before it, if has_before */
+    /* those of this boot before it, of plans that were changed: corrected as well */
+    struct ttf_segment earlier[TTF_PULSE_EARLIER];
+    unsigned n_earlier;
+    struct ttf_segment before; /* the last one of the boot before, if has_before */
     bool has_before;
     bool button_stop; /* the button was held */
     bool door_open;
@@ -59,7 +68,10 @@ TTF_MUST_USE int ttf_pulse_beat(struct ttf_pulse *pulse, int64_t next_ns);
 /* Before a device call that may block for up to TTF_BLOCKING_MAX_NS. */
 TTF_MUST_USE int ttf_pulse_beat_blocking(struct ttf_pulse *pulse);
 
-/* Waits until deadline_ns. 0, or as beat. stoppable: -ECANCELED as soon as a stop is wanted. */
+/*
+ * Waits until deadline_ns. 0, or as beat. stoppable: -ECANCELED as soon as a stop is wanted, 1 as soon as
+ * something that was asked for is due to be heard.
+ */
 TTF_MUST_USE int ttf_pulse_wait(struct ttf_pulse *pulse, int64_t deadline_ns, bool stoppable);
 
 /* Waits for a gate: 0 opened, -ETIMEDOUT, or as beat. */
@@ -73,6 +85,9 @@ TTF_MUST_USE int ttf_pulse_next(struct ttf_pulse *pulse, struct ttf_camera *came
 
 /* Looks at the door: was it open at any time from..until (the recent past)? */
 bool ttf_pulse_door_was_open(struct ttf_pulse *pulse, int64_t from_ns, int64_t until_ns);
+
+/* Another segment begins, of a changed plan: from now on it is the one that is corrected. */
+void ttf_pulse_next_segment(struct ttf_pulse *pulse, const struct ttf_segment *segment);
 
 /* Status light; a box without one is fine. */
 void ttf_pulse_led(struct ttf_pulse *pulse, enum ttf_led led);

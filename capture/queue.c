@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "frame_check.h"
+#include "plan_change.h"
 
 int ttf_queue_init(struct ttf_queue *queue, struct ttf_clock *clock)
 {
@@ -59,6 +60,7 @@ void ttf_slot_work_free(struct ttf_slot_work *work)
     if (!work)
         return;
     ttf_slot_record_free(&work->record);
+    ttf_plan_change_free(work->change);
     free(work);
 }
 

@@ -13,6 +13,7 @@
 
 #include "ttf/base/err.h"
 #include "ttf/dataset/calibration.h"
+#include "ttf/dataset/notes.h"
 #include "ttf/dataset/record.h"
 #include "ttf/hal/clock.h"
 
@@ -23,32 +24,41 @@
 
 enum ttf_job_kind {
     TTF_JOB_IMAGE = 0, /* develop and write one image of a slot */
-    TTF_JOB_SLOT,      /* commit the slot's record */
+    TTF_JOB_SLOT,      /* commit the slot's record, or the change of plan */
     TTF_JOB_EVENT,
     TTF_JOB_SEGMENT, /* append a correcting segment line */
+    TTF_JOB_NOTE,    /* append to notes.jsonl */
     TTF_JOB_QUIT
 };
 
-/* One slot under way. The loop fills an image, then pushes it, and touches it no more. */
+struct ttf_plan_change;
+
+/*
+ * One slot under way. The loop fills an image, then pushes it, and touches it no more. Or a change of
+ * plan, which goes to the disk in its turn among the records.
+ */
 struct ttf_slot_work {
     struct ttf_slot_work *next; /* the committer's: among those that wait for their storage */
     struct ttf_slot_record record;
-    int64_t begun_ns;  /* boot clock: the first lamp command */
-    int64_t wakeup_ns; /* how late the loop woke; TTF_NS_UNKNOWN */
+    int64_t begun_ns;               /* boot clock: the first lamp command */
+    int64_t wakeup_ns;              /* how late the loop woke; TTF_NS_UNKNOWN */
+    struct ttf_plan_change *change; /* NULL: a slot; owned */
 };
 
 struct ttf_job {
     enum ttf_job_kind kind;
     struct ttf_job *next;
-    struct ttf_slot_work *slot; /* IMAGE, SLOT; the SLOT job passes ownership on */
-    unsigned image;             /* IMAGE: which of the record's */
-    unsigned shot;              /* IMAGE: which of the plan's shots */
-    struct ttf_raw_sum *raw;    /* IMAGE: given back by the committer */
-    int64_t start_utc_ns;       /* IMAGE: exposure start; TTF_NS_UNKNOWN */
-    struct ttf_segment segment; /* SEGMENT */
-    int64_t at_ns, at_utc_ns;   /* EVENT */
-    char event[32];             /* EVENT: kind */
-    char text[256];             /* EVENT */
+    struct ttf_slot_work *slot;  /* IMAGE, SLOT; the SLOT job passes ownership on */
+    unsigned image;              /* IMAGE: which of the record's */
+    unsigned shot;               /* IMAGE: which of the plan's shots */
+    struct ttf_raw_sum *raw;     /* IMAGE: given back by the committer */
+    int64_t start_utc_ns;        /* IMAGE: exposure start; TTF_NS_UNKNOWN */
+    struct ttf_segment segment;  /* SEGMENT */
+    int64_t at_ns, at_utc_ns;    /* EVENT */
+    char event[32];              /* EVENT: kind */
+    char text[256];              /* EVENT */
+    const struct ttf_note *note; /* NOTE: lent until it is answered */
+    int64_t ask;                 /* NOTE: to be answered */
 };
 
 struct ttf_queue {

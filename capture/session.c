@@ -8,8 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "asks.h"
 #include "exposure.h"
+#include "plan_change.h"
 #include "plan_figures.h"
+#include "second_storage.h"
 #include "session_private.h"
 #include "ttf/dataset/reader.h"
 
@@ -59,6 +62,41 @@ static int use_cameras(struct ttf_session *s, struct ttf_err *err)
         s->camera_of[i] = (unsigned)camera;
     }
     return 0;
+}
+
+/* Where the dataset is: as configured, or where the run has moved on to. */
+static int find_dataset(struct ttf_session *s, struct ttf_err *err)
+{
+    struct ttf_committer *c = &s->committer;
+    int r;
+
+    if (snprintf(s->path, sizeof(s->path), "%s", s->config->path) >= (int)sizeof(s->path))
+        return ttf_err_set(err, -ENAMETOOLONG, NULL, "the dataset's path is too long");
+    if (s->config->rehearse > 0)
+        return 0;
+    r = ttf_second_path(&s->plan, s->path, c->second_path, sizeof(c->second_path), err);
+    if (r == 0)
+        r = ttf_second_find(s->config->io, s->path, c->second_path, err);
+    if (r <= 0)
+        return r;
+    snprintf(s->path, sizeof(s->path), "%s", c->second_path);
+    c->moved = true; /* there is no third */
+    return 0;
+}
+
+/* The words of the plan in force, for whoever reads plans/ of a second dataset. */
+static void find_yaml(struct ttf_session *s)
+{
+    char path[4096 + 32];
+    size_t bytes;
+
+    if (s->moved_on_from < 0) {
+        s->given_yaml = s->config->plan_yaml ? strdup(s->config->plan_yaml) : NULL;
+        return;
+    }
+    snprintf(path, sizeof(path), "%s/plans/%d.yaml", s->path, s->known_plan);
+    if (ttf_io_slurp(s->config->io, path, 1 << 20, &s->given_yaml, &bytes, NULL) < 0)
+        s->given_yaml = NULL;
 }
 
 /* A rehearsal is the same plan, a few slots, as fast as the box can expose them. */
@@ -163,7 +201,8 @@ static void set_up_committer(struct ttf_session *s)
     c->queue = &s->queue;
     c->events = &s->events;
     c->io = s->config->io;
-    c->path = s->config->path;
+    c->path = s->path;
+    c->control = s->config->control;
     c->reserve_bytes = s->plan.reserve_bytes;
     c->slot_bytes = s->figures.slot_bytes;
     c->total = s->plan.count;
@@ -235,6 +274,10 @@ static int run(struct ttf_session *s, struct ttf_err *err)
     if (r < 0)
         return ttf_err_set(err, r, NULL, "no thread for committing");
     ttf_pulse_guard(&s->pulse);
+    if (s->moved_on_from >= 0)
+        ttf_events_emit(&s->events, "plan",
+                        "the plan given is plan %d, but plan %d has come since and is in force",
+                        s->moved_on_from, s->known_plan);
     tell_resumed(s);
     tell_armed(s);
     ttf_pulse_led(&s->pulse, TTF_LED_CAPTURING);
@@ -276,6 +319,8 @@ static void fill_result(const struct ttf_session *s, struct ttf_session_result *
     ret->wakeup_p99_ns = ttf_quantile_ns(&ledger->wakeup, 0.99);
     ret->wakeup_max_ns = ledger->wakeup.max_ns;
     ret->resumed = s->resume.continued;
+    ret->second_storage = s->committer.moved;
+    ret->total = s->plan.count;
     if (s->config->rehearse > 0) {
         int64_t slowest = h->expose_ns > h->commit_ns ? h->expose_ns : h->commit_ns;
 
@@ -292,7 +337,7 @@ static void fill_result(const struct ttf_session *s, struct ttf_session_result *
 static int read_digest(const struct ttf_session *s, char ret[65], struct ttf_err *err)
 {
     struct ttf_reader *reader;
-    int r = ttf_reader_open(s->config->io, s->config->path, &reader, err);
+    int r = ttf_reader_open(s->config->io, s->committer.path, &reader, err);
 
     if (r < 0)
         return r;
@@ -323,7 +368,7 @@ static int seal(struct ttf_session *s, char ret_digest[65], struct ttf_err *err)
         /* After a write that failed nobody knows what is on the disk. */
         old = *writer;
         *writer = NULL;
-        r = ttf_writer_open_anew(s->config->io, s->config->path, old, &s->committer.doubt, writer,
+        r = ttf_writer_open_anew(s->config->io, s->committer.path, old, &s->committer.doubt, writer,
                                  err);
         if (r == 0) /* once more even if it is seen: it may not have got there */
             r = ttf_writer_seal(*writer, "count", ret_digest, err);
@@ -365,7 +410,7 @@ static void say_why(struct ttf_session *s, int r, struct ttf_err *err)
         err->code = r;
         return;
     }
-    ttf_err_set(err, r, s->config->path, "the run could not go on");
+    ttf_err_set(err, r, s->committer.path, "the run could not go on");
 }
 
 /* From armed devices to the dataset's end. */
@@ -376,15 +421,14 @@ static int armed(struct ttf_session *s, struct ttf_session_result *ret, struct t
     if (r == 0)
         r = ttf_pulse_beat_blocking(&s->pulse);
     if (r == 0)
-        r = ttf_session_open_dataset(s, err);
+        r = ttf_session_open_dataset(s, err); /* s->path may be another afterwards */
     if (r == 0 && s->grid.first_index >= s->plan.count)
         return finish_dataset(s, 0, ret, err); /* nothing is left to do but to seal it */
     if (r == 0)
         r = set_up_darkrooms(s, err);
     if (r == 0)
-        r = ttf_lamp_programme_init(&s->programme, &s->plan, s->box->lamps,
-                                    ttf_grid_due_ns(&s->grid, 0), err);
-    s->programme.begin_ns = ttf_grid_due_ns(&s->grid, 0) - s->lead_ns - s->first_settle_ns;
+        r = ttf_lamp_programme_init(&s->programme, &s->plan, s->box->lamps, s->slot0_ns, err);
+    s->programme.begin_ns = s->slot0_ns - s->lead_ns - s->first_settle_ns;
     if (r == 0)
         r = run(s, err);
     if (r == -ECANCELED)
@@ -410,6 +454,7 @@ static int with_devices(struct ttf_session *s, struct ttf_session_result *ret, s
                               now + TTF_BLOCKING_MAX_NS, err);
     if (r == 0) {
         ttf_pulse_begin(&s->pulse, s->box, &s->queue, &s->events, &s->lamps, s->config->stop);
+        s->pulse.control = s->config->control;
         r = armed(s, ret, err);
         ttf_pulse_led(&s->pulse, r < 0 ? TTF_LED_STOPPED : TTF_LED_IDLE);
     }
@@ -438,7 +483,13 @@ int ttf_session_run(const struct ttf_session_config *config, struct ttf_session_
     s->box = config->box;
     s->plan = *config->plan;
     ttf_clock_join(s->box->clock);
-    r = use_cameras(s, err);
+    r = find_dataset(s, err);
+    if (r == 0)
+        r = ttf_session_plan_in_force(s, err);
+    if (r == 0) {
+        find_yaml(s);
+        r = use_cameras(s, err);
+    }
     if (r == 0)
         r = prepare_plan(s, err);
     if (r == 0)
@@ -456,6 +507,9 @@ int ttf_session_run(const struct ttf_session_config *config, struct ttf_session_
     if (s->has_calibration)
         ttf_calibration_free(&s->calibration);
     ttf_clock_leave(s->box->clock);
+    ttf_asks_end(config->control);
+    ttf_plan_change_free(s->committer.in_force);
+    free(s->given_yaml);
     free(s);
     return r;
 }

@@ -7,12 +7,13 @@
 
 #include "lamp_programme.h"
 #include "manifest_of_plan.h"
+#include "plan_change.h"
 #include "plan_figures.h"
+#include "second_storage.h"
 #include "session_private.h"
+#include "timeline.h"
 #include "ttf/capture/disk_budget.h"
 #include "ttf/dataset/reader.h"
-
-#define PLAN_MAX_BYTES (1 << 20)
 
 /* From resolving the grid to the first lamp command of its first slot: a card syncs slowly. */
 #define READY_MARGIN_NS (2 * TTF_NS_PER_S)
@@ -20,9 +21,9 @@
 static bool dataset_exists(const struct ttf_session *s)
 {
     struct ttf_io_stat st;
-    char path[4096];
+    char path[4096 + 16];
 
-    snprintf(path, sizeof(path), "%s/dataset.json", s->config->path);
+    snprintf(path, sizeof(path), "%s/dataset.json", s->path);
     return s->config->io->ops->stat(s->config->io, path, &st) == 0;
 }
 
@@ -32,112 +33,47 @@ int ttf_session_check_disk(struct ttf_session *s, struct ttf_err *err)
 
     /* An unattended run that goes on after a power cut is not refused for a disk that became tight. */
     if (dataset_exists(s) && s->config->rehearse > 0)
-        return ttf_err_set(err, -EEXIST, s->config->path,
+        return ttf_err_set(err, -EEXIST, s->path,
                            "a rehearsal needs a folder of its own, not a dataset that is there");
     if (dataset_exists(s))
         return 0;
-    return ttf_disk_budget_check(s->config->io, s->config->path, clock, &s->plan, &s->figures, NULL,
-                                 err);
-}
-
-/* Whether the dataset's newest plan is this one. */
-static bool plan_is_stored(const struct ttf_session *s, int n_plans, const char *json)
-{
-    char path[4096];
-    char *stored = NULL;
-    size_t bytes;
-    bool same;
-
-    snprintf(path, sizeof(path), "%s/plans/%d.json", s->config->path, n_plans - 1);
-    if (n_plans <= 0 ||
-        ttf_io_slurp(s->config->io, path, PLAN_MAX_BYTES, &stored, &bytes, NULL) < 0)
-        return false;
-    same = strcmp(stored, json) == 0;
-    free(stored);
-    return same;
-}
-
-/* A plan that is not the stored one is stored beside it. Returns the plan's number. */
-static int store_plan(struct ttf_session *s, struct ttf_writer *writer, const char *json,
-                      struct ttf_err *err)
-{
-    int n = ttf_writer_state(writer)->n_plans;
-
-    if (plan_is_stored(s, n, json))
-        return n - 1;
-    return ttf_writer_plan(writer, s->config->plan_yaml, json, err);
+    return ttf_disk_budget_check(s->config->io, s->path, clock, &s->plan, &s->figures, NULL, err);
 }
 
 /* All slots have their records: fine if this plan says so too, else somebody is mistaken. */
-static int expect_same_plan(const struct ttf_session *s, int n_plans, struct ttf_err *err)
+static int expect_known_plan(const struct ttf_session *s, struct ttf_err *err)
 {
-    char *json = NULL;
-    bool same;
-    int r = ttf_plan_json(&s->plan, &json, err);
-
-    if (r < 0)
-        return r;
-    same = plan_is_stored(s, n_plans, json);
-    free(json);
-    if (same)
+    if (s->known_plan >= 0)
         return 0;
-    ttf_err_set(err, -EINVAL, s->config->path, "is complete, and was captured by another plan");
+    ttf_err_set(err, -EINVAL, s->path, "is complete, and was captured by another plan");
     return ttf_err_hint(err, "name another folder, or a plan with more slots to go on with it");
 }
 
-/* UTC of slot 0 as a dataset that is gone on with has it; TTF_NS_UNKNOWN. */
-static int64_t slot0_utc(const struct ttf_segment *segment)
+/* The run's own time, from the segments so far and the grid it goes on with. */
+static int resolve_slot0(struct ttf_session *s, const struct ttf_writer_state *state,
+                         const struct ttf_utc *utc, int64_t *ret_utc_ns, struct ttf_err *err)
 {
-    struct ttf_grid grid = {segment->first_index, segment->origin_utc_ns, segment->interval_ns};
+    struct ttf_segment *segments = NULL;
+    int64_t elapsed = s->grid.first_index * s->grid.interval_ns;
+    int n = 0;
+    int r = 0;
 
-    return segment->origin_utc_ns == TTF_NS_UNKNOWN ? TTF_NS_UNKNOWN : ttf_grid_due_ns(&grid, 0);
-}
-
-/*
- * The same from whichever segment knows it: after a cut without a clock to be trusted the last one
- * does not. What was resolved once stays, counted in slots, whatever the outages.
- */
-static int known_slot0_utc(struct ttf_session *s, const struct ttf_writer_state *state,
-                           int64_t *ret, struct ttf_err *err)
-{
-    struct ttf_reader *reader;
-    struct ttf_segment segment;
-    int r;
-
-    *ret = state->n_segments > 0 ? slot0_utc(&state->last_segment) : TTF_NS_UNKNOWN;
-    if (*ret != TTF_NS_UNKNOWN || state->n_segments <= 1)
-        return 0;
-    r = ttf_reader_open(s->config->io, s->config->path, &reader, err);
+    if (state->n_segments > 0)
+        r = ttf_timeline_read(s->config->io, s->from_first ? s->config->path : s->path, &segments,
+                              &n, err);
     if (r < 0)
         return r;
-    for (int i = 0; i < state->n_segments && *ret == TTF_NS_UNKNOWN; i++)
-        if (ttf_reader_segment(reader, i, &segment) == 0)
-            *ret = slot0_utc(&segment);
-    ttf_reader_close(reader);
-    return 0;
-}
+    if (n > 0) {
+        const struct ttf_segment *last = &segments[n - 1];
 
-/* A day that starts at a local time becomes a phase since slot 0, once. */
-static int resolve_local(struct ttf_session *s, const struct ttf_writer_state *state,
-                         const struct ttf_utc *utc, struct ttf_err *err)
-{
-    struct ttf_plan *plan = &s->plan;
-    int64_t slot0;
-    int r;
-
-    if (plan->lamps != TTF_LAMPS_PHOTOPERIOD || !plan->photoperiod_local)
-        return 0;
-    r = known_slot0_utc(s, state, &slot0, err);
-    if (r < 0)
-        return r;
-    if (slot0 == TTF_NS_UNKNOWN && utc->trust != TTF_TRUST_NONE)
-        slot0 = utc->utc_ns + (ttf_grid_due_ns(&s->grid, 0) - utc->boot_ns);
-    if (slot0 == TTF_NS_UNKNOWN) {
-        ttf_err_set(err, -EINVAL, "lamps.day_start",
-                    "nobody vouches for this box's clock, so a local time means nothing");
-        return ttf_err_hint(err, "use lamps.phase, or let the clock be set first");
+        elapsed = ttf_timeline_elapsed_ns(segments, n) +
+                  (s->grid.first_index - last->first_index) * last->interval_ns;
     }
-    plan->phase_ns = ttf_photoperiod_phase_ns(slot0, plan->zone_offset_s, plan->day_start_s);
+    s->slot0_ns = s->grid.origin_ns - elapsed;
+    *ret_utc_ns = ttf_timeline_slot0_utc_ns(segments, n);
+    if (*ret_utc_ns == TTF_NS_UNKNOWN && utc->trust != TTF_TRUST_NONE)
+        *ret_utc_ns = utc->utc_ns + (s->slot0_ns - utc->boot_ns);
+    free(segments);
     return 0;
 }
 
@@ -166,10 +102,11 @@ static int resolve_grid(struct ttf_session *s, const struct ttf_writer_state *st
     return 0;
 }
 
+/* state: of the dataset that is gone on with, which may be another one. */
 static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int plan,
-                         const struct ttf_utc *utc, struct ttf_err *err)
+                         const struct ttf_writer_state *state, const struct ttf_utc *utc,
+                         struct ttf_err *err)
 {
-    const struct ttf_writer_state *state = ttf_writer_state(writer);
     struct ttf_segment *segment = &s->pulse.segment;
     int r;
 
@@ -178,7 +115,7 @@ static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int p
         s->pulse.before = state->last_segment;
         s->pulse.has_before = true;
     }
-    segment->segment = state->n_segments;
+    segment->segment = ttf_writer_state(writer)->n_segments;
     segment->first_index = s->grid.first_index;
     snprintf(segment->boot_id, sizeof(segment->boot_id), "%s", ttf_clock_boot_id(s->box->clock));
     segment->origin_ns = s->grid.origin_ns;
@@ -191,6 +128,8 @@ static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int p
     segment->plan = plan;
     snprintf(segment->zone, sizeof(segment->zone), "%s", s->plan.zone);
     segment->zone_offset_s = s->plan.zone_offset_s;
+    if (s->from_first)
+        segment->run_ns = ttf_timeline_run_ns(segment, s->slot0_ns);
     segment->gap_ns = s->resume.gap_ns;
     if (segment->gap_ns == TTF_NS_UNKNOWN && s->pulse.has_before)
         segment->gap_ns = ttf_resume_gap_ns(&s->pulse.before, segment->first_index,
@@ -217,54 +156,140 @@ static int dataset_with_plan(struct ttf_session *s, const struct ttf_manifest *m
 {
     struct ttf_writer **writer = &s->committer.writer;
     char *json = NULL;
-    int r = ttf_plan_json(&s->plan, &json, err);
+    int r;
 
+    if (*writer && !s->from_first && s->known_plan >= 0)
+        return s->known_plan;
+    r = ttf_plan_json(&s->plan, &json, err);
     if (r < 0)
         return r;
     if (*writer)
-        r = store_plan(s, *writer, json, err);
+        r = ttf_writer_plan(*writer, s->given_yaml, json, err);
+    else if (s->from_first)
+        r = ttf_second_open(s->config->io, s->path, manifest, s->given_yaml, json, writer, err);
     else
-        r = ttf_writer_create(s->config->io, s->config->path, manifest, s->config->plan_yaml, json,
-                              writer, err);
+        r = ttf_writer_create(s->config->io, s->path, manifest, s->given_yaml, json, writer, err);
     free(json);
+    return r;
+}
+
+/* Of a dataset that is gone on with. */
+struct found {
+    struct ttf_writer_state state;
+    struct ttf_manifest manifest;
+};
+
+/*
+ * A dataset whose storage can be read and not written any more, at the beginning of a boot: what it says is
+ * where the second one goes on.
+ */
+static int start_second(struct ttf_session *s, int code, struct found *found, struct ttf_err *err)
+{
+    struct ttf_err why = {0};
+
+    if (s->committer.second_path[0] == '\0' || strcmp(s->committer.second_path, s->path) == 0 ||
+        code == -EBUSY ||
+        ttf_second_state_of(s->config->io, s->path, &found->state, &found->manifest, &why) < 0)
+        return code;
+    ttf_events_emit(&s->events, "storage",
+                    "cannot be written at the start: begun here; before it: %.150s", s->path);
+    snprintf(s->path, sizeof(s->path), "%s", s->committer.second_path);
+    s->from_first = true;
+    s->first_code = code;
+    s->committer.moved = true;
+    return ttf_second_manifest(&found->manifest, &found->manifest, err);
+}
+
+static int open_there(struct ttf_session *s, struct found *found, struct ttf_err *err)
+{
+    int r = ttf_writer_open(s->config->io, s->path, &s->committer.writer, err);
+
+    if (r < 0)
+        return start_second(s, r, found, err);
+    found->state = *ttf_writer_state(s->committer.writer);
+    found->manifest = *ttf_writer_manifest(s->committer.writer);
+    return 0;
+}
+
+/* A run with a second storage is of a group from the beginning; the group's uuid is the first dataset's. */
+static void begin_group(struct ttf_session *s, struct ttf_manifest *manifest)
+{
+    if (s->committer.second_path[0] == '\0')
+        return;
+    memcpy(manifest->group_uuid, manifest->uuid, sizeof(manifest->group_uuid));
+    snprintf(manifest->group_member, sizeof(manifest->group_member), "%s", TTF_MEMBER_FIRST);
+}
+
+/* What the committer needs to go on with elsewhere: plan, segment, calibration, who the dataset is. */
+static int set_in_force(struct ttf_session *s, const struct ttf_manifest *manifest,
+                        struct ttf_err *err)
+{
+    struct ttf_committer *c = &s->committer;
+
+    c->in_force = ttf_plan_change_new(&s->plan, s->given_yaml);
+    if (!c->in_force)
+        return ttf_err_set(err, -ENOMEM, s->path, "no memory");
+    c->in_force->segment = s->pulse.segment;
+    c->slot0_ns = s->slot0_ns;
+    c->in_force->slot_bytes = s->figures.slot_bytes;
+    c->n_plans = s->next_plan = ttf_writer_state(c->writer)->n_plans;
+    c->manifest = *manifest;
+    if (s->has_calibration) {
+        snprintf(c->calibration_id, sizeof(c->calibration_id), "%s", s->calibration.id);
+        c->calibration_folder = s->config->calibration_folder;
+    }
+    return 0;
+}
+
+/* Where it is gone on with, and with which plan. */
+static int resolve(struct ttf_session *s, const struct ttf_writer_state *state,
+                   struct ttf_utc *ret_utc, struct ttf_err *err)
+{
+    int64_t slot0_utc_ns;
+    int r;
+
+    if (s->known_plan < 0)
+        keep_zone(&s->plan, state);
+    r = resolve_grid(s, state, ret_utc, err);
+    if (r == 0)
+        r = resolve_slot0(s, state, ret_utc, &slot0_utc_ns, err);
+    if (r == 0 && s->known_plan < 0)
+        r = ttf_session_resolve_phase(&s->plan, slot0_utc_ns, err);
     return r;
 }
 
 int ttf_session_open_dataset(struct ttf_session *s, struct ttf_err *err)
 {
-    static const struct ttf_writer_state nothing = {.last_due_ns = TTF_NS_UNKNOWN};
-    const struct ttf_writer_state *state = &nothing;
+    struct found found = {.state = {.last_due_ns = TTF_NS_UNKNOWN}};
     struct ttf_manifest manifest;
-    struct ttf_utc utc;
+    struct ttf_utc utc = {0};
     int plan;
     int r = ttf_manifest_of_plan(&s->plan, s->box, s->has_calibration && s->calibration.has_flat,
                                  &manifest, err);
 
-    manifest.rehearsal = r == 0 && s->config->rehearse > 0;
-    if (r == 0 && dataset_exists(s)) {
-        r = ttf_writer_open(s->config->io, s->config->path, &s->committer.writer, err);
-        if (r < 0)
-            return r;
-        state = ttf_writer_state(s->committer.writer);
-        r = ttf_manifest_takes_plan(ttf_writer_manifest(s->committer.writer), &manifest, err);
+    if (r == 0) {
+        manifest.rehearsal = s->config->rehearse > 0;
+        begin_group(s, &manifest);
     }
-    if (r < 0)
-        return r;
-    keep_zone(&s->plan, state);
-    r = resolve_grid(s, state, &utc, err);
+    if (r == 0 && dataset_exists(s)) {
+        r = open_there(s, &found, err);
+        if (r == 0)
+            r = ttf_manifest_takes_plan(&found.manifest, &manifest, err);
+        manifest = found.manifest;
+    }
     if (r == 0)
-        r = resolve_local(s, state, &utc, err);
+        r = resolve(s, &found.state, &utc, err);
     if (r < 0)
         return r;
-    if (s->resume.continued && state->next_index >= s->plan.count)
-        /* Cut off before its seal: sealed now, whatever a local day resolves to this time. */
-        return state->sealed ? expect_same_plan(s, state->n_plans, err) : 0;
+    if (s->resume.continued && found.state.next_index >= s->plan.count)
+        /* Cut off before its seal: sealed now. */
+        return s->from_first ? s->first_code : found.state.sealed ? expect_known_plan(s, err) : 0;
     plan = dataset_with_plan(s, &manifest, err);
     if (plan < 0)
         return plan;
-    r = write_segment(s, s->committer.writer, plan, &utc, err);
+    r = write_segment(s, s->committer.writer, plan, &found.state, &utc, err);
     if (r == 0 && s->has_calibration)
         r = ttf_writer_calibration(s->committer.writer, s->calibration.id,
                                    s->config->calibration_folder, err);
-    return r;
+    return r < 0 ? r : set_in_force(s, &manifest, err);
 }

@@ -37,6 +37,17 @@ struct ttf_session {
     struct ttf_lamp_programme programme;
     struct ttf_grid grid;
     struct ttf_resume resume;
+    int64_t
+        slot0_ns;   /* where slot 0 was, or would have been, due: what a photoperiod counts from */
+    int known_plan; /* the dataset has this plan already, by this number; -1: it is new to it */
+    int moved_on_from; /* the plan that was given is this one, but another has come since; -1: no */
+    int next_plan;     /* number of the next one that changes it */
+    char path[4096];   /* of the dataset: as configured, or in the second storage */
+    int first_code;    /* why, if from_first */
+    bool from_first;   /* the second dataset is begun by reading the first */
+    char *given_yaml;  /* of the plan in force, as given; owned; NULL: not known */
+    bool paused;
+    char pause_reason[120];
     int segment;              /* number of the current one */
     int64_t lead_ns;          /* of a slot: first lamp command to due */
     int64_t first_settle_ns;  /* before the first slot's lead: lamps that settle once */
@@ -64,5 +75,32 @@ TTF_MUST_USE int ttf_session_slot(struct ttf_session *s, int64_t index);
 /* Hands over a record without images. */
 TTF_MUST_USE int ttf_session_no_slot(struct ttf_session *s, int64_t index, enum ttf_result result,
                                      const char *reason);
+
+/* Hands over a change of plan, in its turn among the records; takes ownership. -ENOMEM: nothing has happened. */
+TTF_MUST_USE int ttf_session_hand_over_change(struct ttf_session *s,
+                                              struct ttf_plan_change *change);
+
+/* ---- session_plan.c: which plan is in force ---- */
+
+/*
+ * Before anything is set up: of a dataset that is there, compares the plan given with those it has. s->plan
+ * becomes the one in force (session.h); known_plan, moved_on_from.
+ */
+TTF_MUST_USE int ttf_session_plan_in_force(struct ttf_session *s, struct ttf_err *err);
+
+/*
+ * A day that begins at a local time becomes a phase since slot 0, by the UTC of slot 0.
+ * TTF_NS_UNKNOWN: -EINVAL.
+ */
+TTF_MUST_USE int ttf_session_resolve_phase(struct ttf_plan *plan, int64_t slot0_utc_ns,
+                                           struct ttf_err *err);
+
+/* ---- session_asks.c: what people ask meanwhile ---- */
+
+/*
+ * Hears all that is due with slot `index` the next: the plan, the grid and the pause may be others
+ * afterwards. 0; -ECANCELED: to stop; -ENOMEM never: what finds no memory is refused.
+ */
+TTF_MUST_USE int ttf_session_hear(struct ttf_session *s, int64_t index);
 
 #endif

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "exposure.h"
+#include "plan_change.h"
 #include "plan_figures.h"
 #include "session_private.h"
 
@@ -63,6 +64,24 @@ static int hand_over(struct ttf_session *s, struct ttf_slot_work *work)
     return 0;
 }
 
+int ttf_session_hand_over_change(struct ttf_session *s, struct ttf_plan_change *change)
+{
+    struct ttf_slot_work *work = calloc(1, sizeof(*work));
+    struct ttf_job *job = ttf_job_new(TTF_JOB_SLOT);
+
+    if (!work || !job) {
+        free(work);
+        ttf_job_free(job);
+        ttf_plan_change_free(change);
+        return -ENOMEM;
+    }
+    ttf_slot_record_init(&work->record);
+    work->change = change;
+    job->slot = work;
+    ttf_queue_push(&s->queue, job);
+    return 0;
+}
+
 /* Thousands of lost slots must not fill the memory while the disk takes them one by one. */
 static int wait_for_committer(struct ttf_session *s)
 {
@@ -90,7 +109,7 @@ int ttf_session_no_slot(struct ttf_session *s, int64_t index, enum ttf_result re
     return hand_over(s, work);
 }
 
-/* Waits between slots; the lamps follow their programme. *ret_late_ns: how late it woke, if it slept. */
+/* Waits between slots; the lamps follow their programme. *ret_late_ns: how late it woke, if it slept. 1: something was asked. */
 static int idle_until(struct ttf_session *s, int64_t until_ns, int64_t *ret_late_ns)
 {
     for (;;) {
@@ -102,7 +121,7 @@ static int idle_until(struct ttf_session *s, int64_t until_ns, int64_t *ret_late
         ttf_lamp_programme_background(&s->programme, now, levels);
         want_lamps(s, levels);
         r = ttf_pulse_wait(&s->pulse, next < until_ns ? next : until_ns, true);
-        if (r < 0)
+        if (r != 0)
             return r;
         if (next >= until_ns) {
             *ret_late_ns = now < until_ns ? now_ns(s) - until_ns : TTF_NS_UNKNOWN;
@@ -360,19 +379,37 @@ static int do_slot(struct ttf_session *s, int64_t index, int64_t submit_ns, int6
     return hand_over(s, work);
 }
 
+/* Until a slot's first lamp command is due. What is asked meanwhile may move it, or do away with it. */
+static int await_slot(struct ttf_session *s, int64_t index, int64_t *ret_late_ns)
+{
+    int r;
+
+    do {
+        r = ttf_session_hear(s, index);
+        if (r < 0 || index >= s->plan.count)
+            return r;
+        r = idle_until(s, ttf_grid_due_ns(&s->grid, index) - s->lead_ns, ret_late_ns);
+    } while (r == 1);
+    return r;
+}
+
 int ttf_session_slot(struct ttf_session *s, int64_t index)
 {
-    int64_t due = ttf_grid_due_ns(&s->grid, index);
     const struct ttf_camera_caps *caps = ttf_camera_caps(s->cameras[s->camera_of[0]].camera);
-    int64_t submit = due - ttf_exposure_lead_ns(caps, s->locked[0][0].granted.exposure_ns);
     int64_t late = TTF_NS_UNKNOWN;
+    int64_t due;
+    int64_t submit;
     const char *reason;
     int r = revive_cameras(s);
 
     if (r == 0)
-        r = idle_until(s, due - s->lead_ns, &late);
-    if (r < 0)
+        r = await_slot(s, index, &late);
+    if (r < 0 || index >= s->plan.count)
         return r;
+    if (s->paused)
+        return ttf_session_no_slot(s, index, TTF_RESULT_PAUSED, s->pause_reason);
+    due = ttf_grid_due_ns(&s->grid, index);
+    submit = due - ttf_exposure_lead_ns(caps, s->locked[0][0].granted.exposure_ns);
     reason = cannot_begin(s, due);
     if (reason)
         return ttf_session_no_slot(s, index, TTF_RESULT_MISSED, reason);

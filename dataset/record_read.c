@@ -237,6 +237,7 @@ int ttf_segment_get(const struct ttf_line *line, struct ttf_segment *ret, struct
         s.gap_ns = TTF_NS_UNKNOWN;
     else
         s.gap_ns = ttf_in_int(&in, o, "gap_ns", 0, INT64_MAX, 0, TTF_JSON_OPTIONAL);
+    s.run_ns = ttf_in_int(&in, o, "run_ns", 0, INT64_MAX, 0, TTF_JSON_OPTIONAL);
     if (in.code == 0)
         *ret = s;
     return in.code;

@@ -224,6 +224,8 @@ void ttf_segment_put(struct ttf_json *json, const struct ttf_segment *s)
     } else if (s->gap_ns > 0) {
         ttf_json_kint(json, "gap_ns", s->gap_ns);
     }
+    if (s->run_ns > 0)
+        ttf_json_kint(json, "run_ns", s->run_ns);
 }
 
 void ttf_end_put(struct ttf_json *json, const struct ttf_end_record *e)

@@ -115,6 +115,9 @@ int ttf_writer_learn_segment(struct ttf_writer *writer, const struct ttf_segment
         state->n_segments++;
     if (segment->segment == state->n_segments - 1)
         state->last_segment = *segment;
+    /* A run gone on with in another dataset begins here: what was before has its records there. */
+    if (segment->segment == 0 && state->next_index == 0)
+        state->next_index = segment->first_index;
     return 0;
 }
 

@@ -53,7 +53,7 @@ static int disk_space(struct ttf_io *io, const char *path, struct ttf_io_space *
     const struct sim_disk *disk = (const struct sim_disk *)io;
     int r = ttf_io_posix()->ops->space(ttf_io_posix(), path, ret);
 
-    if (r == 0 && disk->run->free_bytes != 0)
+    if (r == 0 && disk->run->free_bytes != 0 && !strstr(path, "/second"))
         ret->free_bytes = disk->run->free_bytes;
     return r;
 }
@@ -63,12 +63,16 @@ static int storage_fault(void *ctx, const char *op, const char *path)
 {
     struct sim_run *run = ctx;
 
-    (void)op;
-    (void)path;
+    int error = 0;
+
     if (!run->box)
         return 0;
     if (run->on_file)
         run->on_file(run);
+    if (run->fault)
+        error = run->fault(run, op, path);
+    if (error)
+        return error;
     if (run->failing > 0) {
         run->failing--;
         return EIO;
@@ -97,7 +101,9 @@ static int run_session(struct sim_run *run, struct ttf_io *io)
         .io = io,
         .path = run->path,
         .plan = &run->plan,
-        .plan_yaml = "# as given\n",
+        .plan_yaml = run->plan_yaml ? run->plan_yaml : "# as given\n",
+        .plan_as_given = run->plan_as_given,
+        .control = run->control,
         .calibration_folder = run->calibration,
         .threads = 1,
         .progress = told,

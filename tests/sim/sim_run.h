@@ -20,10 +20,15 @@ struct sim_run {
     int64_t scene_span_ns;
     const char *calibration; /* folder; NULL: none */
     int64_t rehearse;
-    int64_t
-        free_bytes; /* what the disk says it has; 0: as it is. May change while running, in on_progress */
+    /* what the disk says it has (but for a second storage); 0: as it is. May change while running, in on_progress */
+    int64_t free_bytes;
     unsigned failing; /* so many file operations from now on give EIO; may be set in on_progress */
     void (*on_file)(struct sim_run *run); /* before each file operation */
+    /* what an operation fails with, if it is to: an errno, else 0 */
+    int (*fault)(struct sim_run *run, const char *op, const char *path);
+    struct ttf_control *control; /* NULL: nobody asks anything */
+    const char *plan_yaml;       /* as given */
+    bool plan_as_given;
     void (*on_progress)(struct sim_run *run, const struct ttf_progress *progress);
     void (*at_end)(struct sim_run *run); /* after the session, before its box is gone */
     /* of all boots */

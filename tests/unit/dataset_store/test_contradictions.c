@@ -138,6 +138,18 @@ static void records_that_contradict_each_other_are_damage(void **state)
     }
 }
 
+/* Not even where no slot is of it. */
+static void a_segment_that_leaves_another_out_is_refused(void **state)
+{
+    const char *path = in(*state, "d");
+
+    ttf_writer_close(small_create(quick_io(), path));
+    change_line(path, 1, "\"segment\":0", "\"segment\":1");
+    assert_int_equal(opened_for_writing(path), -TTF_EDAMAGED);
+    assert_int_equal(opened_for_reading(path), -TTF_EDAMAGED);
+    assert_true(verify_says(path, "leaves others out"));
+}
+
 static void only_the_wrong_line_is_blamed(void **state)
 {
     struct ttf_verify_options options = {.deep = true};
@@ -173,6 +185,43 @@ static void a_seal_without_an_end_is_damage(void **state)
     ttf_writer_close(writer);
     change_line(path, 5, "\"type\":\"end\"", "\"type\":\"and\"");
     assert_true(verify_says(path, "does not close with an \"end\" line"));
+}
+
+/* The seal gives what the record says, not what lies there by then. */
+static void the_seal_does_not_bless_a_frame_that_changed_before_it(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_writer *writer;
+    char changed[64];
+
+    small_bytes(7, changed);
+    write_text(in(path, "frames/main/000001.tif"), changed, sizeof(changed));
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+    ttf_writer_close(writer);
+    assert_int_not_equal(sha256sum_check(path), 0);
+    assert_true(verify_says(path, "its sha256 is not the recorded one"));
+}
+
+/* Sealed by somebody who wrote no end: it gets one, but not under that seal. */
+static void an_end_is_not_added_under_a_seal(void **state)
+{
+    const char *path = three_slots(state);
+    struct cue cue = {.error = EIO, .op = "rename", .in = "SHA256SUMS", .at = 1, .for_ever = true};
+    struct ttf_io *io = ttf_io_faulty_create(quick_io(), cue_fault, &cue);
+    struct ttf_writer *writer;
+    int64_t bytes;
+
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+    ttf_writer_close(writer);
+    change_line(path, 5, "\"type\":\"end\"", "\"type\":\"and\"");
+    bytes = size_of(in(path, "records.jsonl"));
+    assert_int_equal(ttf_writer_open(io, path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), -EIO);
+    assert_int_equal(size_of(in(path, "records.jsonl")), bytes);
+    ttf_writer_abandon(writer);
+    ttf_io_faulty_destroy(io);
 }
 
 static void what_was_added_behind_the_seal_is_damage(void **state)
@@ -304,9 +353,12 @@ int main(void)
 #define T(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
     const struct CMUnitTest tests[] = {
         T(records_that_contradict_each_other_are_damage),
+        T(a_segment_that_leaves_another_out_is_refused),
         T(only_the_wrong_line_is_blamed),
         T(an_end_that_counts_wrong_is_damage),
         T(a_seal_without_an_end_is_damage),
+        T(the_seal_does_not_bless_a_frame_that_changed_before_it),
+        T(an_end_is_not_added_under_a_seal),
         T(what_was_added_behind_the_seal_is_damage),
         T(a_seal_cut_off_at_its_last_byte_is_damage),
         T(missing_records_are_damage_and_none_are_made),

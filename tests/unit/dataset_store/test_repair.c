@@ -97,17 +97,50 @@ static void what_was_repaired_is_said_in_an_event(void **state)
 static void sums_cut_off_within_a_line_are_no_damage(void **state)
 {
     char path[300]; /* the buffers of in() come round */
-    int64_t n;
+    int64_t n, whole;
 
     snprintf(path, sizeof(path), "%s", slots(state, 2));
-    for (n = size_of(in(path, "SHA256SUMS")) - 1; n >= 0; n--) {
+    whole = size_of(in(path, "SHA256SUMS"));
+    for (n = whole - 1; n >= 0; n--) {
         assert_int_equal(truncate(in(path, "SHA256SUMS"), n), 0);
         assert_int_equal(findings(path, TTF_FINDING_DAMAGE), 0);
-        if (n % 8 != 0)
+        if (n % 8 != 0 && n != whole - 1)
             continue;
         assert_int_equal(repaired(path), 1);
         assert_int_equal(run("[ $(wc -l < '%s/SHA256SUMS') -eq 2 ]", path), 0);
     }
+}
+
+/* Whatever another path in it is taken for: it does not go unseen. */
+static void sums_with_a_changed_path_do_not_pass(void **state)
+{
+    const char *path = slots(state, 2);
+    struct ttf_writer *writer;
+    int r;
+
+    assert_int_equal(run("sed -i 's/000001/000007/' '%s/SHA256SUMS'", path), 0);
+    r = ttf_writer_open(quick_io(), path, &writer, NULL);
+    if (r == 0) {
+        assert_int_equal(ttf_writer_state(writer)->repaired, 1);
+        ttf_writer_close(writer);
+        assert_int_equal(sha256sum_check(path), 0);
+    } else {
+        assert_int_equal(r, -TTF_EDAMAGED);
+    }
+}
+
+static void rubbish_in_the_sums_is_not_taken_for_lost_records(void **state)
+{
+    const char *path = slots(state, 2);
+
+    assert_int_equal(run("printf '%%064d  frames/main/000009.tif\\n' 0 | tr 0 g | "
+                         "sed s/ggggg9/000009/ >> '%s/SHA256SUMS'",
+                         path),
+                     0);
+    assert_int_equal(run("grep -q 'gggg  frames/main/000009.tif' '%s/SHA256SUMS'", path), 0);
+    assert_int_equal(findings(path, TTF_FINDING_DAMAGE), 0);
+    assert_int_equal(repaired(path), 1);
+    assert_int_equal(sha256sum_check(path), 0);
 }
 
 /* The last line reached the disk in part: its length and its end, not what lies between. */
@@ -301,6 +334,8 @@ int main(void)
         T(a_fragment_of_the_events_is_kept_as_an_event),
         T(what_was_repaired_is_said_in_an_event),
         T(sums_cut_off_within_a_line_are_no_damage),
+        T(sums_with_a_changed_path_do_not_pass),
+        T(rubbish_in_the_sums_is_not_taken_for_lost_records),
         T(a_last_line_with_a_hole_is_set_aside),
         T(a_file_that_a_record_names_is_never_removed),
         T(a_file_of_a_slot_that_has_its_record_is_left_alone_and_named),

@@ -8,6 +8,7 @@
 #define TTF_CAPTURE_PLAN_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "ttf/base/err.h"
@@ -76,6 +77,8 @@ struct ttf_plan {
     enum ttf_keep keep;
     double mm_per_px;      /* 0: not known */
     int64_t reserve_bytes; /* disk kept free; capture stops before it */
+    /* Absolute path of a folder on another disk, where the run goes on when the dataset's own fails; empty: none. */
+    char second_storage[256];
 };
 
 /* One shot "main" of 20 ms at unity gain, lamps none, 50 Hz, reserve 256 MiB; interval and count 0. */
@@ -107,5 +110,15 @@ TTF_MUST_USE int ttf_plan_check(const struct ttf_plan *plan, const struct ttf_bo
 
 /* The resolved plan as JSON (plans/N.json), units normalised; free with free(). */
 TTF_MUST_USE int ttf_plan_json(const struct ttf_plan *plan, char **ret_text, struct ttf_err *err);
+
+/* The reverse. -EINVAL, naming the field, for anything that ttf_plan_json does not write. */
+TTF_MUST_USE int ttf_plan_read(const char *text, size_t bytes, const char *where,
+                               struct ttf_plan *ret, struct ttf_err *err);
+
+/*
+ * True if both ask for the same: by all fields but those that a run resolves when it begins (the zone's
+ * offset; the phase of a day that begins at a local time).
+ */
+bool ttf_plan_same(const struct ttf_plan *a, const struct ttf_plan *b);
 
 #endif

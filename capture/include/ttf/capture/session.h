@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "ttf/base/err.h"
+#include "ttf/capture/control.h"
 #include "ttf/capture/plan.h"
 #include "ttf/dataset/io.h"
 #include "ttf/hal/box.h"
@@ -23,7 +24,8 @@
 enum ttf_progress_kind {
     TTF_PROGRESS_ARMED = 0, /* exposure locked, first slot waits */
     TTF_PROGRESS_SLOT,      /* a slot's record is committed */
-    TTF_PROGRESS_EVENT      /* a line went to events.jsonl */
+    TTF_PROGRESS_EVENT,     /* a line went to events.jsonl */
+    TTF_PROGRESS_ALARM      /* the storage has failed: the run goes on in the second one, or ends */
 };
 
 struct ttf_progress {
@@ -50,6 +52,9 @@ struct ttf_session_config {
     void *progress_ctx;
     /* becomes non-zero (signal handler, or atomically from a thread): end cleanly within a slot; NULL allowed */
     const volatile int *stop;
+    struct ttf_control *control; /* what people ask meanwhile; borrowed, NULL allowed */
+    /* A plan that the dataset has moved on from is gone back to, as a change, instead of left alone. */
+    bool plan_as_given;
     int64_t rehearse;      /* > 0: so many slots at once, nothing sealed, figures in the result */
     bool skip_speed_check; /* of the disk's write speed */
 };
@@ -59,6 +64,9 @@ struct ttf_session_result {
     int64_t error_p99_ns, error_max_ns;   /* abs(middle - due) of this run's captured slots */
     int64_t wakeup_p99_ns, wakeup_max_ns; /* of the loop's waking */
     bool resumed, sealed;
+    bool
+        second_storage; /* it ended in the plan's second storage: counts and digest are of the dataset there */
+    int64_t total; /* slots of the plan in force at the end */
     char digest[65];
     /* rehearsal */
     int64_t busy_ns;       /* per slot, from the first lamp command to the commit */

@@ -20,7 +20,8 @@ struct ttf_writer;
 
 /* What the writer knows of what is on the disk. */
 struct ttf_writer_state {
-    int64_t next_index; /* of the first slot without a record */
+    int64_t
+        next_index; /* of the first slot without a record, from the first segment's first_index on */
     int n_segments;
     struct ttf_segment last_segment; /* valid if n_segments > 0 */
     int64_t last_due_ns; /* of the last slot record, on its segment's boot clock; TTF_NS_UNKNOWN */

@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* When the dataset's storage has failed for good: the run goes on in the second one. Committer thread only. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commit_storage.h"
+#include "plan_change.h"
+#include "schedule.h"
+#include "second_storage.h"
+#include "timeline.h"
+
+/* ---- image files that lie in the first dataset, of slots that have no record yet ---- */
+
+struct copying {
+    struct ttf_io *io;
+    const char *from;
+};
+
+static int copy(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
+{
+    const struct copying *c = ctx;
+    char chunk[16384];
+    int64_t at = 0;
+    int64_t n = 0;
+    int r = 0;
+    int from = c->io->ops->open(c->io, c->from, TTF_IO_READ);
+
+    if (from < 0)
+        return ttf_err_set(err, from, c->from, "cannot be opened");
+    while (r == 0 && (n = ttf_io_pread_all(c->io, from, chunk, sizeof(chunk), at)) > 0) {
+        r = ttf_io_pwrite_all(io, file, chunk, (size_t)n, at);
+        at += n;
+    }
+    (void)c->io->ops->close(c->io, from);
+    if (r == 0 && n < 0)
+        r = (int)n;
+    return r < 0 ? ttf_err_set(err, r, c->from, "cannot be copied") : 0;
+}
+
+/* Bytes that have changed on the failing disk are no copy: the file is then lacking. */
+static void fetch_file(struct ttf_committer *c, const char *first, int64_t index,
+                       const struct ttf_image *image, struct ttf_file_ref *file)
+{
+    char from[4096 + sizeof(file->path)];
+    const char *extension = strrchr(file->path, '.');
+    struct copying copying = {.io = c->io, .from = from};
+    struct ttf_file_ref got;
+
+    snprintf(from, sizeof(from), "%s/%s", first, file->path);
+    if (extension &&
+        ttf_writer_file(c->writer, file->role, image->stream, index, image->bracket, extension + 1,
+                        copy, &copying, &got, NULL) == 0 &&
+        strcmp(got.sha256, file->sha256) == 0)
+        *file = got;
+    else
+        file->bytes = -1; /* matches nothing: dropped below */
+}
+
+static void fetch(struct ttf_committer *c, const char *first, struct ttf_slot_work *work)
+{
+    struct ttf_slot_record *record = &work->record;
+    bool any = false;
+
+    for (unsigned i = 0; i < record->n_images; i++) {
+        struct ttf_image *image = &record->images[i];
+
+        for (unsigned f = 0; f < image->n_files; f++)
+            fetch_file(c, first, record->index, image, &image->files[f]);
+        any |= image->n_files > 0;
+        if (c->calibration_lost)
+            image->calibration[0] = '\0';
+    }
+    if (any)
+        ttf_committer_drop_lost_files(c, record);
+}
+
+/* ---- the second dataset ---- */
+
+/* The segment in force, from the first slot on that has no record. */
+static struct ttf_segment continued(const struct ttf_committer *c)
+{
+    struct ttf_segment segment = c->in_force->segment;
+    struct ttf_grid grid = {segment.first_index, segment.origin_ns, segment.interval_ns};
+
+    segment.segment = 0;
+    segment.plan = 0;
+    segment.first_index = c->ledger.next_index;
+    segment.origin_ns = ttf_grid_due_ns(&grid, segment.first_index);
+    if (segment.origin_utc_ns != TTF_NS_UNKNOWN)
+        segment.origin_utc_ns += segment.origin_ns - c->in_force->segment.origin_ns;
+    segment.run_ns = ttf_timeline_run_ns(&segment, c->slot0_ns);
+    segment.gap_ns = 0;
+    segment.corrects = false;
+    return segment;
+}
+
+static void bring_calibration(struct ttf_committer *c, struct ttf_writer *writer)
+{
+    struct ttf_err err = {0};
+
+    if (c->calibration_id[0] == '\0' ||
+        ttf_writer_calibration(writer, c->calibration_id, c->calibration_folder, &err) == 0)
+        return;
+    /* Images name no calibration that is not there; the raw ones can be developed with it later. */
+    c->calibration_lost = true;
+    for (unsigned i = 0; i < TTF_PLAN_SHOTS_MAX; i++)
+        if (c->rooms[i])
+            c->rooms[i]->calibration[0] = '\0';
+    ttf_events_emit(c->events, "storage", "the calibration did not come along: %s", err.what);
+}
+
+static int make_second(struct ttf_committer *c, struct ttf_writer **ret, struct ttf_err *err)
+{
+    struct ttf_segment segment = continued(c);
+    struct ttf_manifest manifest;
+    struct ttf_writer *writer = NULL;
+    int r = ttf_second_manifest(&c->manifest, &manifest, err);
+
+    if (r == 0)
+        r = ttf_second_open(c->io, c->second_path, &manifest, c->in_force->yaml, c->in_force->json,
+                            &writer, err);
+    if (r < 0)
+        return r;
+    bring_calibration(c, writer);
+    r = ttf_writer_segment(writer, &segment, err);
+    if (r < 0) {
+        ttf_writer_abandon(writer);
+        return r;
+    }
+    c->continued = segment;
+    c->has_continued = true;
+    *ret = writer;
+    return 0;
+}
+
+/* ---- moving ---- */
+
+/* In the first dataset, where that can still be written. Its writer, or NULL; consumed. */
+static void tell_first(struct ttf_committer *c, const char *first, struct ttf_writer *writer,
+                       const char *why)
+{
+    char text[4096 + 256];
+
+    if (!writer && ttf_writer_open(c->io, first, &writer, NULL) < 0)
+        return;
+    snprintf(text, sizeof(text), "%s: the run goes on in the second storage, from slot %lld on: %s",
+             why, (long long)c->ledger.next_index, c->second_path);
+    ttf_committer_say(c, writer, text);
+    ttf_writer_close(writer);
+}
+
+static void tell_second(struct ttf_committer *c, const char *first, const char *why)
+{
+    struct ttf_progress p = {.kind = TTF_PROGRESS_ALARM,
+                             .index = c->ledger.next_index,
+                             .total = c->total,
+                             .now_ns = ttf_clock_now_ns(c->box->clock),
+                             .error_ns = TTF_NS_UNKNOWN,
+                             .wakeup_ns = TTF_NS_UNKNOWN};
+    char text[4096 + 256];
+
+    snprintf(text, sizeof(text), "%s: the run goes on here, from slot %lld on; before it: %s", why,
+             (long long)c->ledger.next_index, first);
+    ttf_committer_say(c, c->writer, text);
+    p.text = text;
+    ttf_committer_tell(c, &p);
+}
+
+int ttf_committer_move(struct ttf_committer *c, const char *why, struct ttf_slot_work *under_way)
+{
+    const char *first = c->path;
+    struct ttf_writer *before;
+    struct ttf_writer *writer = NULL;
+    struct ttf_err err = {0};
+    int r;
+
+    if (c->moved || c->second_path[0] == '\0' || !c->in_force || ttf_committer_power_lost(c))
+        return -ENOENT;
+    r = make_second(c, &writer, &err);
+    if (r < 0) {
+        if (!c->second_failed)
+            ttf_events_emit(c->events, "storage", "the second storage cannot be used either: %s",
+                            err.what);
+        c->second_failed = true;
+        return r;
+    }
+    before = c->writer;
+    c->writer = writer;
+    c->path = c->second_path;
+    c->segment_base = c->in_force->segment.segment;
+    c->plan_base = c->n_plans - 1;
+    c->moved = true;
+    /* Before the first dataset is opened anew, which would clear them away. */
+    for (struct ttf_slot_work *work = c->pending; work; work = work->next)
+        fetch(c, first, work);
+    if (under_way)
+        fetch(c, first, under_way);
+    tell_second(c, first, why);
+    tell_first(c, first, before, why);
+    c->disk_full = false;
+    ttf_queue_tell_disk(c->queue, false);
+    return 0;
+}

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "second_storage.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ttf/base/time.h"
+#include "ttf/dataset/reader.h"
+
+int ttf_second_path(const struct ttf_plan *plan, const char *first, char *ret, size_t size,
+                    struct ttf_err *err)
+{
+    size_t n = strlen(first);
+    size_t at;
+
+    ret[0] = '\0';
+    if (plan->second_storage[0] == '\0')
+        return 0;
+    while (n > 1 && first[n - 1] == '/')
+        n--;
+    for (at = n; at > 0 && first[at - 1] != '/'; at--)
+        ;
+    if (snprintf(ret, size, "%s/%.*s", plan->second_storage, (int)(n - at), first + at) >=
+        (int)size)
+        return ttf_err_set(err, -ENAMETOOLONG, "storage.second", "the path is too long");
+    return 0;
+}
+
+static int foreign(const char *second, struct ttf_err *err)
+{
+    ttf_err_set(err, -EEXIST, second,
+                "the second storage holds a dataset of this name, and not of this run");
+    ttf_err_hint(err, "give another -o, or move that one away");
+    return -EEXIST;
+}
+
+int ttf_second_find(struct ttf_io *io, const char *first, const char *second, struct ttf_err *err)
+{
+    struct ttf_manifest of_first;
+    struct ttf_manifest of_second;
+    struct ttf_reader *reader;
+    bool alone;
+    bool begun;
+    bool sealed;
+    int r;
+
+    if (second[0] == '\0' || ttf_manifest_load(io, second, &of_second, NULL) < 0)
+        return 0;
+    alone = ttf_manifest_load(io, first, &of_first, NULL) < 0;
+    if (strcmp(of_second.group_member, TTF_MEMBER_SECOND) != 0 ||
+        (!alone && strcmp(of_second.group_uuid, of_first.uuid) != 0))
+        return foreign(second, err);
+    r = ttf_reader_open(io, second, &reader, err);
+    if (r < 0)
+        return r;
+    begun = ttf_reader_summary(reader)->n_segments > 0;
+    sealed = ttf_reader_summary(reader)->sealed;
+    ttf_reader_close(reader);
+    /* The first one's disk may be gone. If the run had ended, this is rather another one, by the same name. */
+    if (alone && (!begun || sealed))
+        return foreign(second, err);
+    return begun ? 1 : 0;
+}
+
+int ttf_second_manifest(const struct ttf_manifest *first, struct ttf_manifest *ret,
+                        struct ttf_err *err)
+{
+    struct ttf_manifest fresh;
+    int r = ttf_manifest_init(&fresh, err);
+
+    if (r < 0)
+        return r;
+    *ret = *first;
+    memcpy(ret->group_uuid, ret->uuid, sizeof(ret->group_uuid)); /* ret may be first */
+    memcpy(ret->uuid, fresh.uuid, sizeof(ret->uuid));
+    snprintf(ret->group_member, sizeof(ret->group_member), "%s", TTF_MEMBER_SECOND);
+    return 0;
+}
+
+int ttf_second_open(struct ttf_io *io, const char *path, const struct ttf_manifest *manifest,
+                    const char *yaml, const char *json, struct ttf_writer **ret,
+                    struct ttf_err *err)
+{
+    struct ttf_writer *writer;
+    struct ttf_manifest there;
+    int r;
+
+    if (ttf_manifest_load(io, path, &there, NULL) < 0)
+        return ttf_writer_create(io, path, manifest, yaml, json, ret, err);
+    r = ttf_writer_open(io, path, &writer, err);
+    if (r < 0)
+        return r;
+    if (strcmp(there.group_uuid, manifest->group_uuid) != 0 ||
+        ttf_writer_state(writer)->n_segments > 0) {
+        ttf_writer_abandon(writer);
+        return foreign(path, err);
+    }
+    *ret = writer;
+    return 0;
+}
+
+int ttf_second_state_of(struct ttf_io *io, const char *first, struct ttf_writer_state *ret,
+                        struct ttf_manifest *ret_manifest, struct ttf_err *err)
+{
+    struct ttf_writer_state state = {.last_due_ns = TTF_NS_UNKNOWN};
+    const struct ttf_reader_summary *summary;
+    struct ttf_reader *reader;
+    int r = ttf_reader_open(io, first, &reader, err);
+
+    if (r < 0)
+        return r;
+    summary = ttf_reader_summary(reader);
+    state.next_index = summary->slots > 0 ? summary->last_index + 1 : 0;
+    state.n_segments = summary->n_segments;
+    state.n_plans = summary->n_plans;
+    state.sealed = summary->sealed;
+    memcpy(state.counts, summary->counts, sizeof(state.counts));
+    if (state.n_segments > 0)
+        r = ttf_reader_segment(reader, state.n_segments - 1, &state.last_segment);
+    *ret_manifest = *ttf_reader_manifest(reader);
+    ttf_reader_close(reader);
+    if (r == 0)
+        *ret = state;
+    return r;
+}

@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What people ask of a run that lives (ttf/capture/control.h). Loop thread. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "asks.h"
+#include "plan_change.h"
+#include "session_private.h"
+
+/* From hearing of another interval to the first lamp command on the new grid. */
+#define READY_MARGIN_NS TTF_NS_PER_S
+
+/* The first slot due at or after an instant: how many come before it. */
+static int count_until(const struct ttf_session *s, int64_t until_utc_ns, int64_t *ret,
+                       struct ttf_err *err)
+{
+    struct ttf_utc utc;
+
+    ttf_clock_utc(s->box->clock, &utc);
+    if (utc.trust == TTF_TRUST_NONE)
+        return ttf_err_set(err, -EINVAL, "until",
+                           "nobody vouches for this box's clock, so an instant means nothing");
+    *ret = ttf_grid_index_at(&s->grid, utc.boot_ns + (until_utc_ns - utc.utc_ns));
+    return 0;
+}
+
+static int changed_plan(const struct ttf_session *s, const struct ttf_ask *ask, int64_t index,
+                        struct ttf_plan *ret, struct ttf_plan_figures *ret_figures,
+                        struct ttf_err *err)
+{
+    struct ttf_ask as = *ask;
+    int r = 0;
+
+    if (ask->kind == TTF_ASK_UNTIL) {
+        as.kind = TTF_ASK_COUNT;
+        r = count_until(s, ask->until_utc_ns, &as.count, err);
+    }
+    if (r == 0)
+        r = ttf_plan_changed(&s->plan, &as, index, ret, err);
+    if (r == 0)
+        r = ttf_plan_check(ret, s->box, ret_figures, err);
+    return r;
+}
+
+/* The segment that the changed plan begins. Its UTC is that of the one before: the same boot, the same clock. */
+static void next_segment(const struct ttf_session *s, const struct ttf_grid *grid,
+                         struct ttf_segment *ret)
+{
+    *ret = s->pulse.segment;
+    ret->segment = s->segment + 1;
+    ret->first_index = grid->first_index;
+    ret->origin_ns = grid->origin_ns;
+    ret->interval_ns = grid->interval_ns;
+    if (ret->origin_utc_ns != TTF_NS_UNKNOWN)
+        ret->origin_utc_ns += grid->origin_ns - s->pulse.segment.origin_ns;
+    ret->plan = s->next_plan;
+    ret->gap_ns = 0;
+    ret->corrects = false;
+}
+
+static void adopt(struct ttf_session *s, const struct ttf_plan *plan,
+                  const struct ttf_plan_figures *figures, const struct ttf_grid *grid,
+                  const struct ttf_segment *segment)
+{
+    s->plan = *plan;
+    s->figures = *figures;
+    s->grid = *grid;
+    s->segment = segment->segment;
+    s->next_plan++;
+    ttf_pulse_next_segment(&s->pulse, segment);
+}
+
+static void tell_change(struct ttf_session *s, const struct ttf_plan *before, int64_t index)
+{
+    const struct ttf_plan *plan = &s->plan;
+    char what[120];
+    int n = 0;
+
+    what[0] = '\0';
+    if (plan->interval_ns != before->interval_ns)
+        n += snprintf(what, sizeof(what), ", interval %g s instead of %g s",
+                      (double)plan->interval_ns / 1e9, (double)before->interval_ns / 1e9);
+    if (plan->count != before->count)
+        n += snprintf(what + n, sizeof(what) - (size_t)n, ", %lld slots instead of %lld",
+                      (long long)plan->count, (long long)before->count);
+    if (plan->day_ns != before->day_ns || plan->period_ns != before->period_ns ||
+        plan->phase_ns != before->phase_ns)
+        snprintf(what + n, sizeof(what) - (size_t)n, ", another photoperiod");
+    ttf_events_emit(&s->events, "plan", "plan %d is in force from slot %lld on%s",
+                    s->pulse.segment.plan, (long long)index, what);
+}
+
+/* Everything is made before anything is changed: what fails leaves the old plan in force. */
+static int change_plan(struct ttf_session *s, const struct ttf_ask *ask, int64_t number,
+                       int64_t index, struct ttf_err *err)
+{
+    const struct ttf_plan before = s->plan;
+    struct ttf_lamp_programme programme;
+    struct ttf_plan_figures figures;
+    struct ttf_plan_change *change;
+    struct ttf_segment segment;
+    struct ttf_plan plan;
+    struct ttf_grid grid;
+    int r = changed_plan(s, ask, index, &plan, &figures, err);
+
+    if (r == 0 && !(plan.photoperiod_local && ttf_plan_same(&plan, &before)))
+        r = ttf_session_resolve_phase(&plan, ttf_utc_watch_at(&s->pulse.utc, s->slot0_ns), err);
+    if (r == 0)
+        r = ttf_lamp_programme_init(&programme, &plan, s->box->lamps, s->slot0_ns, err);
+    if (r < 0)
+        return r;
+    programme.begin_ns = s->programme.begin_ns;
+    grid = ttf_grid_changed(&s->grid, index, plan.interval_ns,
+                            ttf_clock_now_ns(s->box->clock) + s->lead_ns + READY_MARGIN_NS);
+    change = ttf_plan_change_new(&plan, ask->kind == TTF_ASK_PLAN ? ask->plan_yaml : NULL);
+    if (!change)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    change->ask = number;
+    change->slot_bytes = figures.slot_bytes;
+    next_segment(s, &grid, &segment);
+    change->segment = segment;
+    r = ttf_session_hand_over_change(s, change);
+    if (r < 0)
+        return ttf_err_set(err, r, NULL, "no memory");
+    s->programme = programme;
+    adopt(s, &plan, &figures, &grid, &segment);
+    tell_change(s, &before, index);
+    return 0;
+}
+
+static int take_note(struct ttf_session *s, struct ttf_note *note, int64_t number,
+                     struct ttf_err *err)
+{
+    struct ttf_job *job;
+    int r = ttf_note_check(note, err);
+
+    if (r < 0)
+        return r;
+    job = ttf_job_new(TTF_JOB_NOTE);
+    if (!job)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    if (note->utc_ns == TTF_NS_UNKNOWN)
+        note->utc_ns = ttf_utc_watch_at(&s->pulse.utc, ttf_clock_now_ns(s->box->clock));
+    job->note = note;
+    job->ask = number;
+    ttf_queue_push(&s->queue, job);
+    return 0;
+}
+
+static void pause_run(struct ttf_session *s, const struct ttf_ask *ask, int64_t index)
+{
+    s->paused = true;
+    snprintf(s->pause_reason, sizeof(s->pause_reason), "%s",
+             ask->reason[0] ? ask->reason : TTF_REASON_PAUSED);
+    ttf_events_emit(&s->events, "pause", "from slot %lld on: %s", (long long)index,
+                    s->pause_reason);
+}
+
+static void continue_run(struct ttf_session *s, int64_t index)
+{
+    if (s->paused)
+        ttf_events_emit(&s->events, "pause", "over: slot %lld is captured again", (long long)index);
+    s->paused = false;
+}
+
+/* One ask. 0; -ECANCELED: to stop. What is on its way to the disk is answered when it is there. */
+static int obey(struct ttf_session *s, struct ttf_ask *ask, int64_t number, int64_t index)
+{
+    struct ttf_err err = {0};
+    bool answer = true;
+    int r = 0;
+
+    switch (ask->kind) {
+    case TTF_ASK_STOP:
+        ttf_asks_answer(s->config->control, number, 0, NULL);
+        return -ECANCELED;
+    case TTF_ASK_PAUSE:
+        pause_run(s, ask, index);
+        break;
+    case TTF_ASK_CONTINUE:
+        continue_run(s, index);
+        break;
+    case TTF_ASK_NOTE:
+        r = take_note(s, &ask->note, number, &err);
+        answer = r < 0;
+        break;
+    default:
+        r = change_plan(s, ask, number, index, &err);
+        answer = r < 0;
+        break;
+    }
+    if (answer)
+        ttf_asks_answer(s->config->control, number, r, &err);
+    return 0;
+}
+
+int ttf_session_hear(struct ttf_session *s, int64_t index)
+{
+    struct ttf_ask *ask;
+    int64_t number = 0;
+    int r = 0;
+
+    s->pulse.next_index = index;
+    while (r == 0 && (ask = ttf_asks_take(s->config->control, index, &number)))
+        r = obey(s, ask, number, index);
+    return r;
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * timeline.h: a run's own time over its segments: what a photoperiod counts in. From slot 0 on; within a
+ * boot by its clock, over a boot by slots, so that an outage of unknown length counts as none. Pure.
+ */
+#ifndef TTF_CAPTURE_PRIVATE_TIMELINE_H
+#define TTF_CAPTURE_PRIVATE_TIMELINE_H
+
+#include "ttf/base/attr.h"
+#include "ttf/dataset/reader.h"
+
+/* Time from where slot 0 was, or would have been, due to where the last of n segments begins. */
+int64_t ttf_timeline_elapsed_ns(const struct ttf_segment *segments, int n);
+
+/* What the first segment of a dataset that goes on with a run says of the run's time: 0 where it goes without saying. */
+int64_t ttf_timeline_run_ns(const struct ttf_segment *segment, int64_t slot0_ns);
+
+/* UTC of slot 0, by the last of n segments that knows; TTF_NS_UNKNOWN. */
+int64_t ttf_timeline_slot0_utc_ns(const struct ttf_segment *segments, int n);
+
+/* The segments of a dataset in order, as corrected; to be freed. *ret_n may be 0, *ret NULL then. */
+TTF_MUST_USE int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **ret,
+                                   int *ret_n, struct ttf_err *err);
+
+#endif

@@ -1,0 +1,604 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Storage that fails for good: the run goes on in the plan's second one, or stops with an alarm; on a full disk. */
+#include "cmocka_includes.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "sim_run.h"
+#include "ttf/dataset/verify.h"
+
+/* What the first storage does from slot `fails_from` on. */
+static int fails_with;
+static int64_t fails_from, fails_until;
+static const char *fails_op; /* NULL: any */
+static int64_t committed;    /* slots told */
+static unsigned alarms;
+static char alarm_text[512];
+
+static void watch(struct sim_run *run, const struct ttf_progress *progress)
+{
+    (void)run;
+    if (progress->kind == TTF_PROGRESS_SLOT)
+        committed = progress->index + 1;
+    if (progress->kind == TTF_PROGRESS_ALARM) {
+        alarms++;
+        snprintf(alarm_text, sizeof(alarm_text), "%.500s", progress->text);
+    }
+}
+
+static int fail_first(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    if (strstr(path, "/second") || committed < fails_from || committed >= fails_until)
+        return 0;
+    return !fails_op || strcmp(op, fails_op) == 0 ? fails_with : 0;
+}
+
+static void with_second(struct sim_run *run)
+{
+    char path[96];
+
+    sim_run_init(run);
+    snprintf(path, sizeof(path), "%s/second", run->folder);
+    assert_int_equal(mkdir(path, 0755), 0);
+    snprintf(run->plan.second_storage, sizeof(run->plan.second_storage), "%s", path);
+    run->on_progress = watch;
+    run->fault = fail_first;
+    committed = 0;
+    alarms = 0;
+    fails_with = 0;
+    fails_from = 2;
+    fails_until = INT64_MAX;
+    fails_op = NULL;
+}
+
+/* The run as it stands in the second storage. */
+static struct sim_run second_of(const struct sim_run *run)
+{
+    struct sim_run second = *run;
+
+    snprintf(second.path, sizeof(second.path), "%s/second/dataset", run->folder);
+    return second;
+}
+
+/* Results by index, '-' where the dataset has none. */
+static void results_of(const struct sim_run *run, char ret[32])
+{
+    struct ttf_reader *reader;
+
+    memset(ret, '-', 31);
+    ret[31] = '\0';
+    if (ttf_reader_open(ttf_io_posix(), run->path, &reader, NULL) < 0)
+        return;
+    for (int64_t i = 0; i < ttf_reader_summary(reader)->slots; i++) {
+        struct ttf_slot_record record;
+
+        assert_int_equal(ttf_reader_slot(reader, i, &record, NULL), 0);
+        assert_in_range(record.index, 0, 30);
+        ret[record.index] = "cpmfzw"[record.result];
+        ttf_slot_record_free(&record);
+    }
+    ttf_reader_close(reader);
+}
+
+/* Each slot in one of the two, and only one; all of these results. */
+static void expect_both(const struct sim_run *run, const char *letters)
+{
+    struct sim_run second = second_of(run);
+    char first[32], other[32], all[32];
+
+    results_of(run, first);
+    results_of(&second, other);
+    for (int i = 0; i < 31; i++) {
+        assert_true(first[i] == '-' || other[i] == '-');
+        all[i] = first[i] == '-' ? other[i] : first[i];
+    }
+    all[31] = '\0';
+    all[strcspn(all, "-")] = '\0';
+    assert_string_equal(all, letters);
+}
+
+static void expect_undamaged(const struct sim_run *run, bool sealed)
+{
+    struct ttf_verify_options options = {.deep = true};
+    struct ttf_verify_report report;
+
+    assert_int_equal(ttf_verify(ttf_io_posix(), run->path, &options, &report, NULL), 0);
+    for (unsigned i = 0; i < report.n_findings; i++)
+        print_message("verify: %s: %s: %s\n", ttf_severity_name(report.findings[i].severity),
+                      report.findings[i].file, report.findings[i].text);
+    assert_false(report.damaged);
+    assert_int_equal(report.sealed, sealed);
+    ttf_verify_report_free(&report);
+}
+
+static void expect_group(const struct sim_run *run)
+{
+    struct sim_run second = second_of(run);
+    struct ttf_manifest a, b;
+
+    assert_int_equal(ttf_manifest_load(ttf_io_posix(), run->path, &a, NULL), 0);
+    assert_int_equal(ttf_manifest_load(ttf_io_posix(), second.path, &b, NULL), 0);
+    assert_string_equal(a.group_uuid, a.uuid);
+    assert_string_equal(a.group_member, "first");
+    assert_string_equal(b.group_uuid, a.uuid);
+    assert_string_equal(b.group_member, "second");
+    assert_string_not_equal(b.uuid, a.uuid);
+}
+
+static int64_t utc_of(const struct sim_run *run, int64_t index)
+{
+    struct ttf_slot_record record;
+    struct ttf_reader *reader;
+    int64_t utc;
+
+    sim_run_record(run, index, &record);
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), run->path, &reader, NULL), 0);
+    utc = ttf_reader_due_utc_ns(reader, &record);
+    ttf_reader_close(reader);
+    ttf_slot_record_free(&record);
+    return utc;
+}
+
+static void expect_second_took_over(struct sim_run *run, const char *why)
+{
+    struct sim_run second = second_of(run);
+
+    assert_int_equal(sim_run_boot(run), 0);
+    assert_true(run->result.sealed);
+    assert_true(run->result.second_storage);
+    assert_int_equal(alarms, 1);
+    assert_non_null(strstr(alarm_text, why));
+    expect_both(run, "cccccc");
+    expect_group(run);
+    expect_undamaged(run, false);
+    expect_undamaged(&second, true);
+    /* The same grid. */
+    assert_int_equal(utc_of(&second, 5) - utc_of(run, 0), 5 * TTF_NS_PER_MIN);
+    assert_int_equal(sim_run_events(&second, "storage", why), 1);
+    assert_true(run->result.error_max_ns < TTF_NS_PER_MS);
+}
+
+static void the_second_storage_takes_over_from_one_that_can_only_be_read(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+
+    (void)state;
+    with_second(&run);
+    fails_with = EROFS;
+    expect_second_took_over(&run, "can only be read");
+    second = second_of(&run);
+    sim_run_expect(&run, "cc");
+    sim_run_expect_flag(&second, 2, "");
+    sim_run_finish(&run);
+}
+
+static void the_second_storage_takes_over_from_one_that_gives_errors(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    fails_with = EIO;
+    expect_second_took_over(&run, "storage error");
+    sim_run_finish(&run);
+}
+
+/* Failed syncs only: the first dataset can still be told. */
+static void after_two_failed_syncs_both_say_why(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    fails_with = EIO;
+    fails_op = "sync_dir";
+    expect_second_took_over(&run, "storage error");
+    assert_int_equal(sim_run_events(&run, "storage", "goes on in the second storage, from slot 2"),
+                     1);
+    sim_run_finish(&run);
+}
+
+static void one_failure_is_no_reason_to_move(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    run.fault = NULL;
+    sim_run_fault(&run, TTF_FAULT_IO_ERROR, 2 * TTF_NS_PER_MIN);
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_false(run.result.second_storage);
+    sim_run_expect(&run, "cccccc");
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+/* A record that cannot be written: the images before it lie in the first dataset, and are fetched. */
+static void images_of_a_slot_without_a_record_come_along(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+    struct ttf_slot_record record;
+
+    (void)state;
+    with_second(&run);
+    fails_with = EROFS;
+    fails_op = "append"; /* of lines; image files are written otherwise */
+    expect_second_took_over(&run, "can only be read");
+    second = second_of(&run);
+    sim_run_record(&second, 2, &record);
+    assert_int_equal(record.images[0].n_files, 2);
+    ttf_slot_record_free(&record);
+    sim_run_finish(&run);
+}
+
+static void without_a_second_storage_the_run_stops_with_an_alarm(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    run.plan.second_storage[0] = '\0';
+    fails_with = EROFS;
+    assert_int_equal(sim_run_boot(&run), -EROFS);
+    assert_int_equal(run.err.code, -EROFS);
+    assert_true(run.err.what[0] != '\0');
+    assert_int_equal(alarms, 1);
+    assert_non_null(strstr(alarm_text, "names no second storage"));
+    sim_run_expect(&run, "cc");
+    expect_undamaged(&run, false);
+    /* Mended, it is gone on with. */
+    fails_with = 0;
+    run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    expect_undamaged(&run, true);
+    sim_run_finish(&run);
+}
+
+static void both_storages_may_fail(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    fails_with = EROFS;
+    /* Nothing can be made there either. */
+    snprintf(run.plan.second_storage, sizeof(run.plan.second_storage), "%s/dataset", run.path);
+    assert_int_equal(sim_run_boot(&run), -EROFS);
+    assert_non_null(strstr(alarm_text, "second storage cannot be used"));
+    sim_run_expect(&run, "cc");
+    expect_undamaged(&run, false);
+    sim_run_finish(&run);
+}
+
+/* ---- gone on with ---- */
+
+static void a_run_that_has_moved_on_resumes_there(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+
+    (void)state;
+    with_second(&run);
+    run.plan.count = 8;
+    fails_with = EIO;
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 3 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S)->amount = 130;
+    assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
+    fails_with = 0; /* as good as new: it is not gone back to */
+    run.config.power_on_ns = run.back_ns;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_true(run.result.second_storage);
+    second = second_of(&run);
+    sim_run_expect(&run, "cc");
+    expect_both(&run, "ccccwwcc");
+    sim_run_expect_reason(&second, 4, "the box was without power");
+    expect_undamaged(&run, false);
+    expect_undamaged(&second, true);
+    sim_run_finish(&run);
+}
+
+static void a_storage_that_came_back_read_only_is_gone_on_from_in_the_second(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+
+    (void)state;
+    with_second(&run);
+    run.plan.count = 8;
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 3 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S)->amount = 130;
+    assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
+    fails_with = EROFS;
+    run.config.power_on_ns = run.back_ns;
+    if (sim_run_boot(&run) < 0)
+        print_error("%s: %s\n", run.err.where, run.err.what);
+    assert_int_equal(run.code, 0);
+    second = second_of(&run);
+    sim_run_expect(&run, "cccc");
+    expect_both(&run, "ccccwwcc");
+    expect_group(&run);
+    assert_int_equal(utc_of(&second, 7) - utc_of(&run, 0), 7 * TTF_NS_PER_MIN);
+    expect_undamaged(&second, true);
+    sim_run_finish(&run);
+}
+
+/* The first disk is not there at all any more. */
+static void the_second_dataset_is_enough_to_go_on_with(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+    char away[128];
+
+    (void)state;
+    with_second(&run);
+    run.plan.count = 8;
+    fails_with = EIO;
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 3 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S);
+    assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
+    snprintf(away, sizeof(away), "%s.away", run.path);
+    assert_int_equal(rename(run.path, away), 0);
+    run.config.power_on_ns = run.back_ns;
+    assert_int_equal(sim_run_boot(&run), 0);
+    second = second_of(&run);
+    assert_int_equal(rename(away, run.path), 0);
+    expect_both(&run, "ccccwccc");
+    expect_undamaged(&second, true);
+    sim_run_finish(&run);
+}
+
+static void a_dataset_of_another_run_in_the_second_storage_is_left_alone(void **state)
+{
+    struct sim_run run;
+    struct sim_run other;
+
+    (void)state;
+    with_second(&run);
+    other = second_of(&run);
+    other.plan.second_storage[0] = '\0';
+    assert_int_equal(sim_run_boot(&other), 0);
+    assert_int_equal(sim_run_boot(&run), -EEXIST);
+    assert_non_null(strstr(run.err.what, "not of this run"));
+    sim_run_expect_whole(&other, true);
+    sim_run_finish(&run);
+}
+
+/* A change of plan, then the move: numbers of segments and plans begin anew, the grid does not. */
+static void a_changed_plan_moves_too(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+    struct ttf_slot_record record;
+
+    (void)state;
+    with_second(&run);
+    run.plan.count = 10;
+    run.control = ttf_control_create();
+    for (int64_t at = 1; at <= 5; at += 4)
+        assert_true(ttf_control_ask(run.control, &(struct ttf_ask){
+                                                     .kind = TTF_ASK_INTERVAL,
+                                                     .from_index = at,
+                                                     .interval_ns = (at + 29) * TTF_NS_PER_S}) > 0);
+    fails_from = 3;
+    fails_with = EROFS;
+    assert_int_equal(sim_run_boot(&run), 0);
+    second = second_of(&run);
+    expect_both(&run, "cccccccccc");
+    expect_undamaged(&second, true);
+    sim_run_record(&second, 3, &record);
+    assert_int_equal(record.segment, 0);
+    ttf_slot_record_free(&record);
+    sim_run_record(&second, 9, &record);
+    assert_int_equal(record.segment, 1);
+    ttf_slot_record_free(&record);
+    assert_int_equal(utc_of(&second, 4) - utc_of(&run, 0), 4 * 30 * TTF_NS_PER_S);
+    assert_int_equal(utc_of(&second, 9) - utc_of(&second, 4), 5 * 34 * TTF_NS_PER_S);
+    ttf_control_destroy(run.control);
+    sim_run_finish(&run);
+}
+
+/* ---- killed at every operation of the move; every fifth, unless TTF_THOROUGH is set ---- */
+
+static unsigned operations, kill_at;
+
+static int fail_and_die(struct sim_run *run, const char *op, const char *path)
+{
+    int error = fail_first(run, op, path);
+
+    if (committed >= fails_from && ++operations == kill_at)
+        _exit(77);
+    return error;
+}
+
+static void killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one(void **state)
+{
+    /* NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread */
+    unsigned step = getenv("TTF_THOROUGH") ? 1 : 5;
+    unsigned kills = 0;
+
+    (void)state;
+    for (unsigned at = 1;; at += step) {
+        struct sim_run run;
+        struct sim_run second;
+        char results[32];
+        int status;
+        pid_t pid;
+
+        with_second(&run);
+        fails_with = EROFS;
+        pid = fork();
+        assert_true(pid >= 0);
+        if (pid == 0) {
+            kill_at = at;
+            run.fault = fail_and_die;
+            run.plan.count = 3;
+            _exit(sim_run_boot(&run) == 0 ? 0 : 1);
+        }
+        assert_int_equal(waitpid(pid, &status, 0), pid);
+        assert_true(WIFEXITED(status));
+        if (WEXITSTATUS(status) == 77) {
+            kills++;
+            second = second_of(&run);
+            committed = 2; /* the first disk still fails */
+            run.config.power_on_ns = 150 * TTF_NS_PER_S;
+            run.plan.count = 4;
+            assert_int_equal(sim_run_boot(&run), 0);
+            sim_run_expect(&run, "cc");
+            results_of(&second, results);
+            assert_memory_equal(results, "--", 2);
+            assert_true(results[2] == 'c' || results[2] == 'w');
+            assert_true(results[3] == 'c' && results[4] == '-');
+            expect_group(&run);
+            expect_undamaged(&run, false);
+            expect_undamaged(&second, true);
+        }
+        sim_run_finish(&run);
+        if (WEXITSTATUS(status) != 77) {
+            assert_int_equal(WEXITSTATUS(status), 0);
+            break;
+        }
+    }
+    print_message("killed %u times\n", kills);
+    assert_true(kills > 90 / step);
+}
+
+/* ---- a full disk ---- */
+
+static void make_previews(const struct sim_run *run)
+{
+    char path[160];
+
+    snprintf(path, sizeof(path), "%s/preview", run->path);
+    assert_int_equal(mkdir(path, 0755), 0);
+    snprintf(path, sizeof(path), "%s/preview/main", run->path);
+    assert_int_equal(mkdir(path, 0755), 0);
+    for (int i = 0; i < 40; i++) {
+        FILE *f;
+
+        snprintf(path, sizeof(path), "%s/preview/main/%06d.jpg", run->path, i);
+        f = fopen(path, "w");
+        assert_non_null(f);
+        fclose(f);
+    }
+}
+
+static unsigned previews_left(const struct sim_run *run, int from)
+{
+    unsigned n = 0;
+    char path[160];
+
+    for (int i = from; i < 40; i++) {
+        snprintf(path, sizeof(path), "%s/preview/main/%06d.jpg", run->path, i);
+        n += access(path, F_OK) == 0;
+    }
+    return n;
+}
+
+#define RESERVE_BYTES (INT64_C(1) << 20)
+
+/* Each preview that goes makes 10 kB of room. */
+static void previews_hold_room(struct sim_run *run)
+{
+    if (committed >= 2)
+        run->free_bytes = RESERVE_BYTES + (40 - (int64_t)previews_left(run, 0)) * 10000;
+}
+
+static void previews_go_first_oldest_first(void **state)
+{
+    struct sim_run run;
+    unsigned left;
+
+    (void)state;
+    with_second(&run);
+    run.plan.reserve_bytes = RESERVE_BYTES;
+    assert_int_equal(ttf_control_waiting(run.control = ttf_control_create()), 0);
+    assert_true(
+        ttf_control_ask(run.control, &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 1}) > 0);
+    assert_int_equal(sim_run_boot(&run), 0);
+    make_previews(&run);
+    run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
+    run.on_file = previews_hold_room;
+    if (sim_run_boot(&run) < 0)
+        print_error("%s: %s\n", run.err.where, run.err.what);
+    sim_run_expect(&run, "cccccc");
+    assert_false(run.result.second_storage);
+    left = previews_left(&run, 0);
+    assert_in_range(left, 1, 39);
+    assert_int_equal(previews_left(&run, 40 - (int)left), left); /* the newest ones */
+    assert_true(sim_run_events(&run, "disk", "preview/ were removed") >= 1);
+    sim_run_expect_whole(&run, true);
+    ttf_control_destroy(run.control);
+    sim_run_finish(&run);
+}
+
+static void full_from_slot_2_on(struct sim_run *run, const struct ttf_progress *progress)
+{
+    watch(run, progress);
+    if (committed >= 2)
+        run->free_bytes = 1000;
+}
+
+static void a_full_disk_is_left_for_the_second_storage(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+
+    (void)state;
+    with_second(&run);
+    run.plan.reserve_bytes = RESERVE_BYTES;
+    run.on_progress = full_from_slot_2_on;
+    assert_int_equal(sim_run_boot(&run), 0);
+    second = second_of(&run);
+    sim_run_expect(&run, "cc");
+    expect_both(&run, "cccccc");
+    assert_int_equal(sim_run_events(&run, "storage", "less room than the reserve"), 1);
+    assert_int_equal(sim_run_events(&second, "storage", "less room than the reserve"), 1);
+    expect_undamaged(&second, true);
+    sim_run_finish(&run);
+}
+
+static void without_one_capture_stops_before_the_reserve(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    run.plan.second_storage[0] = '\0';
+    run.plan.reserve_bytes = RESERVE_BYTES;
+    run.on_progress = full_from_slot_2_on;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "ccmmmm");
+    sim_run_expect_reason(&run, 5, "disk full");
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_second_storage_takes_over_from_one_that_can_only_be_read),
+        cmocka_unit_test(the_second_storage_takes_over_from_one_that_gives_errors),
+        cmocka_unit_test(after_two_failed_syncs_both_say_why),
+        cmocka_unit_test(one_failure_is_no_reason_to_move),
+        cmocka_unit_test(images_of_a_slot_without_a_record_come_along),
+        cmocka_unit_test(without_a_second_storage_the_run_stops_with_an_alarm),
+        cmocka_unit_test(both_storages_may_fail),
+        cmocka_unit_test(a_run_that_has_moved_on_resumes_there),
+        cmocka_unit_test(a_storage_that_came_back_read_only_is_gone_on_from_in_the_second),
+        cmocka_unit_test(the_second_dataset_is_enough_to_go_on_with),
+        cmocka_unit_test(a_dataset_of_another_run_in_the_second_storage_is_left_alone),
+        cmocka_unit_test(a_changed_plan_moves_too),
+        cmocka_unit_test(killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one),
+        cmocka_unit_test(previews_go_first_oldest_first),
+        cmocka_unit_test(a_full_disk_is_left_for_the_second_storage),
+        cmocka_unit_test(without_one_capture_stops_before_the_reserve),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
