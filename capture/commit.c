@@ -79,7 +79,7 @@ static int try_file(struct ttf_committer *c, struct ttf_darkroom *room, const ch
     int r;
 
     if (!c->writer)
-        return -EIO;
+        return c->away < 0 ? c->away : -EIO;
     r = ttf_darkroom_print(room, c->writer, role, print, &err);
     if (r == 0 || r == -ENOSPC || r == -EROFS || ttf_committer_power_lost(c))
         return r;
@@ -397,9 +397,7 @@ void ttf_committer_end(struct ttf_committer *committer, struct ttf_pulse *pulse)
     }
     ttf_queue_push(committer->queue, job);
     /* The last slots may take as long as they do: the loop keeps an eye on clock and watchdog. */
-    if (ttf_pulse_gate(pulse, committer->queue->done, TTF_NS_NEVER) < 0)
-        while (ttf_gate_wait(committer->queue->done, TTF_NS_NEVER) < 0)
-            ;
+    ttf_pulse_last_gate(pulse, committer->queue->done);
     pthread_join(committer->thread, NULL);
     pthread_mutex_destroy(&committer->progress_mutex);
     committer->running = false;

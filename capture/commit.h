@@ -44,6 +44,7 @@ struct ttf_committer {
     /* the committer's until join */
     bool doubt;                /* a sync failed, and the dataset was not opened anew since */
     struct ttf_writer *writer; /* NULL while the dataset cannot be opened; owned by the session */
+    int away;                  /* why it cannot */
     struct ttf_ledger ledger;
     /* the plan and segment in force on the disk, by the session's numbers; NULL before there is one; owned */
     struct ttf_plan_change *in_force;

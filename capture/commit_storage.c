@@ -44,13 +44,13 @@ void ttf_committer_drop_lost_files(struct ttf_committer *c, struct ttf_slot_reco
 /* After a write that failed nobody knows what is on the disk: open it anew, which repairs what it must. */
 int ttf_committer_reopen(struct ttf_committer *c)
 {
+    struct ttf_writer *old = c->writer;
     struct ttf_err err = {0};
     int r;
 
-    struct ttf_writer *old = c->writer;
-
     c->writer = NULL;
     r = ttf_writer_open_anew(c->io, c->path, old, &c->doubt, &c->writer, &err);
+    c->away = r;
     if (r < 0)
         return r;
     for (struct ttf_slot_work *work = c->pending; work; work = work->next)

@@ -217,6 +217,19 @@ int ttf_pulse_gate(struct ttf_pulse *pulse, struct ttf_gate *gate, int64_t deadl
     }
 }
 
+void ttf_pulse_last_gate(struct ttf_pulse *pulse, struct ttf_gate *gate)
+{
+    for (;;) {
+        int64_t until = tick_end(pulse, TTF_NS_NEVER);
+
+        /* Even a run that failed is brought to its end alive; one without power has nothing left to feed. */
+        if (ttf_pulse_beat(pulse, until) == -ESHUTDOWN)
+            ttf_pulse_end(pulse);
+        if (ttf_gate_wait(gate, until) == 0)
+            return;
+    }
+}
+
 int ttf_pulse_next(struct ttf_pulse *pulse, struct ttf_camera *camera, int64_t deadline_ns,
                    struct ttf_frame **ret_frame, struct ttf_err *err)
 {

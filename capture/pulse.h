@@ -78,6 +78,9 @@ TTF_MUST_USE int ttf_pulse_wait(struct ttf_pulse *pulse, int64_t deadline_ns, bo
 TTF_MUST_USE int ttf_pulse_gate(struct ttf_pulse *pulse, struct ttf_gate *gate,
                                 int64_t deadline_ns);
 
+/* Waits until the gate opens, beating all the while, whatever ended the run. */
+void ttf_pulse_last_gate(struct ttf_pulse *pulse, struct ttf_gate *gate);
+
 /* ttf_camera_next, cut into ticks; its results, or as beat. */
 TTF_MUST_USE int ttf_pulse_next(struct ttf_pulse *pulse, struct ttf_camera *camera,
                                 int64_t deadline_ns, struct ttf_frame **ret_frame,

@@ -86,6 +86,9 @@ static void get_hot(struct loader *loader, const json_t *array, struct ttf_calib
         loader->r = ttf_err_set(loader->err, -ENOMEM, loader->where, "no memory");
         return;
     }
+    for (size_t i = 0; i < n; i++)
+        if (!json_is_integer(json_array_get(array, i)))
+            complain(loader, "hot", "holds no pairs of x and y");
     for (size_t i = 0; i < n / 2; i++) {
         json_int_t x = json_integer_value(json_array_get(array, 2 * i));
         json_int_t y = json_integer_value(json_array_get(array, 2 * i + 1));

@@ -31,10 +31,19 @@ void ttf_guardian_init(struct ttf_guardian *g, const struct ttf_lamp_info *info,
     for (unsigned i = 0; i < g->n; i++) {
         g->info[i] = info[i];
         g->lamp[i].on_since_ns = TTF_NS_UNKNOWN;
+        /* What was before is not known: it may have been switched off for being hot. */
+        if (watched(&info[i]))
+            g->lamp[i].heat = TTF_TRIP_TEMP_MISSING;
     }
     g->now_ns = now_ns;
     g->lease_until_ns = now_ns;
     g->temp_at_ns = now_ns;
+}
+
+void ttf_guardian_assume_used(struct ttf_guardian *g)
+{
+    for (unsigned i = 0; i < g->n; i++)
+        duty_record(&g->info[i], &g->lamp[i], g->now_ns - duty_limit_ns(&g->info[i]), g->now_ns);
 }
 
 static void turn_off(struct ttf_guardian *g, unsigned i)
@@ -50,10 +59,18 @@ static void turn_off(struct ttf_guardian *g, unsigned i)
     lamp->actual_permille = 0;
 }
 
+/* Whatever else keeps it dark in the meantime, it has to cool first. */
+static void note_heat(struct ttf_guardian *g, unsigned i, enum ttf_lamp_trip why)
+{
+    if (why == TTF_TRIP_TEMP || why == TTF_TRIP_TEMP_MISSING)
+        g->lamp[i].heat = why;
+}
+
 static void trip(struct ttf_guardian *g, unsigned i, enum ttf_lamp_trip why)
 {
     turn_off(g, i);
     g->lamp[i].trip = why;
+    note_heat(g, i, why);
 }
 
 /* The next instant at which a limit of this lit lamp strikes; the lease apart. */
@@ -189,9 +206,8 @@ void ttf_guardian_release(struct ttf_guardian *g, int64_t now_ns)
     }
 }
 
-/* What would keep lamp i dark now, given why it tripped last. */
-static enum ttf_lamp_trip obstacle(const struct ttf_guardian *g, unsigned i,
-                                   enum ttf_lamp_trip tripped)
+/* What would keep lamp i dark now; a trip that takes a person apart. */
+static enum ttf_lamp_trip obstacle(const struct ttf_guardian *g, unsigned i)
 {
     const struct ttf_lamp_info *info = &g->info[i];
 
@@ -204,9 +220,8 @@ static enum ttf_lamp_trip obstacle(const struct ttf_guardian *g, unsigned i,
             return TTF_TRIP_TEMP_MISSING;
         if (g->temp_known && g->temp_mdegc > limit)
             return TTF_TRIP_TEMP;
-        if ((tripped == TTF_TRIP_TEMP || tripped == TTF_TRIP_TEMP_MISSING) &&
-            (!g->temp_known || g->temp_mdegc >= limit - info->hysteresis_mdegc))
-            return tripped;
+        if (g->lamp[i].heat != TTF_TRIP_NONE)
+            return g->lamp[i].heat;
     }
     if (duty_limited(info) && duty_used_ns(info, &g->lamp[i], g->now_ns) >= duty_limit_ns(info))
         return TTF_TRIP_MAX_DUTY;
@@ -229,8 +244,9 @@ int ttf_guardian_set(struct ttf_guardian *g, int64_t now_ns, unsigned i, unsigne
         return -ESTALE;
     lamp->commanded_permille = permille;
     if (lamp->on_since_ns == TTF_NS_UNKNOWN) {
-        why = lamp->trip == TTF_TRIP_MAX_ON ? TTF_TRIP_MAX_ON : obstacle(g, i, lamp->trip);
+        why = lamp->trip == TTF_TRIP_MAX_ON ? TTF_TRIP_MAX_ON : obstacle(g, i);
         lamp->trip = why;
+        note_heat(g, i, why);
         if (why != TTF_TRIP_NONE)
             return -EPERM;
         lamp->on_since_ns = g->now_ns;
@@ -246,10 +262,16 @@ void ttf_guardian_temp_through(struct ttf_guardian *g, int64_t now_ns, int64_t u
     g->temp_known = true;
     g->temp_mdegc = temp_mdegc;
     g->temp_at_ns = until_ns > g->now_ns ? until_ns : g->now_ns;
-    for (unsigned i = 0; i < g->n; i++)
-        if (g->lamp[i].actual_permille > 0 && watched(&g->info[i]) &&
-            temp_mdegc > g->info[i].max_temp_mdegc)
+    for (unsigned i = 0; i < g->n; i++) {
+        int64_t limit = g->info[i].max_temp_mdegc;
+
+        if (!watched(&g->info[i]))
+            continue;
+        if (temp_mdegc < limit - g->info[i].hysteresis_mdegc)
+            g->lamp[i].heat = TTF_TRIP_NONE;
+        if (g->lamp[i].actual_permille > 0 && temp_mdegc > limit)
             trip(g, i, TTF_TRIP_TEMP);
+    }
 }
 
 void ttf_guardian_temp(struct ttf_guardian *g, int64_t now_ns, int32_t temp_mdegc)
@@ -273,7 +295,7 @@ int ttf_guardian_clear(struct ttf_guardian *g, int64_t now_ns, unsigned i)
         return 0;
     if (g->lamp[i].trip == TTF_TRIP_LEASE && !g->leased)
         return -EPERM;
-    if (obstacle(g, i, g->lamp[i].trip) != TTF_TRIP_NONE)
+    if (obstacle(g, i) != TTF_TRIP_NONE)
         return -EPERM;
     g->lamp[i].trip = TTF_TRIP_NONE;
     return 0;

@@ -201,6 +201,10 @@ void sim_world_init(struct sim_box *box, int64_t now_ns)
     box->world_ns = now_ns;
     sim_light_init(&box->light, &box->config, &box->faults, sim_box_elapsed(box, now_ns));
     ttf_guardian_init(&box->guardian, info, box->config.n_lamps, now_ns);
+    if (box->config.power_on_ns > 0)
+        ttf_guardian_assume_used(&box->guardian);
+    if (box->temp_sensor >= 0 && !temp_sensor_gone(box, now_ns))
+        ttf_guardian_temp(&box->guardian, now_ns, temp_mdegc(box, now_ns));
     sync_door(box, now_ns);
     sync_light(box, now_ns);
 }

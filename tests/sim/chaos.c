@@ -65,6 +65,19 @@ static void progress(struct sim_run *run, const struct ttf_progress *p)
             p->index >= c->full_from && p->index < c->full_until ? 1 << 20 : (int64_t)1 << 32;
 }
 
+/* A box without power may have waited on for its work; the run saw nothing more. The cut, or earlier. */
+static int64_t cut_ns(const struct chaos *c)
+{
+    const struct ttf_sim_config *config = &c->run.config;
+    int64_t outage = config->outage_ns;
+
+    for (unsigned i = 0; i < config->n_faults; i++)
+        if (config->faults[i].kind == TTF_FAULT_POWER_CUT &&
+            config->faults[i].amount * TTF_NS_PER_S > outage)
+            outage = config->faults[i].amount * TTF_NS_PER_S;
+    return c->run.back_ns - outage;
+}
+
 static void note_boot(struct chaos *c)
 {
     struct chaos_boot *boot = &c->boots[c->n_boots];
@@ -72,6 +85,8 @@ static void note_boot(struct chaos *c)
     snprintf(boot->id, sizeof(boot->id), "%s", ttf_clock_boot_id(c->run.box->clock));
     boot->power_on_ns = c->run.config.power_on_ns;
     boot->ended_ns = c->run.ended_ns;
+    if (c->run.code == -ESHUTDOWN && cut_ns(c) < boot->ended_ns)
+        boot->ended_ns = cut_ns(c);
 }
 
 /* Kills the process between two file operations, when its time has come. */

@@ -134,6 +134,8 @@ int sim_run_boot(struct sim_run *run)
         print_error("box: %s: %s\n", run->err.where, run->err.what);
     assert_int_equal(run->code, 0);
     run->box = &box;
+    if (run->on_box)
+        run->on_box(run);
     run->code = run_session(run, io);
     run->ended_ns = ttf_sim_elapsed_ns(&box, ttf_clock_now_ns(box.clock));
     run->back_ns = ttf_sim_back_ns(&box);

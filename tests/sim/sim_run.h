@@ -23,6 +23,7 @@ struct sim_run {
     /* what the disk says it has (but for a second storage); 0: as it is. May change while running, in on_progress */
     int64_t free_bytes;
     unsigned failing; /* so many file operations from now on give EIO; may be set in on_progress */
+    void (*on_box)(struct sim_run *run);  /* before the session: run->box is there */
     void (*on_file)(struct sim_run *run); /* before each file operation */
     /* what an operation fails with, if it is to: an errno, else 0 */
     int (*fault)(struct sim_run *run, const char *op, const char *path);

@@ -249,6 +249,44 @@ static void a_clock_set_while_the_last_slots_are_written_is_no_outage_either(voi
     }
 }
 
+static void a_run_that_failed_is_brought_to_its_end_without_the_watchdog(void **state)
+{
+    struct sim_run run;
+    int64_t due;
+
+    (void)state;
+    sim_run_init(&run);
+    assert_int_equal(sim_run_boot(&run), 0);
+    due = sim_run_due_ns(&run, 2);
+    again(&run);
+    /* Slots are still being written, for a minute each, when nothing can be written any more. */
+    run.config.cost_commit_ns = 70 * TTF_NS_PER_S;
+    run.plan.count = 12;
+    sim_run_fault(&run, TTF_FAULT_IO_ERROR, due)->duration_ns = TTF_NS_PER_DAY;
+    assert_int_equal(sim_run_boot(&run), -EIO);
+    assert_int_equal(run.bites, 0);
+    sim_run_finish(&run);
+}
+
+static void a_disk_that_stays_full_is_called_full_for_each_slot(void **state)
+{
+    struct sim_run run;
+    int64_t due;
+
+    (void)state;
+    sim_run_init(&run);
+    assert_int_equal(sim_run_boot(&run), 0);
+    due = sim_run_due_ns(&run, 2);
+    again(&run);
+    sim_run_fault(&run, TTF_FAULT_DISK_FULL, due)->duration_ns = 70 * TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "ccffcc");
+    sim_run_expect_reason(&run, 2, "disk full");
+    sim_run_expect_reason(&run, 3, "disk full");
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -263,6 +301,8 @@ int main(void)
         cmocka_unit_test(a_local_day_is_gone_on_with_after_two_cuts_without_a_clock),
         cmocka_unit_test(frames_gone_wrong_alike_while_arming_are_outvoted_by_one_as_asked),
         cmocka_unit_test(a_clock_set_while_the_last_slots_are_written_is_no_outage_either),
+        cmocka_unit_test(a_run_that_failed_is_brought_to_its_end_without_the_watchdog),
+        cmocka_unit_test(a_disk_that_stays_full_is_called_full_for_each_slot),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

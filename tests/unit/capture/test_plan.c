@@ -126,6 +126,84 @@ static void times_beyond_sense_are_refused(void **state)
     refused(&plan, NULL, "count"); /* seventeen thousand years */
 }
 
+/* Whatever a plan's file, or a program that fills the struct, may hold: refused by the field's name. */
+static void every_field_has_its_bounds(void **state)
+{
+    struct ttf_plan good, plan;
+
+    (void)state;
+    good_plan(&good);
+#define REFUSED(where, change)       \
+    do {                             \
+        plan = good;                 \
+        change;                      \
+        refused(&plan, NULL, where); \
+    } while (0)
+    REFUSED("start", plan.start_utc_ns = -1);
+    REFUSED("zone", plan.zone_offset_s = 86401);
+    REFUSED("zone", plan.zone_offset_s = -86401);
+    REFUSED("mains", plan.mains_hz = NAN);
+    REFUSED("mains", plan.mains_hz = -50);
+    REFUSED("mains", plan.mains_hz = 1001);
+    REFUSED("mm_per_px", plan.mm_per_px = -0.1);
+    REFUSED("mm_per_px", plan.mm_per_px = INFINITY);
+    REFUSED("reserve", plan.reserve_bytes = -1);
+    REFUSED("keep", plan.keep = (enum ttf_keep)(TTF_KEEP_BOTH + 1));
+    REFUSED("lamps.mode", plan.lamps = (enum ttf_lamp_mode)(TTF_LAMPS_PHOTOPERIOD + 1));
+    REFUSED("lamps.settle", plan.settle_ns = -1);
+    REFUSED("lamps.settle", plan.settle_ns = TTF_NS_PER_DAY + 1);
+    REFUSED("shots", plan.n_shots = TTF_PLAN_SHOTS_MAX + 1);
+    REFUSED("shots[0].stream", plan.shots[0].stream[0] = '\0');
+    REFUSED("shots[0].stream", strcpy(plan.shots[0].stream, "Main"));
+    REFUSED("shots[0].stream", strcpy(plan.shots[0].stream, "a/b"));
+    REFUSED("shots[0].channel", strcpy(plan.shots[0].channel, "\xc3\xa4"));
+    REFUSED("shots[0].exposure", plan.shots[0].exposure.exposure_ns = 0);
+    REFUSED("shots[0].exposure", plan.shots[0].exposure.exposure_ns = TTF_NS_PER_H + 1);
+    REFUSED("shots[0].average", plan.shots[0].average = 0);
+    REFUSED("shots[0].average", plan.shots[0].average = TTF_PLAN_AVERAGE_MAX + 1);
+    REFUSED("shots[0].brackets", plan.shots[0].n_brackets = TTF_PLAN_BRACKETS_MAX + 1);
+    REFUSED("shots[0].brackets[1]", (plan.shots[0].n_brackets = 2, plan.shots[0].brackets[0] = 1,
+                                     plan.shots[0].brackets[1] = 2000));
+    REFUSED("shots[0].brackets[1]", (plan.shots[0].n_brackets = 2, plan.shots[0].brackets[0] = 1,
+                                     plan.shots[0].brackets[1] = NAN));
+#undef REFUSED
+}
+
+static void a_photoperiod_has_its_bounds(void **state)
+{
+    struct ttf_plan good, plan;
+
+    (void)state;
+    good_plan(&good);
+    good.lamps = TTF_LAMPS_PHOTOPERIOD;
+    good.period_ns = TTF_NS_PER_DAY;
+    good.day_ns = 16 * TTF_NS_PER_H;
+    good.n_day_levels = 1;
+    strcpy(good.day_levels[0].lamp, "grow");
+    good.day_levels[0].permille = 1000;
+    assert_int_equal(ttf_plan_check(&good, NULL, NULL, NULL), 0);
+#define REFUSED(where, change)       \
+    do {                             \
+        plan = good;                 \
+        change;                      \
+        refused(&plan, NULL, where); \
+    } while (0)
+    REFUSED("lamps.period", plan.period_ns = 0);
+    REFUSED("lamps.period", plan.period_ns = INT64_MAX);
+    REFUSED("lamps.day", plan.day_ns = -1);
+    REFUSED("lamps.day", plan.day_ns = TTF_NS_PER_DAY + 1);
+    REFUSED("lamps.phase", plan.phase_ns = TTF_NS_PER_DAY + 1);
+    REFUSED("lamps.phase", plan.phase_ns = -TTF_NS_PER_DAY - 1);
+    REFUSED("lamps.period", (plan.photoperiod_local = true, plan.period_ns = 25 * TTF_NS_PER_H));
+    REFUSED("lamps.day_start", (plan.photoperiod_local = true, plan.day_start_s = -1));
+    REFUSED("lamps.day_start", (plan.photoperiod_local = true, plan.day_start_s = 86400));
+    REFUSED("lamps.day_levels", plan.n_day_levels = TTF_LAMPS_MAX + 1);
+    REFUSED("lamps.day_levels.grow", plan.day_levels[0].permille = 1001);
+    REFUSED("lamps.day_levels.grow",
+            (plan.n_day_levels = 2, plan.day_levels[1] = plan.day_levels[0]));
+#undef REFUSED
+}
+
 static void shots_beyond_sense_are_refused(void **state)
 {
     struct ttf_plan plan;
@@ -292,6 +370,8 @@ int main(void)
         cmocka_unit_test(lamps_that_burn_all_the_time_settle_once),
         cmocka_unit_test(times_beyond_sense_are_refused),
         cmocka_unit_test(shots_beyond_sense_are_refused),
+        cmocka_unit_test(every_field_has_its_bounds),
+        cmocka_unit_test(a_photoperiod_has_its_bounds),
         cmocka_unit_test(brackets_that_snap_to_one_exposure_are_refused),
         cmocka_unit_test(what_the_box_lacks_is_named),
         cmocka_unit_test(lamps_are_held_to_what_the_board_allows),

@@ -324,6 +324,13 @@ static void a_changed_picture_is_damage(void **state)
                      -ENOENT);
 }
 
+#define BEGIN                                                                              \
+    "{\"format\":{\"name\":\"ttf-calibration\",\"major\":1},\"id\":\"a\",\"camera\":\"\"," \
+    "\"width\":4,\"height\":4,\"cfa\":\"RGGB\",\"black_level\":0,\"white_level\":9,"
+#define SETTINGS                                                                         \
+    "\"frames\":1,\"exposure_ns\":1,\"gain_milli\":1,\"wb_r_milli\":1,\"wb_b_milli\":1," \
+    "\"lens_mdpt\":0"
+
 static void wrong_json_is_refused_by_field(void **state)
 {
     static const struct {
@@ -340,6 +347,27 @@ static void wrong_json_is_refused_by_field(void **state)
         {"{\"format\":{\"name\":\"ttf-calibration\",\"major\":1},\"id\":\"a\",\"camera\":\"\","
          "\"width\":4,\"height\":4,\"black_level\":0,\"white_level\":9,\"hot\":[1,4]}",
          "hot"},
+        {BEGIN "\"hot\":[1,2,3]}", "'hot' holds no pairs"},
+        {BEGIN "\"hot\":[-1,2]}", "'hot' holds a pixel outside"},
+        {BEGIN "\"hot\":[1,4]}", "'hot' holds a pixel outside"},
+        {BEGIN "\"hot\":[1,\"x\"]}", "'hot' holds no pairs"},
+        {BEGIN "\"colour_matrix\":[1,2]}", "has not nine numbers"},
+        {BEGIN "\"colour_matrix\":[1,0,0,0,\"x\",0,0,0,1]}",
+         "'colour_matrix' is missing or no number"},
+        {BEGIN "\"colour_matrix\":[1,0,0,0,1e9,0,0,0,1]}", "'colour_matrix' is out of range"},
+        {BEGIN "\"dark\":{\"frames\":0}}", "'frames' is out of range"},
+        {BEGIN "\"dark\":{\"frames\":\"x\"}}", "'frames' is missing or no whole number"},
+        {BEGIN "\"flat\":{" SETTINGS ",\"reflectance\":1.5,\"level\":1}}",
+         "'reflectance' is out of range"},
+        {BEGIN "\"flat\":{" SETTINGS ",\"reflectance\":0.9}}", "'level' is missing or no number"},
+        {BEGIN "\"cfa\":\"RGGB\"}", "no JSON"}, /* a key twice */
+        {"{\"format\":{\"name\":\"ttf-calibration\",\"major\":1},\"id\":\"a\",\"camera\":\"\","
+         "\"width\":4,\"height\":4,\"cfa\":\"RGBG\",\"black_level\":0,\"white_level\":9}",
+         "'cfa' is no mosaic"},
+        {"{\"format\":{\"name\":\"ttf-calibration\",\"major\":1},\"id\":\"a\",\"camera\":\"\","
+         "\"width\":4,\"height\":4,\"cfa\":\"RGGB\",\"black_level\":9,\"white_level\":9,"
+         "\"dark\":{" SETTINGS "}}",
+         "levels cannot be"},
     };
     struct ttf_calibration back;
 

@@ -38,25 +38,22 @@ static const char *three_slots(void **state)
 /* Replaces what stands in that line (from 0) of records.jsonl, and gives the line its right crc. */
 static void change_line(const char *path, int number, const char *from, const char *to)
 {
-    size_t n, before, body;
-    char *text = file_text(in(path, "records.jsonl"), &n), *line = text, *end, *at;
-    char *changed = malloc(n + strlen(to) + 1);
+    size_t n, room, used;
+    char *text = file_text(in(path, "records.jsonl"), &n), *line = text, *end, *at, *changed;
 
+    room = n + strlen(to) + 1;
+    changed = malloc(room);
     assert_non_null(changed);
     for (; number > 0; number--)
         line = strchr(line, '\n') + 1;
     end = strchr(line, '\n');
     at = strstr(line, from);
     assert_true(at && at < end);
-    before = (size_t)(at - text);
-    memcpy(changed, text, before);
-    strcpy(changed + before, to);
-    body = (size_t)(end - at) - strlen(from) - TTF_LINE_TAIL;
-    strncat(changed, at + strlen(from), body);
-    before = strlen(changed);
-    snprintf(changed + before, TTF_LINE_TAIL + 1, ",\"crc\":\"%08x\"}",
-             ttf_crc32(0, changed + (line - text), before - (size_t)(line - text)));
-    strcat(changed, end);
+    used = (size_t)snprintf(changed, room, "%.*s%s%.*s", (int)(at - text), text, to,
+                            (int)(end - at - (ptrdiff_t)strlen(from) - (ptrdiff_t)TTF_LINE_TAIL),
+                            at + strlen(from));
+    snprintf(changed + used, room - used, ",\"crc\":\"%08x\"}%s",
+             ttf_crc32(0, changed + (line - text), used - (size_t)(line - text)), end);
     write_text(in(path, "records.jsonl"), changed, strlen(changed));
     free(changed);
     free(text);
@@ -249,6 +246,23 @@ static void a_seal_cut_off_at_its_last_byte_is_damage(void **state)
     assert_true(verify_says(path, "no line that sha256sum checks"));
 }
 
+static void a_file_that_cannot_be_read_is_damage_and_why_is_said(void **state)
+{
+    const char *path = three_slots(state);
+
+    assert_int_equal(unlink(in(path, "frames/main/000001.tif")), 0);
+    assert_int_equal(symlink("000001.tif", in(path, "frames/main/000001.tif")), 0);
+    assert_true(verify_says(path, "cannot be read: Too many levels"));
+}
+
+static void a_manifest_that_cannot_be_true_is_damage_before_the_seal_too(void **state)
+{
+    const char *path = three_slots(state);
+
+    assert_int_equal(run("sed -i 's/\"width\": 4/\"width\": 0/' '%s/dataset.json'", path), 0);
+    assert_true(verify_says(path, "streams[0].width"));
+}
+
 static void missing_records_are_damage_and_none_are_made(void **state)
 {
     const char *path = three_slots(state);
@@ -361,6 +375,8 @@ int main(void)
         T(an_end_is_not_added_under_a_seal),
         T(what_was_added_behind_the_seal_is_damage),
         T(a_seal_cut_off_at_its_last_byte_is_damage),
+        T(a_file_that_cannot_be_read_is_damage_and_why_is_said),
+        T(a_manifest_that_cannot_be_true_is_damage_before_the_seal_too),
         T(missing_records_are_damage_and_none_are_made),
         T(rot_in_the_events_is_refused_too),
         T(a_line_without_end_is_damage),

@@ -192,6 +192,17 @@ static void a_wrong_manifest_names_its_field(void **state)
         {"\"required\": []", "\"required\": [\"x-ray\"]", "x-ray", -ENOTSUP},
         {"\"scale\": 31744", "\"scale\": 0", "encoding", -EINVAL},
         {"\"id\": \"main\"", "\"id\": \"../main\"", "streams[0].id", -EINVAL},
+        {"\"streams\": [", "\"streams\": 7, \"x\": [", "streams must be an array", -EINVAL},
+        {"\"encoding\": {", "\"encoding\": 1, \"x\": {", "encoding must be an object", -EINVAL},
+        {"\"scale\": 31744", "\"scale\": \"much\"", "scale must be a number", -EINVAL},
+        {"\"simulated\": ", "\"simulated\": 1, \"x\": ", "simulated must be true or false",
+         -EINVAL},
+        {"\"quantity\": \"", "\"quantity\": null, \"x\": \"", "quantity is missing", -EINVAL},
+        {"\"quantity\": \"", "\"quantity\": \"\", \"x\": \"", "quantity must not be empty",
+         -EINVAL},
+        {"\"quantity\": \"", "\"quantity\": [], \"x\": \"", "quantity must be a text", -EINVAL},
+        {"\"id\": \"main\"", "\"id\": \"abcdefghijabcdefghijabcdefghijabcdefghij\"",
+         "id is longer than 31 bytes", -EINVAL},
         {"{", "", "JSON", -EINVAL},
     };
     struct ttf_manifest m, back;
@@ -213,6 +224,71 @@ static void a_wrong_manifest_names_its_field(void **state)
             fail_msg("%s: %d, %s", cases[i].to, r, err.what);
     }
     free(text);
+}
+
+/* Rules between fields, as one who writes a dataset meets them: a struct, refused by ttf_manifest_write. */
+static void a_manifest_that_cannot_be_is_not_written(void **state)
+{
+    struct ttf_manifest good, m;
+    struct ttf_err err = {0};
+    char *text = NULL;
+
+    fill_manifest(&good);
+    assert_int_equal(ttf_manifest_write(&good, &text, &err), 0);
+    free(text);
+#define REFUSED(change, says)                                           \
+    do {                                                                \
+        m = good;                                                       \
+        change;                                                         \
+        assert_int_equal(ttf_manifest_write(&m, &text, &err), -EINVAL); \
+        if (!strstr(err.what, says))                                    \
+            fail_msg("%s: %s", #change, err.what);                      \
+    } while (0)
+    REFUSED(m.n_streams = 0, "streams");
+    REFUSED(m.n_streams = TTF_STREAMS_MAX + 1, "streams");
+    REFUSED(m.n_cameras = TTF_CAMERAS_MAX + 1, "cameras");
+    REFUSED(m.n_channels = TTF_CHANNELS_MAX + 1, "channels");
+    REFUSED(m.streams[0].quantity[0] = '\0', "quantity is missing");
+    REFUSED(m.streams[0].width = 0, "width and height");
+    REFUSED(m.streams[0].width = 65536, "width and height");
+    REFUSED(m.streams[0].height = 0, "width and height");
+    REFUSED(m.streams[0].height = 65536, "width and height");
+    REFUSED(m.streams[0].samples = 0, "samples");
+    REFUSED(m.streams[0].samples = 256, "samples");
+    REFUSED(m.streams[0].format = TTF_SAMPLE_COUNT, "sample_format");
+    REFUSED(m.streams[0].encoding.pedestal = NAN, "encoding");
+    REFUSED(m.streams[0].encoding.scale = INFINITY, "encoding");
+    REFUSED(m.streams[0].mm_per_px = -1, "mm_per_px");
+    REFUSED(m.streams[0].mm_per_px = NAN, "mm_per_px");
+    REFUSED((m.n_streams = 2, m.streams[1] = m.streams[0]), "id is there twice");
+    REFUSED((m.n_streams = 2, m.streams[1] = m.streams[0], m.streams[1].id[0] = 'x',
+             m.streams[0].primary = m.streams[1].primary = true),
+            "more than one is primary");
+    REFUSED((m.n_cameras = 1, strcpy(m.cameras[0].id, "a/b")), "id must be a name");
+    REFUSED((m.n_cameras = 2, strcpy(m.cameras[0].id, "a"), strcpy(m.cameras[1].id, "a")),
+            "id is there twice");
+    REFUSED((m.n_channels = 1, strcpy(m.channels[0].id, "..")), "id must be a name");
+    REFUSED((m.n_channels = 2, strcpy(m.channels[0].id, "a"), strcpy(m.channels[1].id, "a")),
+            "id is there twice");
+    REFUSED(strcpy(m.uuid, "no uuid"), "uuid");
+    REFUSED(strcpy(m.group_uuid, "F00DCAFE-0000-4000-8000-000000000099"), "group.uuid");
+#undef REFUSED
+}
+
+/* A program that names no stream gets the primary one, the first where none is, none of none. */
+static void the_primary_stream_is_the_one_marked_else_the_first(void **state)
+{
+    struct ttf_manifest m = {.n_streams = 2};
+
+    strcpy(m.streams[0].id, "a");
+    strcpy(m.streams[1].id, "b");
+    assert_ptr_equal(ttf_manifest_primary(&m), &m.streams[0]);
+    m.streams[1].primary = true;
+    assert_ptr_equal(ttf_manifest_primary(&m), &m.streams[1]);
+    assert_ptr_equal(ttf_manifest_stream(&m, "b"), &m.streams[1]);
+    assert_null(ttf_manifest_stream(&m, "c"));
+    m.n_streams = 0;
+    assert_null(ttf_manifest_primary(&m));
 }
 
 static void fill_slot(struct ttf_slot_record *record)
@@ -430,6 +506,8 @@ int main(void)
         cmocka_unit_test(hashes_are_the_ones_everybody_knows),
         cmocka_unit_test(a_manifest_comes_back_whole),
         cmocka_unit_test(a_wrong_manifest_names_its_field),
+        cmocka_unit_test(a_manifest_that_cannot_be_is_not_written),
+        cmocka_unit_test(the_primary_stream_is_the_one_marked_else_the_first),
         cmocka_unit_test(a_slot_comes_back_whole),
         cmocka_unit_test(a_segment_comes_back_whole),
         cmocka_unit_test(paths_cannot_lead_out_of_the_dataset),

@@ -31,8 +31,10 @@ static int watched_setup(void **state)
     struct watched *w = calloc(1, sizeof(*w));
     void *folder = NULL;
 
-    if (!w || folder_setup(&folder) != 0)
+    if (!w || folder_setup(&folder) != 0) {
+        free(w);
         return -1;
+    }
     snprintf(w->path, sizeof(w->path), "%s", (char *)folder);
     free(folder);
     w->cue.log = w->log;

@@ -12,7 +12,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "store_ios.h"
 #include "store_test.h"
+#include "ttf/dataset/hash.h"
 #include "ttf/dataset/verify.h"
 
 static struct ttf_verify_report verified(const char *path)
@@ -194,6 +196,110 @@ static void a_frame_that_is_gone_when_sealing_is_missed(void **state)
     ttf_verify_report_free(&report);
 }
 
+/* A line as a writer would have framed it, whatever it says. Returns its number in the file. */
+static void append_line(const char *path, const char *name, int seq, const char *type,
+                        const char *fields)
+{
+    char line[1024], whole[1100];
+    size_t n = (size_t)snprintf(line, sizeof line, "{\"type\":\"%s\",\"seq\":%d%s%s", type, seq,
+                                fields[0] ? "," : "", fields);
+    FILE *file = fopen(in(path, "%s", name), "ab");
+
+    assert_non_null(file);
+    n = (size_t)snprintf(whole, sizeof whole, "%s,\"crc\":\"%08x\"}\n", line,
+                         ttf_crc32(0, line, n));
+    assert_int_equal(fwrite(whole, 1, n, file), n);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Lines whose crc holds and that contradict the others: each is named by its line, with the reason. */
+static void lines_that_contradict_others_are_named(void **state)
+{
+#define SLOT(index) "\"index\":" #index ",\"segment\":0,\"due_ns\":1,"
+#define FILES       "\"n_averaged\":1,\"files\":[]"
+    static const struct {
+        const char *type, *fields, *says;
+    } cases[] = {
+        {"slot", SLOT(0) "\"result\":\"missed\",\"reason\":\"x\"", "its index does not rise"},
+        {"slot", "\"index\":9,\"segment\":4,\"due_ns\":1,\"result\":\"missed\",\"reason\":\"x\"",
+         "its segment has no line before it"},
+        {"slot", SLOT(9) "\"result\":\"eaten\"", "result"},
+        {"slot", SLOT(9) "\"result\":\"captured\",\"images\":[{\"stream\":\"main\"}]",
+         "has no files and does not say why"},
+        {"slot",
+         SLOT(9) "\"result\":\"captured\",\"images\":[{\"stream\":\"main\",\"calibration\":"
+                 "\"cal-x\"," FILES "}]",
+         "names calibration cal-x, which is not there"},
+        {"slot",
+         SLOT(9) "\"result\":\"captured\",\"images\":[{\"stream\":\"main\",\"files\":[{\"role\":"
+                 "\"developed\",\"path\":\"../../etc/passwd\",\"bytes\":1,\"sha256\":\"0\"}]}]",
+         "path"},
+        {"segment",
+         "\"segment\":5,\"first_index\":9,\"origin_ns\":1,\"trust\":\"none\",\"interval_ns\":1",
+         "its number leaves others out"},
+        {"segment",
+         "\"segment\":1,\"first_index\":9,\"origin_ns\":1,\"trust\":\"none\",\"interval_ns\":1,"
+         "\"plan\":7",
+         "its plan has no line before it"},
+        {"segment", "\"segment\":1,\"first_index\":9", "is missing"},
+        {"end", "\"reason\":\"count\"", "slots is missing"},
+        {"plan", "\"plan\":1,\"files\":[{\"path\":\"plans/1.yaml\",\"bytes\":1}]", "sha256"},
+    };
+#undef SLOT
+#undef FILES
+
+    for (size_t i = 0; i < TTF_COUNT_OF(cases); i++) {
+        const char *path = in(*state, "d%zu", i);
+        struct ttf_writer *writer = small_create(quick_io(), path);
+        struct ttf_verify_options options = {.deep = true};
+        struct ttf_verify_report report;
+        bool said = false;
+
+        assert_int_equal(small_slot(writer, 0), 0);
+        ttf_writer_close(writer);
+        append_line(path, "records.jsonl", 3, cases[i].type, cases[i].fields);
+        assert_int_equal(ttf_verify(ttf_io_posix(), path, &options, &report, NULL), 0);
+        for (unsigned k = 0; k < report.n_findings; k++)
+            said = said || (strcmp(report.findings[k].file, "records.jsonl:4") == 0 &&
+                            report.findings[k].severity == TTF_FINDING_DAMAGE &&
+                            strstr(report.findings[k].text, cases[i].says));
+        if (!said || !report.damaged)
+            fail_msg("case %zu: \"%s\" is not said, but %s", i, cases[i].says,
+                     report.n_findings ? report.findings[0].text : "nothing");
+        ttf_verify_report_free(&report);
+    }
+}
+
+/* The "end" line counts slots; each count that is not so is damage. */
+static void an_end_that_counts_wrong_is_damage(void **state)
+{
+    static const char *const counts[] = {"\"slots\":2,\"captured\":1",
+                                         "\"slots\":1",
+                                         "\"slots\":1,\"captured\":1,\"partial\":1",
+                                         "\"slots\":1,\"captured\":1,\"missed\":1",
+                                         "\"slots\":1,\"captured\":1,\"failed\":1",
+                                         "\"slots\":1,\"captured\":1,\"paused\":1",
+                                         "\"slots\":1,\"captured\":1,\"power\":1",
+                                         "\"slots\":1,\"captured\":1"};
+
+    for (size_t i = 0; i < TTF_COUNT_OF(counts); i++) {
+        const char *path = in(*state, "d%zu", i);
+        struct ttf_writer *writer = small_create(quick_io(), path);
+        struct ttf_verify_options options = {.deep = false};
+        struct ttf_verify_report report;
+        char fields[200];
+
+        assert_int_equal(small_slot(writer, 0), 0);
+        ttf_writer_close(writer);
+        (void)snprintf(fields, sizeof fields, "\"reason\":\"count\",%s", counts[i]);
+        append_line(path, "records.jsonl", 3, "end", fields);
+        assert_int_equal(ttf_verify(ttf_io_posix(), path, &options, &report, NULL), 0);
+        if (report.damaged != (i + 1 < TTF_COUNT_OF(counts)))
+            fail_msg("%s: damaged %d", counts[i], report.damaged);
+        ttf_verify_report_free(&report);
+    }
+}
+
 static void a_lost_line_is_damage(void **state)
 {
     const char *path = running_dataset(state);
@@ -285,6 +391,8 @@ int main(void)
         T(a_wrong_line_is_named_and_the_rest_still_checked),
         T(a_frame_that_the_seal_leaves_out_is_damage),
         T(a_frame_that_is_gone_when_sealing_is_missed),
+        T(lines_that_contradict_others_are_named),
+        T(an_end_that_counts_wrong_is_damage),
         T(a_lost_line_is_damage),
         T(lost_last_lines_are_damage_because_sha256sums_remembers),
         T(what_a_crash_leaves_is_no_damage),

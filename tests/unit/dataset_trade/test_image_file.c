@@ -160,6 +160,18 @@ static void times_are_found_in_file_names(void **state)
     assert_true(ttf_time_in_name("2020-13-28_18-20.png") == TTF_NS_UNKNOWN);
     assert_true(ttf_time_in_name("2021-02-29_18-20.png") == TTF_NS_UNKNOWN);
     assert_true(ttf_time_in_name("") == TTF_NS_UNKNOWN);
+    /* Leap days, and the bounds of each part. */
+    assert_true(ttf_time_in_name("2020-02-29_00-00.png") == INT64_C(1582934400) * TTF_NS_PER_S);
+    assert_true(ttf_time_in_name("2000-02-29_00-00.png") == INT64_C(951782400) * TTF_NS_PER_S);
+    assert_true(ttf_time_in_name("1900-02-29_00-00.png") == TTF_NS_UNKNOWN);
+    assert_true(ttf_time_in_name("1960-01-01_00-00.png") == INT64_C(-315619200) * TTF_NS_PER_S);
+    assert_true(ttf_time_in_name("2020-00-28_18-20.png") == TTF_NS_UNKNOWN);
+    assert_true(ttf_time_in_name("2020-05-00_18-20.png") == TTF_NS_UNKNOWN);
+    assert_true(ttf_time_in_name("2020-04-31_18-20.png") == TTF_NS_UNKNOWN);
+    assert_true(ttf_time_in_name("2020-05-28_24-00.png") == TTF_NS_UNKNOWN);
+    assert_true(ttf_time_in_name("2020-05-28_18-60.png") == TTF_NS_UNKNOWN);
+    assert_true(ttf_time_in_name("2020-05-28_18-20-61.png") != minute + 61 * TTF_NS_PER_S);
+    assert_true(ttf_time_in_name("701231_235959.jpg") == INT64_C(31535999) * TTF_NS_PER_S);
 }
 
 static void eight_bit_pictures_become_light_and_come_back_to_the_bit(void **state)

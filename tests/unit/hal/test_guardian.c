@@ -149,6 +149,7 @@ static void heat_trips_and_only_cooling_below_the_hysteresis_ends_it(void **stat
     info.max_temp_mdegc = 50000;
     info.hysteresis_mdegc = 5000;
     g = leased(info);
+    ttf_guardian_temp(&g, 0, 20000);
     assert_int_equal(ttf_guardian_set(&g, 0, 0, 1000), 0);
     ttf_guardian_temp(&g, 1 * S, 50000);
     assert_int_equal(g.lamp[0].actual_permille, 1000); /* over, not at */
@@ -193,6 +194,67 @@ static void a_hot_lamp_is_not_lit_in_the_first_place(void **state)
     ttf_guardian_temp(&g, 1 * S, 51000);
     assert_int_equal(ttf_guardian_set(&g, 1 * S, 0, 1000), -EPERM);
     assert_int_equal(g.lamp[0].trip, TTF_TRIP_TEMP);
+}
+
+static void a_lamp_that_must_cool_is_not_lit_sooner_for_having_met_the_door_meanwhile(void **state)
+{
+    struct ttf_lamp_info info = plain;
+    struct ttf_guardian g;
+
+    (void)state;
+    info.max_temp_mdegc = 50000;
+    info.hysteresis_mdegc = 5000;
+    info.interlock_door = true;
+    g = leased(info);
+    ttf_guardian_temp(&g, 0, 20000);
+    assert_int_equal(ttf_guardian_set(&g, 0, 0, 1000), 0);
+    ttf_guardian_temp(&g, 1 * S, 50001);
+    ttf_guardian_door(&g, 2 * S, true);
+    assert_int_equal(ttf_guardian_set(&g, 3 * S, 0, 1000), -EPERM);
+    assert_int_equal(g.lamp[0].trip, TTF_TRIP_DOOR);
+    ttf_guardian_door(&g, 4 * S, false);
+    ttf_guardian_temp(&g, 5 * S, 49000);
+    assert_int_equal(ttf_guardian_set(&g, 5 * S, 0, 1000), -EPERM);
+    assert_int_equal(g.lamp[0].trip, TTF_TRIP_TEMP);
+    ttf_guardian_temp(&g, 6 * S, 44999);
+    assert_int_equal(ttf_guardian_set(&g, 6 * S, 0, 1000), 0);
+}
+
+static void a_guardian_that_begins_trusts_no_lamp_to_be_cool(void **state)
+{
+    struct ttf_lamp_info info = plain;
+    struct ttf_guardian g;
+
+    (void)state;
+    info.max_temp_mdegc = 50000;
+    info.hysteresis_mdegc = 5000;
+    g = leased(info);
+    assert_int_equal(ttf_guardian_set(&g, 1 * S, 0, 1000), -EPERM);
+    assert_int_equal(g.lamp[0].trip, TTF_TRIP_TEMP_MISSING);
+    ttf_guardian_temp(&g, 2 * S, 45000); /* perhaps it was switched off for its heat a moment ago */
+    assert_int_equal(ttf_guardian_set(&g, 2 * S, 0, 1000), -EPERM);
+    ttf_guardian_temp(&g, 3 * S, 44999);
+    assert_int_equal(ttf_guardian_set(&g, 3 * S, 0, 1000), 0);
+}
+
+static void after_a_restart_a_window_counts_as_used_up(void **state)
+{
+    struct ttf_lamp_info info[2] = {plain, plain};
+    struct ttf_guardian g;
+
+    (void)state;
+    info[0].max_duty_permille = 250;
+    info[0].duty_window_ns = 100 * S;
+    ttf_guardian_init(&g, info, 2, 5 * S);
+    ttf_guardian_assume_used(&g);
+    assert_int_equal(ttf_guardian_acquire(&g, 5 * S), 0);
+    assert_int_equal(ttf_guardian_renew_through(&g, 5 * S, 1000 * S), 0);
+    assert_int_equal(ttf_guardian_set(&g, 5 * S, 1, 1000), 0); /* no limit, no wait */
+    assert_int_equal(ttf_guardian_set(&g, 80 * S, 0, 1000), -EPERM);
+    assert_int_equal(g.lamp[0].trip, TTF_TRIP_MAX_DUTY);
+    /* 25 s of the 100 before may have been lit, until 5 s: room comes at 80 s. */
+    assert_int_equal(ttf_guardian_set(&g, 81 * S, 0, 1000), 0);
+    assert_true(ttf_guardian_next_ns(&g) == 106 * S);
 }
 
 static void the_door_darkens_interlocked_lamps_only(void **state)
@@ -280,6 +342,9 @@ int main(void)
         cmocka_unit_test(heat_trips_and_only_cooling_below_the_hysteresis_ends_it),
         cmocka_unit_test(a_temperature_missing_for_10_s_trips),
         cmocka_unit_test(a_hot_lamp_is_not_lit_in_the_first_place),
+        cmocka_unit_test(a_lamp_that_must_cool_is_not_lit_sooner_for_having_met_the_door_meanwhile),
+        cmocka_unit_test(a_guardian_that_begins_trusts_no_lamp_to_be_cool),
+        cmocka_unit_test(after_a_restart_a_window_counts_as_used_up),
         cmocka_unit_test(the_door_darkens_interlocked_lamps_only),
         cmocka_unit_test(a_new_lease_starts_dark_and_clears_the_lapse),
         cmocka_unit_test(levels_are_rounded_to_what_a_lamp_can_do),

@@ -29,8 +29,10 @@ bool ttf_sha256_is_hex(const char *text);
 /* CRC-32 as zlib and PNG have it; crc is 0 at first, then the last result. */
 uint32_t ttf_crc32(uint32_t crc, const void *data, size_t n);
 
+#ifndef TTF_SHA256_PIECE /* cmake/Flags.cmake gives the fuzzer's builds less */
 #define TTF_SHA256_PIECE \
     ((size_t)256 * 1024) /* bytes read at a time: they fit a small board's cache */
+#endif
 
 /* Reads a file from its start, by pieces into `piece` (TTF_SHA256_PIECE bytes). ret_bytes may be NULL. */
 TTF_MUST_USE int ttf_sha256_handle_in(struct ttf_io *io, int file, void *piece, int64_t *ret_bytes,

@@ -32,6 +32,8 @@ struct ttf_guardian_lamp {
     unsigned commanded_permille;
     unsigned actual_permille;
     enum ttf_lamp_trip trip;
+    enum ttf_lamp_trip
+        heat;            /* temperature or temperature-missing: has to cool below the hysteresis */
     int64_t on_since_ns; /* TTF_NS_UNKNOWN when off */
     int64_t on_total_ns;
     unsigned n_spans; /* completed on-spans within the duty window, oldest first */
@@ -54,9 +56,18 @@ struct ttf_guardian {
     int64_t temp_at_ns; /* of the last reading, or of init */
 };
 
-/* All lamps off, no lease, door closed, temperature unknown since now_ns. n <= TTF_LAMPS_MAX; infos are copied. */
+/*
+ * All lamps off, no lease, door closed, temperature unknown since now_ns: a watched lamp waits for its
+ * first reading below the hysteresis. Nothing is remembered of a run before. n <= TTF_LAMPS_MAX; infos are copied.
+ */
 void ttf_guardian_init(struct ttf_guardian *g, const struct ttf_lamp_info *info, unsigned n,
                        int64_t now_ns);
+
+/*
+ * After init, where lamps may have burnt just before (power came back, the process was started again): every
+ * lamp with a max_duty counts as on, until now, for all that its window allows.
+ */
+void ttf_guardian_assume_used(struct ttf_guardian *g);
 
 /* Lets time pass to now_ns (>= the last event's; earlier is taken as the last): applies every limit at its own instant. */
 void ttf_guardian_advance(struct ttf_guardian *g, int64_t now_ns);

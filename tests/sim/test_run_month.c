@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * One of every fault each day, in a capture of ten-minute slots:
+ *
+ *   test_run_month [DAYS [SEED]]     (2 days, as a test; ./dev month: 30)
+ *
+ * Each slot has its record, each fault costs no more than the slots of its duration,
+ * or one, each with its reason. README.md has the rule.
+ */
+#include "cmocka_includes.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "month.h"
+#include "ttf/base/attr.h"
+
+#define S TTF_NS_PER_S
+
+/* From the first lamp command of a slot to its record: a fault that begins so much later still meets it. */
+#define WORK_NS (20 * S)
+
+/* From a device, or the box, that is back to the first slot it can take. */
+#define RETURN_NS (30 * S)
+
+static int64_t days = 2;
+static uint64_t seed = 1;
+
+/* Why a slot may be lost to a fault; NULL: to none of this kind. */
+static const char *reason_of(const struct month_fault *f)
+{
+    switch (f->fault.kind) {
+    case TTF_FAULT_FRAME_LATE:
+    case TTF_FAULT_FRAME_MISSING:
+        /* Nothing came at all: for the session that is a camera that hangs. */
+        return f->lasts_ns > 0 ? "camera does not deliver" : NULL;
+    case TTF_FAULT_FRAME_SHORT:
+        return f->lasts_ns > 0 ? "short" : NULL;
+    case TTF_FAULT_FRAME_CORRUPT:
+        return f->lasts_ns > 0 ? "corrupt" : NULL;
+    case TTF_FAULT_CAMERA_HANG:
+        return f->fault.amount == 3 ? "camera does not deliver" : NULL;
+    case TTF_FAULT_DISK_FULL:
+        return "disk full";
+    case TTF_FAULT_IO_ERROR:
+        return "storage error";
+    case TTF_FAULT_POWER_CUT:
+        return "the box was without power";
+    default:
+        return NULL;
+    }
+}
+
+/* Slots that a fault can touch: due while it lasts, or being worked on when it comes, or the first after it. */
+static bool touches(const struct month *m, const struct month_fault *f, int64_t index)
+{
+    int64_t due = m->due0_ns + index * MONTH_INTERVAL_NS;
+    int64_t from = f->fault.at_ns - WORK_NS;
+    int64_t until = f->fault.at_ns + f->lasts_ns + RETURN_NS;
+    /* What strikes once waits for its opportunity. */
+    int64_t next = f->fault.at_ns + MONTH_INTERVAL_NS + WORK_NS;
+    bool waits = f->lasts_ns == 0 && f->fault.kind != TTF_FAULT_CLOCK_STEP;
+
+    return due >= from && due <= (waits ? next : until);
+}
+
+static bool marked(const struct ttf_slot_record *record)
+{
+    bool mark = record->result != TTF_RESULT_CAPTURED;
+
+    for (unsigned i = 0; i < record->n_images; i++)
+        mark |= record->images[i].flags[0] != '\0' || record->images[i].n_shots > 1;
+    for (unsigned i = 0; i < record->n_sensors; i++)
+        mark |= !record->sensors[i].ok;
+    return mark;
+}
+
+/* A slot that is not as it should be is some fault's, and lost only for that fault's reason. */
+static void check_slot(struct month *m, const struct ttf_slot_record *record)
+{
+    struct month_fault *f = &m->faults[record->index / MONTH_BLOCK];
+    const char *reason = reason_of(f);
+
+    assert_in_range(record->index, f->first, f->last);
+    if (!marked(record))
+        return;
+    f->seen++;
+    if (!touches(m, f, record->index))
+        print_error("slot %d: %s, %s; the fault of its block is a %s at %.3f s for %.3f s, it was "
+                    "due at %.3f s\n",
+                    (int)record->index, ttf_result_name(record->result), record->reason,
+                    month_kind_name(f->kind), (double)f->fault.at_ns / 1e9,
+                    (double)f->lasts_ns / 1e9,
+                    (double)(m->due0_ns + record->index * MONTH_INTERVAL_NS) / 1e9);
+    assert_true(touches(m, f, record->index));
+    if (record->result == TTF_RESULT_CAPTURED)
+        return;
+    f->lost++;
+    if (!reason || strcmp(record->reason, reason) != 0)
+        print_error("slot %d: %s, %s, of a %s\n", (int)record->index,
+                    ttf_result_name(record->result), record->reason, month_kind_name(f->kind));
+    assert_non_null(reason);
+    assert_string_equal(record->reason, reason);
+}
+
+static void check_records(struct month *m, const struct sim_run *run)
+{
+    struct ttf_reader *reader;
+
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), run->path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_summary(reader)->slots, run->plan.count);
+    for (int64_t k = 0; k < run->plan.count; k++) {
+        struct ttf_slot_record record;
+
+        assert_int_equal(ttf_reader_slot(reader, k, &record, NULL), 0);
+        assert_int_equal(record.index, k);
+        check_slot(m, &record);
+        ttf_slot_record_free(&record);
+    }
+    ttf_reader_close(reader);
+}
+
+/* A fault that strikes once costs one slot at most; one that lasts no more than it touches. */
+static void check_costs(const struct month *m)
+{
+    for (unsigned i = 0; i < m->n; i++) {
+        const struct month_fault *f = &m->faults[i];
+        unsigned touched = 0;
+
+        for (int64_t k = f->first; k <= f->last; k++)
+            touched += touches(m, f, k);
+        assert_true(f->lost <= (f->lasts_ns == 0 ? 1 : touched));
+        assert_true(f->lost <= 1 || f->lasts_ns + RETURN_NS + WORK_NS >= MONTH_INTERVAL_NS);
+    }
+}
+
+static void tell(const struct month *m, const struct sim_run *run, unsigned boots)
+{
+    unsigned lost_of_all = 0;
+
+    printf("%d days, seed %llu: %d slots, %d captured, %d partial, %d missed, %d failed, %d power; "
+           "%u boots\n",
+           (int)m->days, (unsigned long long)m->seed, (int)run->result.slots,
+           (int)run->result.captured, (int)run->result.partial, (int)run->result.missed,
+           (int)run->result.failed, (int)run->result.power, boots);
+    printf("%-22s %7s %7s %7s %7s %7s  %s\n", "fault", "drawn", "marked", "slots", "lost", "most",
+           "reason");
+    for (unsigned kind = 0; kind < MONTH_KINDS; kind++) {
+        unsigned drawn = 0, struck = 0, seen = 0, lost = 0, most = 0;
+        const char *reason = NULL;
+
+        for (unsigned i = 0; i < m->n; i++) {
+            const struct month_fault *f = &m->faults[i];
+
+            if (f->kind != kind)
+                continue;
+            drawn++;
+            struck += f->seen > 0;
+            seen += f->seen;
+            lost += f->lost;
+            most = f->lost > most ? f->lost : most;
+            reason = f->lost > 0 ? reason_of(f) : reason;
+        }
+        lost_of_all += lost;
+        printf("%-22s %7u %7u %7u %7u %7u  %s\n", month_kind_name(kind), drawn, struck, seen, lost,
+               most, reason ? reason : "-");
+    }
+    printf("%u of %d slots lost\n", lost_of_all, (int)run->result.slots);
+    assert_int_equal(lost_of_all, run->result.slots - run->result.captured);
+}
+
+/* What leaves a mark at the latest in the slot that it is drawn for did so each day. */
+static void check_struck(const struct month *m, const struct sim_run *run)
+{
+    unsigned steps = 0;
+
+    for (unsigned i = 0; i < m->n; i++) {
+        const struct month_fault *f = &m->faults[i];
+        enum ttf_fault_kind kind = f->fault.kind;
+
+        steps += kind == TTF_FAULT_CLOCK_STEP;
+        if (kind == TTF_FAULT_CLOCK_STEP || kind == TTF_FAULT_POWER_CUT ||
+            kind == TTF_FAULT_LAMP_STUCK || kind == TTF_FAULT_DISK_FULL ||
+            kind == TTF_FAULT_IO_ERROR)
+            continue; /* events; an outage between slots; dark, as commanded; a second try */
+        if (f->seen == 0)
+            print_error("%s at %.3f s left no mark\n", month_kind_name(f->kind),
+                        (double)f->fault.at_ns / 1e9);
+        assert_true(f->seen > 0);
+    }
+    assert_int_equal(sim_run_events(run, "clock-step", NULL), steps);
+}
+
+static void begin(struct sim_run *run)
+{
+    sim_run_init(run);
+    run->scene = "chart";
+    run->config.width = 26;
+    run->config.height = 22;
+    run->plan.interval_ns = MONTH_INTERVAL_NS;
+    run->plan.count = days * MONTH_DAY_SLOTS;
+    for (unsigned i = 0; i < run->config.n_lamps; i++)
+        run->config.lamps[i].info.max_temp_mdegc = 60000;
+}
+
+/* When slot 0 is due without any trouble. */
+static int64_t find_due0(void)
+{
+    struct sim_run run;
+    int64_t due;
+
+    begin(&run);
+    run.plan.count = 1;
+    assert_int_equal(sim_run_boot(&run), 0);
+    due = sim_run_due_ns(&run, 0);
+    sim_run_finish(&run);
+    return due;
+}
+
+static void one_of_every_fault_each_day_costs_what_it_lasts_and_no_more(void **state)
+{
+    struct month *m = malloc(sizeof(*m));
+    struct sim_run run;
+    unsigned boots = 0;
+    int r;
+
+    (void)state;
+    assert_non_null(m);
+    month_draw(m, seed, days, find_due0());
+    begin(&run);
+    do {
+        month_fill(m, &run.config, run.config.power_on_ns);
+        r = sim_run_boot(&run);
+        if (r < 0 && r != -ESHUTDOWN)
+            print_error("boot %u: %d: %s: %s\n", boots, r, run.err.where, run.err.what);
+        assert_true(r == 0 || r == -ESHUTDOWN);
+        assert_int_equal(run.bites, 0);
+        run.config.power_on_ns = run.back_ns;
+        boots++;
+    } while (r == -ESHUTDOWN);
+    sim_run_expect_whole(&run, true);
+    check_records(m, &run);
+    tell(m, &run, boots);
+    check_costs(m);
+    check_struck(m, &run);
+    assert_int_equal(boots, days + 1);
+    sim_run_finish(&run);
+    free(m);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_of_every_fault_each_day_costs_what_it_lasts_and_no_more),
+    };
+
+    if (argc > 1)
+        days = strtoll(argv[1], NULL, 10);
+    if (argc > 2)
+        seed = strtoull(argv[2], NULL, 10);
+    if (days < 1 || days > MONTH_DAYS_MAX) {
+        fprintf(stderr, "usage: test_run_month [DAYS [SEED]]; at most %d days\n", MONTH_DAYS_MAX);
+        return 2;
+    }
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
