@@ -146,3 +146,54 @@ int ttf_disk_budget_check(struct ttf_io *io, const char *path, struct ttf_clock 
         *ret = d;
     return r;
 }
+
+/* A file of a few bytes, written, synced and removed again. */
+static int try_writing(struct ttf_io *io, const char *folder)
+{
+    char path[PATH_BYTES + 32];
+    int file;
+    int r;
+
+    snprintf(path, sizeof(path), "%s/.second-storage.tmp", folder);
+    (void)io->ops->unlink(io, path);
+    file = io->ops->open(io, path, TTF_IO_CREATE_NEW);
+    if (file < 0)
+        return file;
+    r = ttf_io_pwrite_all(io, file, path, 16, 0);
+    if (r == 0)
+        r = io->ops->sync(io, file, false);
+    (void)io->ops->close(io, file);
+    (void)io->ops->unlink(io, path);
+    return r;
+}
+
+int ttf_second_storage_check(struct ttf_io *io, const char *path, const struct ttf_plan *plan,
+                             bool *ret_same, struct ttf_err *err)
+{
+    static const char field[] = "storage.second";
+    const char *second = plan->second_storage;
+    struct ttf_io_stat of_first = {0};
+    struct ttf_io_stat of_second = {0};
+    char folder[PATH_BYTES];
+    int r;
+
+    if (ret_same)
+        *ret_same = false;
+    if (second[0] == '\0')
+        return 0;
+    r = io->ops->stat(io, second, &of_second);
+    if (r == 0 && !of_second.is_dir)
+        r = -ENOTDIR;
+    if (r < 0) {
+        ttf_err_set(err, r, field, "%s is no folder that is there", second);
+        ttf_err_hint(err, "mount the disk, or make the folder");
+        return r;
+    }
+    r = try_writing(io, second);
+    if (r < 0)
+        return ttf_err_set(err, r, field, "nothing can be written in %s", second);
+    if (ret_same && existing_folder(io, path, folder, sizeof(folder)) == 0 &&
+        io->ops->stat(io, folder, &of_first) == 0)
+        *ret_same = of_first.device != 0 && of_first.device == of_second.device;
+    return 0;
+}

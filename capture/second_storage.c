@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ttf/base/time.h"
+#include "ttf/capture/session.h"
 #include "ttf/dataset/reader.h"
 
 int ttf_second_path(const struct ttf_plan *plan, const char *first, char *ret, size_t size,
@@ -61,6 +62,21 @@ int ttf_second_find(struct ttf_io *io, const char *first, const char *second, st
     if (alone && (!begun || sealed))
         return foreign(second, err);
     return begun ? 1 : 0;
+}
+
+int ttf_session_find(struct ttf_io *io, const char *path, const struct ttf_plan *plan, char *ret,
+                     size_t size, struct ttf_err *err)
+{
+    char second[4096];
+    int r = ttf_second_path(plan, path, second, sizeof(second), err);
+
+    if (r == 0)
+        r = ttf_second_find(io, path, second, err);
+    if (r < 0)
+        return r;
+    if (snprintf(ret, size, "%s", r > 0 ? second : path) >= (int)size)
+        return ttf_err_set(err, -ENAMETOOLONG, NULL, "the dataset's path is too long");
+    return 0;
 }
 
 int ttf_second_manifest(const struct ttf_manifest *first, struct ttf_manifest *ret,

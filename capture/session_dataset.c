@@ -30,6 +30,7 @@ static bool dataset_exists(const struct ttf_session *s)
 int ttf_session_check_disk(struct ttf_session *s, struct ttf_err *err)
 {
     struct ttf_clock *clock = s->config->skip_speed_check ? NULL : s->box->clock;
+    int r;
 
     /* An unattended run that goes on after a power cut is not refused for a disk that became tight. */
     if (dataset_exists(s) && s->config->rehearse > 0)
@@ -37,6 +38,11 @@ int ttf_session_check_disk(struct ttf_session *s, struct ttf_err *err)
                            "a rehearsal needs a folder of its own, not a dataset that is there");
     if (dataset_exists(s))
         return 0;
+    r = s->config->rehearse > 0
+            ? 0
+            : ttf_second_storage_check(s->config->io, s->path, &s->plan, NULL, err);
+    if (r < 0)
+        return r;
     return ttf_disk_budget_check(s->config->io, s->path, clock, &s->plan, &s->figures, NULL, err);
 }
 

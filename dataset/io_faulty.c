@@ -18,6 +18,7 @@ struct faulty {
     struct ttf_io io; /* first: the table's functions get a pointer to it */
     struct ttf_io *base;
     ttf_io_fault_fn *fault;
+    ttf_io_space_fn *space; /* NULL: as it is */
     void *ctx;
     pthread_mutex_t lock; /* of files */
     struct open_file *files;
@@ -199,7 +200,12 @@ static int fa_list(struct ttf_io *io, const char *path, ttf_io_entry_fn *fn, voi
 
 static int fa_space(struct ttf_io *io, const char *path, struct ttf_io_space *ret)
 {
-    return self(io)->base->ops->space(self(io)->base, path, ret);
+    struct faulty *f = self(io);
+    int r = f->base->ops->space(f->base, path, ret);
+
+    if (r == 0 && f->space)
+        f->space(f->ctx, path, ret);
+    return r;
 }
 
 static int fa_lock(struct ttf_io *io, int file)
@@ -242,6 +248,11 @@ struct ttf_io *ttf_io_faulty_create(struct ttf_io *base, ttf_io_fault_fn *fault,
         return NULL;
     }
     return &f->io;
+}
+
+void ttf_io_faulty_space(struct ttf_io *io, ttf_io_space_fn *space)
+{
+    self(io)->space = space;
 }
 
 void ttf_io_faulty_destroy(struct ttf_io *io)

@@ -146,6 +146,7 @@ static int px_stat(struct ttf_io *io, const char *path, struct ttf_io_stat *ret)
     ret->is_dir = S_ISDIR(st.st_mode);
     ret->is_regular = S_ISREG(st.st_mode);
     ret->bytes = st.st_size;
+    ret->device = st.st_dev;
     return 0;
 }
 

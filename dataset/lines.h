@@ -67,8 +67,9 @@ struct ttf_line {
 
 /* Non-zero stops the scan and is returned. */
 typedef int ttf_line_fn(void *ctx, const struct ttf_line *line, struct ttf_err *err);
-/* A damaged line, where a scan is to go on behind it. */
-typedef void ttf_bad_line_fn(void *ctx, const char *where, const char *text);
+/* A damaged line (its bytes: line, n), where a scan is to go on behind it. line may be NULL. */
+typedef void ttf_bad_line_fn(void *ctx, const char *where, const char *text, const char *line,
+                             size_t n);
 
 struct ttf_lines_tail {
     int64_t lines, next_seq;

@@ -18,9 +18,11 @@ struct scan {
     struct ttf_err *err;
 };
 
-static int damage(struct scan *s, const char *where, const char *fmt, ...) TTF_PRINTF(3, 4);
+static int damage(struct scan *s, const char *where, const struct ttf_line *line, const char *fmt,
+                  ...) TTF_PRINTF(4, 5);
 
-static int damage(struct scan *s, const char *where, const char *fmt, ...)
+static int damage(struct scan *s, const char *where, const struct ttf_line *line, const char *fmt,
+                  ...)
 {
     char text[200];
     va_list args;
@@ -29,7 +31,7 @@ static int damage(struct scan *s, const char *where, const char *fmt, ...)
     vsnprintf(text, sizeof(text), fmt, args);
     va_end(args);
     if (s->bad) {
-        s->bad(s->ctx, where, text);
+        s->bad(s->ctx, where, text, line ? line->text : NULL, line ? line->bytes : 0);
         return 0;
     }
     return ttf_err_set(s->err, -TTF_EDAMAGED, where, "damaged line: %s", text);
@@ -45,16 +47,17 @@ static int good_line(struct scan *s, struct ttf_line *line)
 
     json = json_loadb(line->text, line->bytes, JSON_REJECT_DUPLICATES, &parse);
     if (!json)
-        return damage(s, line->where, "it is not JSON: %s", parse.text);
+        return damage(s, line->where, line, "it is not JSON: %s", parse.text);
     line->json = json;
     line->type = json_string_value(json_object_get(json, "type"));
     seq = json_object_get(json, "seq");
     if (!line->type || !json_is_integer(seq)) {
-        r = damage(s, line->where, "it has no type or no seq");
+        r = damage(s, line->where, line, "it has no type or no seq");
         goto out;
     }
     if (json_integer_value(seq) != s->tail.next_seq) {
-        r = damage(s, line->where, "its seq is %lld where %lld is due: lines are lost or doubled",
+        r = damage(s, line->where, NULL,
+                   "its seq is %lld where %lld is due: lines are lost or doubled",
                    (long long)json_integer_value(seq), (long long)s->tail.next_seq);
         if (r)
             goto out;
@@ -99,7 +102,7 @@ static int one_line(struct scan *s, const char *text, size_t n, int64_t offset, 
     if (terminated && !ttf_line_holds(text, n)) {
         s->tail.good_bytes = offset + (int64_t)n + 1;
         s->tail.next_seq++; /* so that only this line is blamed */
-        return damage(s, where, "its crc does not hold");
+        return damage(s, where, &line, "its crc does not hold");
     }
     if (!terminated) {
         whole = whole_line_in(text, n);
@@ -135,7 +138,7 @@ int ttf_lines_scan(struct ttf_io *io, const char *path, ttf_line_fn *fn, ttf_bad
             break;
     }
     if (r == -EFBIG)
-        r = damage(&s, path, "a line is longer than any line may be");
+        r = damage(&s, path, NULL, "a line is longer than any line may be");
     else if (r < 0 && (!err || err->code == 0))
         ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
     ttf_lines_free(&lines);

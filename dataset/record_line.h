@@ -36,12 +36,12 @@ TTF_MUST_USE int ttf_slot_get_brief(const struct ttf_line *line, struct ttf_slot
 /* A file that a line names, of whatever role. */
 struct ttf_named_file {
     const char *path, *sha256; /* valid during the call */
-    int64_t bytes;
-    bool of_image; /* of an image of a slot; else of a plan or a calibration */
+    int64_t bytes; /* -1: the line does not say */
+    bool of_image; /* of an image of a slot; else of a plan, a calibration, or dataset.json */
 };
 typedef int ttf_named_file_fn(void *ctx, const struct ttf_named_file *file, struct ttf_err *err);
 
-/* Every file of a slot, plan or calibration line, in its order. Non-zero stops and is returned. */
+/* Every file of a slot, plan, calibration or segment line, in its order. Non-zero stops and is returned. */
 TTF_MUST_USE int ttf_line_files(const struct ttf_line *line, ttf_named_file_fn *fn, void *ctx,
                                 struct ttf_err *err);
 

@@ -228,6 +228,8 @@ int ttf_segment_get(const struct ttf_line *line, struct ttf_segment *ret, struct
     s.origin_ns = ttf_in_int(&in, o, "origin_ns", INT64_MIN, INT64_MAX, 0, TTF_JSON_REQUIRED);
     s.origin_utc_ns = get_instant(&in, o, "origin_utc_ns");
     ttf_in_text(&in, o, "trust", s.trust, sizeof(s.trust), TTF_JSON_CUT);
+    if (s.trust[0] == '\0')
+        ttf_in_wrong(&in, "trust", "is missing");
     s.uncertainty_ns = get_instant(&in, o, "uncertainty_ns");
     s.interval_ns = ttf_in_int(&in, o, "interval_ns", 0, INT64_MAX, 0, TTF_JSON_REQUIRED);
     s.plan = (int)ttf_in_int(&in, o, "plan", 0, INT32_MAX, -1, TTF_JSON_OPTIONAL);
@@ -237,6 +239,10 @@ int ttf_segment_get(const struct ttf_line *line, struct ttf_segment *ret, struct
         s.gap_ns = TTF_NS_UNKNOWN;
     else
         s.gap_ns = ttf_in_int(&in, o, "gap_ns", 0, INT64_MAX, 0, TTF_JSON_OPTIONAL);
+    ttf_in_text(&in, o, "dataset_sha256", s.dataset_sha256, sizeof(s.dataset_sha256),
+                TTF_JSON_OPTIONAL);
+    if (s.dataset_sha256[0] && !ttf_sha256_is_hex(s.dataset_sha256))
+        ttf_in_wrong(&in, "dataset_sha256", "must be 64 hex digits");
     s.run_ns = ttf_in_int(&in, o, "run_ns", 0, INT64_MAX, 0, TTF_JSON_OPTIONAL);
     if (in.code == 0)
         *ret = s;
@@ -289,6 +295,16 @@ static int files_of(struct ttf_json_in *in, const json_t *owner, bool of_image,
     return in->code;
 }
 
+/* A segment vouches for dataset.json, so that it is guarded before there is a seal. */
+static int manifest_of(struct ttf_json_in *in, const json_t *segment, ttf_named_file_fn *fn,
+                       void *ctx)
+{
+    struct ttf_named_file file = {.path = "dataset.json", .bytes = -1};
+
+    file.sha256 = json_string_value(json_object_get(segment, "dataset_sha256"));
+    return file.sha256 && ttf_sha256_is_hex(file.sha256) ? fn(ctx, &file, in->err) : 0;
+}
+
 int ttf_line_files(const struct ttf_line *line, ttf_named_file_fn *fn, void *ctx,
                    struct ttf_err *err)
 {
@@ -299,6 +315,8 @@ int ttf_line_files(const struct ttf_line *line, ttf_named_file_fn *fn, void *ctx
 
     if (strcmp(line->type, "plan") == 0 || strcmp(line->type, "calibration") == 0)
         return files_of(&in, line->json, false, fn, ctx);
+    if (strcmp(line->type, "segment") == 0)
+        return manifest_of(&in, line->json, fn, ctx);
     if (strcmp(line->type, "slot") != 0)
         return 0; /* of a later version: its `files` may be anything */
     images = ttf_in_array(&in, line->json, "images", TTF_JSON_OPTIONAL);

@@ -224,6 +224,7 @@ void ttf_segment_put(struct ttf_json *json, const struct ttf_segment *s)
     } else if (s->gap_ns > 0) {
         ttf_json_kint(json, "gap_ns", s->gap_ns);
     }
+    put_text(json, "dataset_sha256", s->dataset_sha256);
     if (s->run_ns > 0)
         ttf_json_kint(json, "run_ns", s->run_ns);
 }

@@ -218,15 +218,17 @@ int ttf_writer_repair(struct ttf_writer *writer, const struct ttf_lines_tail *re
         return r;
     before = writer->state.repaired;
     r = repair_files(writer, told, sizeof(told), err);
-    if (r == 0 && sums == TTF_SUMS_BEHIND) {
+    if (r == 0 && (sums == TTF_SUMS_BEHIND || sums == TTF_SUMS_WRONG)) {
         r = ttf_sums_rebuild(writer->io, writer->path, err);
         writer->state.repaired++;
     }
     if (r)
         return r;
     if (writer->state.repaired > before) {
-        snprintf(text, sizeof(text), "%s%s%s", told, told[0] && sums == TTF_SUMS_BEHIND ? "; " : "",
-                 sums == TTF_SUMS_BEHIND ? TTF_SUMS_NAME " brought up to date" : "");
+        snprintf(text, sizeof(text), "%s%s%s", told, told[0] && sums != TTF_SUMS_SAME ? "; " : "",
+                 sums == TTF_SUMS_BEHIND  ? TTF_SUMS_NAME " brought up to date"
+                 : sums == TTF_SUMS_WRONG ? TTF_SUMS_NAME " had a wrong line: written anew"
+                                          : "");
         r = ttf_writer_event(writer, "repair", TTF_NS_UNKNOWN, TTF_NS_UNKNOWN, text, NULL, err);
     }
     return r;

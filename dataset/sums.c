@@ -113,36 +113,83 @@ int ttf_sums_compare_line(struct ttf_sums_compare *c, const struct ttf_line *lin
 }
 
 /*
- * Where the lists differ: a whole line with a file that no record names is no
- * work of a crash. It is written behind the record, so the record was lost; or it
- * is the list of a seal that was changed.
+ * Bytes that did not reach the disk read as zeros. One zero in the place of a blank is a
+ * flipped bit instead, unless a block of the disk ends or begins there.
  */
-static int find_unnamed(struct ttf_io *io, const char *dataset, const char *records,
-                        enum ttf_sums_state *ret, char *ret_path, size_t path_size,
-                        struct ttf_err *err)
+static bool is_hole(const char *line, size_t n, int64_t offset)
+{
+    const char *first = memchr(line, '\0', n);
+    ptrdiff_t at = first ? first - line : -1;
+
+    return first && (memrchr(line, '\0', n) != first || (at != 64 && at != 65) ||
+                     (offset + at) % 512 == 0 || (offset + at + 1) % 512 == 0);
+}
+
+static bool some_file_has(const struct ttf_named_files *named, const char *sha256)
+{
+    size_t i;
+
+    for (i = 0; i < named->n; i++)
+        if (memcmp(named->items[i].sha256, sha256, 64) == 0)
+            return true;
+    return false;
+}
+
+/* What one whole line of the list says that the records do not. */
+static enum ttf_sums_state judge_line(const struct ttf_named_files *named, const char *line,
+                                      size_t n, int64_t offset, char *path, size_t path_size)
+{
+    const struct ttf_named *known;
+    const char *at;
+
+    if (!ttf_sums_parse(line, n, &at))
+        return is_hole(line, n, offset) ? TTF_SUMS_BEHIND : TTF_SUMS_WRONG;
+    snprintf(path, path_size, "%.*s", (int)(n - TTF_SUMS_PREFIX), at);
+    known = ttf_named_files_find(named, path);
+    if (known && memcmp(known->sha256, line, 64) != 0)
+        return TTF_SUMS_WRONG;
+    if (strncmp(path, "frames/", 7) != 0 && strncmp(path, "raw/", 4) != 0)
+        return some_file_has(named, line) && !known ? TTF_SUMS_WRONG : TTF_SUMS_SEAL;
+    if (known)
+        return TTF_SUMS_BEHIND; /* what differs is elsewhere */
+    /* A path that changed, or a record that is lost: the hash tells them apart. */
+    return some_file_has(named, line) ? TTF_SUMS_WRONG : TTF_SUMS_AHEAD;
+}
+
+/*
+ * Where the lists differ: a whole line that no record accounts for is no work of a crash.
+ * It is written behind the record, so the record was lost, or the line has changed, or it
+ * is of a seal.
+ */
+static int find_difference(struct ttf_io *io, const char *dataset, const char *records,
+                           struct ttf_sums_verdict *ret, struct ttf_err *err)
 {
     struct ttf_named_files named = {0};
+    enum ttf_sums_state state;
     struct ttf_lines lines;
-    const char *line, *path;
+    const char *line;
+    char path[sizeof(ret->path)];
     bool terminated;
     int64_t offset;
     size_t n;
     int file = -1, r;
 
-    *ret = TTF_SUMS_BEHIND;
+    *ret = (struct ttf_sums_verdict){.state = TTF_SUMS_BEHIND};
     r = ttf_named_files_load(io, records, &named, err);
     if (r)
         return r;
     r = open_sums(io, dataset, &lines, &file, err);
     lines.at_end = file < 0;
-    while (r == 0 && *ret == TTF_SUMS_BEHIND &&
-           (r = ttf_lines_next(&lines, &line, &n, &offset, &terminated)) > 0) {
+    while (r == 0 && (r = ttf_lines_next(&lines, &line, &n, &offset, &terminated)) > 0) {
         r = 0;
-        if (!terminated || !ttf_sums_parse(line, n, &path))
-            continue;
-        snprintf(ret_path, path_size, "%.*s", (int)(n - TTF_SUMS_PREFIX), path);
-        if (!ttf_named_files_find(&named, ret_path))
-            *ret = TTF_SUMS_AHEAD;
+        path[0] = '\0';
+        state =
+            terminated ? judge_line(&named, line, n, offset, path, sizeof(path)) : TTF_SUMS_BEHIND;
+        if (state <= ret->state)
+            continue; /* the worst counts, of equals the first */
+        ret->state = state;
+        ret->line = lines.number;
+        memcpy(ret->path, path, sizeof(path));
     }
     if (r < 0)
         ttf_err_set(err, r, TTF_SUMS_NAME, "cannot be read: %s", strerrordesc_np(-r));
@@ -162,8 +209,8 @@ int ttf_sums_compare_begin(struct ttf_sums_compare *c, struct ttf_io *io, const 
     return r;
 }
 
-int ttf_sums_compare_end(struct ttf_sums_compare *c, enum ttf_sums_state *ret, char *ret_path,
-                         size_t path_size, struct ttf_err *err)
+int ttf_sums_compare_end(struct ttf_sums_compare *c, struct ttf_sums_verdict *ret,
+                         struct ttf_err *err)
 {
     char *records = ret ? ttf_path_format("%s/records.jsonl", c->dataset) : NULL;
     const char *line;
@@ -175,14 +222,14 @@ int ttf_sums_compare_end(struct ttf_sums_compare *c, enum ttf_sums_state *ret, c
     if (ret && !records)
         r = ttf_err_set(err, -ENOMEM, c->dataset, "no memory");
     if (ret && r == 0) {
-        *ret = TTF_SUMS_SAME;
+        *ret = (struct ttf_sums_verdict){.state = TTF_SUMS_SAME};
         if (!c->differs) { /* is there more behind? */
             r = ttf_lines_next(&c->lines, &line, &n, &offset, &terminated);
             c->differs = r > 0;
             r = r > 0 ? 0 : r;
         }
         if (r == 0 && c->differs)
-            r = find_unnamed(c->io, c->dataset, records, ret, ret_path, path_size, err);
+            r = find_difference(c->io, c->dataset, records, ret, err);
     }
     close_sums(c->io, &c->lines, c->file);
     c->file = -1;
@@ -195,8 +242,8 @@ static int scan_line(void *ctx, const struct ttf_line *line, struct ttf_err *err
     return ttf_sums_compare_line(ctx, line, err);
 }
 
-int ttf_sums_compare(struct ttf_io *io, const char *dataset, enum ttf_sums_state *ret,
-                     char *ret_path, size_t path_size, struct ttf_err *err)
+int ttf_sums_compare(struct ttf_io *io, const char *dataset, struct ttf_sums_verdict *ret,
+                     struct ttf_err *err)
 {
     struct ttf_sums_compare c;
     char *records = ttf_path_format("%s/records.jsonl", dataset);
@@ -207,7 +254,7 @@ int ttf_sums_compare(struct ttf_io *io, const char *dataset, enum ttf_sums_state
     r = ttf_sums_compare_begin(&c, io, dataset, err);
     if (r == 0)
         r = ttf_lines_scan(io, records, scan_line, NULL, &c, NULL, err);
-    ended = ttf_sums_compare_end(&c, r == 0 ? ret : NULL, ret_path, path_size, err);
+    ended = ttf_sums_compare_end(&c, r == 0 ? ret : NULL, err);
     free(records);
     return r ? r : ended;
 }

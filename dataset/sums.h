@@ -27,7 +27,16 @@ TTF_MUST_USE int ttf_sums_sealed(struct ttf_io *io, const char *dataset, bool *r
 enum ttf_sums_state {
     TTF_SUMS_SAME = 0,
     TTF_SUMS_BEHIND, /* lines are lacking or not whole: what a crash leaves */
-    TTF_SUMS_AHEAD   /* it lists a file that no record names: the records have lost lines */
+    TTF_SUMS_WRONG,  /* a line of it has changed, which no crash does; the records have it right */
+    TTF_SUMS_AHEAD,  /* it lists an image that no record names: the records have lost lines */
+    TTF_SUMS_SEAL    /* it lists what only a seal does, but not records.jsonl: that line has changed */
+};
+
+/* What a comparison found. */
+struct ttf_sums_verdict {
+    enum ttf_sums_state state;
+    char path[200]; /* of AHEAD and SEAL: what it lists */
+    int64_t line;   /* of WRONG, AHEAD and SEAL: which of its lines */
 };
 
 /* Compares while somebody scans the records: begin, each line, end (always; it frees). */
@@ -44,13 +53,13 @@ TTF_MUST_USE int ttf_sums_compare_begin(struct ttf_sums_compare *c, struct ttf_i
 TTF_MUST_USE int ttf_sums_compare_line(struct ttf_sums_compare *c, const struct ttf_line *line,
                                        struct ttf_err *err);
 
-/* ret NULL: only frees. Of TTF_SUMS_AHEAD, ret_path is a file that no record names. */
-TTF_MUST_USE int ttf_sums_compare_end(struct ttf_sums_compare *c, enum ttf_sums_state *ret,
-                                      char *ret_path, size_t path_size, struct ttf_err *err);
+/* ret NULL: only frees. */
+TTF_MUST_USE int ttf_sums_compare_end(struct ttf_sums_compare *c, struct ttf_sums_verdict *ret,
+                                      struct ttf_err *err);
 
 /* All of it. */
-TTF_MUST_USE int ttf_sums_compare(struct ttf_io *io, const char *dataset, enum ttf_sums_state *ret,
-                                  char *ret_path, size_t path_size, struct ttf_err *err);
+TTF_MUST_USE int ttf_sums_compare(struct ttf_io *io, const char *dataset,
+                                  struct ttf_sums_verdict *ret, struct ttf_err *err);
 
 /* Writes the running SHA256SUMS anew from the records; removes it if there are no images. */
 TTF_MUST_USE int ttf_sums_rebuild(struct ttf_io *io, const char *dataset, struct ttf_err *err);

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "half.h"
+
 enum ttf_sample tiff_format_of(unsigned bits, bool is_float)
 {
     if (is_float)
@@ -39,22 +41,6 @@ static uint32_t code_at(const uint8_t *row, unsigned bits, size_t i)
     return word >> (have - bits);
 }
 
-/* IEEE 754 binary16. */
-static float half_to_float(uint16_t half)
-{
-    uint32_t sign = (uint32_t)(half & 0x8000u) << 16;
-    uint32_t exponent = half >> 10 & 31u, fraction = half & 1023u, bits;
-    float value;
-
-    if (exponent == 0) { /* zero or subnormal: fraction x 2^-24 */
-        value = (float)fraction * (1.0f / 16777216.0f);
-        return sign ? -value : value;
-    }
-    bits = sign | (exponent == 31 ? 255u : exponent + 112u) << 23 | fraction << 13;
-    memcpy(&value, &bits, sizeof(value));
-    return value;
-}
-
 static float float_at(const uint8_t *row, unsigned bits, size_t i)
 {
     uint16_t half;
@@ -62,7 +48,7 @@ static float float_at(const uint8_t *row, unsigned bits, size_t i)
 
     if (bits == 16) {
         memcpy(&half, row + 2 * i, sizeof(half));
-        return half_to_float(half);
+        return ttf_half_to_float(half);
     }
     memcpy(&value, row + 4 * i, sizeof(value));
     return value;

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "half.h"
 #include "tiff_client.h"
 #include "ttf/base/checked.h"
 
@@ -18,11 +19,17 @@ struct ttf_tiff_writer {
     size_t profile_bytes;
     uint32_t height, strip_rows;
     size_t row_bytes;
+    enum ttf_sample format;
     uint32_t rows;        /* taken so far */
     uint32_t in_strip;    /* of them in the strip being filled */
     uint32_t strip;       /* index of that strip */
     unsigned char *bytes; /* strip_rows x row_bytes */
 };
+
+static bool is_float(enum ttf_sample format)
+{
+    return format == TTF_SAMPLE_F32 || format == TTF_SAMPLE_F16;
+}
 
 static bool set_geometry(TIFF *tiff, const struct ttf_tiff_spec *spec, uint32_t strip_rows)
 {
@@ -36,8 +43,7 @@ static bool set_geometry(TIFF *tiff, const struct ttf_tiff_spec *spec, uint32_t 
          TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits) == 1 &&
          TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, spec->samples) == 1 &&
          TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
-                      spec->format == TTF_SAMPLE_F32 ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT) ==
-             1 &&
+                      is_float(spec->format) ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT) == 1 &&
          TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
                       colour ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK) == 1 &&
          TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == 1 &&
@@ -55,8 +61,8 @@ static bool set_compression(TIFF *tiff, const struct ttf_tiff_spec *spec)
     return TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE) == 1 &&
            TIFFSetField(tiff, TIFFTAG_ZIPQUALITY, DEFLATE_WORK) == 1 &&
            TIFFSetField(tiff, TIFFTAG_PREDICTOR,
-                        spec->format == TTF_SAMPLE_F32 ? PREDICTOR_FLOATINGPOINT
-                                                       : PREDICTOR_HORIZONTAL) == 1;
+                        is_float(spec->format) ? PREDICTOR_FLOATINGPOINT : PREDICTOR_HORIZONTAL) ==
+               1;
 }
 
 static int set_tags(struct ttf_tiff_writer *writer, struct ttf_err *err)
@@ -87,8 +93,7 @@ static bool sizes_of(const struct ttf_tiff_spec *spec, size_t *ret_row, size_t *
     if (spec->width == 0 || spec->height == 0 || spec->width > 1u << 20 ||
         spec->height > 1u << 20 || spec->samples < 1 || spec->samples > 4)
         return false;
-    if (spec->format != TTF_SAMPLE_U8 && spec->format != TTF_SAMPLE_U16 &&
-        spec->format != TTF_SAMPLE_F32)
+    if ((unsigned)spec->format >= TTF_SAMPLE_COUNT)
         return false;
     *ret_row = (size_t)spec->width * spec->samples * ttf_sample_bytes(spec->format);
     return ttf_mul_size(*ret_row, spec->height, ret_all);
@@ -115,6 +120,7 @@ int ttf_tiff_writer_create(const struct ttf_tiff_spec *spec, struct ttf_tiff_wri
     writer->big = bytes > CLASSIC_MAX;
     writer->height = spec->height;
     writer->row_bytes = row_bytes;
+    writer->format = spec->format;
     writer->strip_rows = row_bytes < STRIP_BYTES ? (uint32_t)(STRIP_BYTES / row_bytes) : 1;
     if (writer->strip_rows > spec->height)
         writer->strip_rows = spec->height;
@@ -179,6 +185,23 @@ static int write_strip(struct ttf_tiff_writer *writer, struct ttf_err *err)
     return 0;
 }
 
+/* Rows come as they lie in memory: halves are floats there. */
+static void take_row(struct ttf_tiff_writer *writer, const void *row)
+{
+    unsigned char *to = writer->bytes + writer->in_strip * writer->row_bytes;
+    const float *values = row;
+    uint16_t half;
+
+    if (writer->format != TTF_SAMPLE_F16) {
+        memcpy(to, row, writer->row_bytes);
+        return;
+    }
+    for (size_t i = 0; i < writer->row_bytes / sizeof(half); i++) {
+        half = ttf_half_of_float(values[i]);
+        memcpy(to + i * sizeof(half), &half, sizeof(half));
+    }
+}
+
 int ttf_tiff_writer_rows(struct ttf_tiff_writer *writer, const void *rows, size_t stride,
                          uint32_t n, struct ttf_err *err)
 {
@@ -188,8 +211,7 @@ int ttf_tiff_writer_rows(struct ttf_tiff_writer *writer, const void *rows, size_
     for (uint32_t y = 0; y < n; y++) {
         int r = 0;
 
-        memcpy(writer->bytes + writer->in_strip * writer->row_bytes,
-               (const char *)rows + (size_t)y * stride, writer->row_bytes);
+        take_row(writer, (const char *)rows + (size_t)y * stride);
         writer->in_strip++;
         writer->rows++;
         if (writer->in_strip == writer->strip_rows || writer->rows == writer->height)

@@ -61,7 +61,7 @@ void ttf_verify_find(struct ttf_verify_run *run, enum ttf_severity severity, int
         return;
     memset(finding, 0, sizeof(*finding)); /* equal findings are equal bytes */
     finding->severity = severity;
-    finding->slot = slot;
+    finding->slot = finding->last_slot = slot;
     ttf_text_cut(finding->file, sizeof(finding->file), file);
     va_start(args, fmt);
     vsnprintf(finding->text, sizeof(finding->text), fmt, args);
@@ -92,7 +92,8 @@ static void look_at(void *ctx, unsigned tile, unsigned worker)
 static void judge(struct ttf_verify_run *run, const struct ttf_verify_job *job)
 {
     if (job->result == -ENOENT || job->result == -ENOTDIR)
-        ttf_verify_find(run, TTF_FINDING_DAMAGE, job->slot, job->path, "is missing");
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, job->slot, job->path, "is missing%s",
+                        job->by_sums ? ", but " TTF_SUMS_NAME " lists it" : "");
     else if (job->result)
         ttf_verify_find(run, TTF_FINDING_DAMAGE, job->slot, job->path, "cannot be read: %s",
                         strerrordesc_np(-job->result));
@@ -102,7 +103,8 @@ static void judge(struct ttf_verify_run *run, const struct ttf_verify_job *job)
                         (long long)job->actual_bytes, (long long)job->bytes);
     else if (run->options->deep && strcmp(job->actual, job->sha256) != 0)
         ttf_verify_find(run, TTF_FINDING_DAMAGE, job->slot, job->path,
-                        "has changed: its sha256 is not the recorded one");
+                        "has changed: its sha256 is not the one in %s",
+                        job->by_sums ? TTF_SUMS_NAME " (or that one is wrong)" : "records.jsonl");
     if (job->actual[0])
         run->report->hashed_bytes += job->actual_bytes;
 }
@@ -122,7 +124,7 @@ void ttf_verify_flush(struct ttf_verify_run *run)
 }
 
 void ttf_verify_queue(struct ttf_verify_run *run, const char *path, int64_t bytes,
-                      const char *sha256, int64_t slot)
+                      const char *sha256, bool by_sums, int64_t slot)
 {
     struct ttf_verify_job *job = &run->jobs[run->n_jobs++];
 
@@ -130,6 +132,7 @@ void ttf_verify_queue(struct ttf_verify_run *run, const char *path, int64_t byte
     ttf_text_cut(job->path, sizeof(job->path), path);
     memcpy(job->sha256, sha256, 64);
     job->bytes = bytes;
+    job->by_sums = by_sums;
     job->slot = slot;
     if (bytes > 0)
         run->report->bytes += bytes;
@@ -144,6 +147,10 @@ static int check_manifest(struct ttf_verify_run *run, struct ttf_err *err)
 
     r = ttf_manifest_load(run->io, run->path, &run->manifest, &local);
     run->has_manifest = r == 0;
+    if (r == -ENOTSUP) {
+        run->refusal = local;
+        return 0;
+    }
     if (r == -EINVAL) {
         ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, "dataset.json", "%.200s", local.what);
         return 0;
@@ -151,6 +158,26 @@ static int check_manifest(struct ttf_verify_run *run, struct ttf_err *err)
     if (r && err)
         *err = local;
     return r;
+}
+
+/*
+ * A version that this one does not know may be true, or a flipped bit: if the records or
+ * the seal say that dataset.json has changed, it is damage; else there is nothing to be said.
+ */
+static int check_refusal(const struct ttf_verify_run *run, struct ttf_err *err)
+{
+    const struct ttf_verify_report *report = run->report;
+    unsigned i;
+
+    if (!run->refusal.code)
+        return 0;
+    for (i = 0; i < report->n_findings; i++)
+        if (report->findings[i].severity == TTF_FINDING_DAMAGE &&
+            strcmp(report->findings[i].file, "dataset.json") == 0)
+            return 0;
+    if (err)
+        *err = run->refusal;
+    return run->refusal.code;
 }
 
 static int check_all(struct ttf_verify_run *run, struct ttf_err *err)
@@ -170,6 +197,10 @@ static int check_all(struct ttf_verify_run *run, struct ttf_err *err)
     ttf_named_files_sort(&run->named);
     ttf_verify_sums(run);
     ttf_verify_flush(run);
+    ttf_verify_name_slots(run);
+    r = check_refusal(run, err);
+    if (r)
+        return r;
     if (run->report->sealed && asprintf(&sums, "%s/" TTF_SUMS_NAME, run->path) >= 0) {
         r = ttf_sha256_file(run->io, sums, NULL, run->report->digest, err);
         free(sums);
@@ -201,6 +232,8 @@ int ttf_verify(struct ttf_io *io, const char *path, const struct ttf_verify_opti
         ttf_verify_report_free(&report);
     ttf_named_files_free(&run->named);
     ttf_paths_free(&run->calibrations);
+    free(run->uses);
+    free(run->plan_of);
     free(run);
     return r;
 }

@@ -16,12 +16,14 @@ static const char *short_name(const struct ttf_verify_run *run, const char *wher
     return strncmp(where, run->path, n) == 0 && where[n] == '/' ? where + n + 1 : where;
 }
 
-static void bad_line(void *ctx, const char *where, const char *text)
+static void bad_line(void *ctx, const char *where, const char *text, const char *line, size_t n)
 {
     struct ttf_verify_run *run = ctx;
 
     run->records_good = false;
     ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, short_name(run, where), "damaged line: %s", text);
+    if (run->in_records)
+        ttf_verify_bad_line(run, line, n);
 }
 
 static void bad_field(struct ttf_verify_run *run, const struct ttf_line *line, int64_t slot,
@@ -40,7 +42,7 @@ static int take_file(void *ctx, const struct ttf_named_file *file, struct ttf_er
     if (r)
         run->failed = r;
     else
-        ttf_verify_queue(run, file->path, file->bytes, file->sha256, run->slot);
+        ttf_verify_queue(run, file->path, file->bytes, file->sha256, false, run->slot);
     return r;
 }
 
@@ -75,9 +77,11 @@ static void check_images(struct ttf_verify_run *run, const struct ttf_line *line
             snprintf(text, sizeof(text), "image %u has no files and does not say why", i);
             bad_field(run, line, record->index, text);
         }
-        if (image->calibration[0] && !has_calibration(run, image->calibration))
-            ttf_verify_find(run, TTF_FINDING_DAMAGE, record->index, short_name(run, line->where),
-                            "names calibration %s, which is not there", image->calibration);
+        if (image->calibration[0] && !has_calibration(run, image->calibration)) {
+            snprintf(text, sizeof(text), "names calibration %s, which is not there",
+                     image->calibration);
+            bad_field(run, line, record->index, text);
+        }
         if (run->has_manifest && !ttf_manifest_stream(&run->manifest, image->stream))
             ttf_verify_find(run, TTF_FINDING_NOTE, record->index, short_name(run, line->where),
                             "has an image of stream %s, which dataset.json does not list, or not "
@@ -86,18 +90,57 @@ static void check_images(struct ttf_verify_run *run, const struct ttf_line *line
     }
 }
 
+/* The files of a calibration and of a plan concern the slots that used them. */
+static void note_uses(struct ttf_verify_run *run, const struct ttf_slot_record *record)
+{
+    char folder[sizeof(run->uses->folder)];
+    unsigned i;
+
+    for (i = 0; i < record->n_images; i++)
+        if (record->images[i].calibration[0]) {
+            snprintf(folder, sizeof(folder), "calibration/%s/", record->images[i].calibration);
+            ttf_verify_use(run, folder, record->index);
+        }
+    if (record->segment < run->n_segments && run->plan_of[record->segment] >= 0) {
+        snprintf(folder, sizeof(folder), "plans/%d.", run->plan_of[record->segment]);
+        ttf_verify_use(run, folder, record->index);
+    }
+}
+
+/* What a record must be, beyond what its reader asks for. */
+static void check_slot(struct ttf_verify_run *run, const struct ttf_line *line,
+                       const struct ttf_slot_record *record)
+{
+    unsigned i, k;
+
+    if (record->result != TTF_RESULT_CAPTURED && record->reason[0] == '\0')
+        bad_field(run, line, record->index, "it is not captured, and gives no reason");
+    for (i = 0; i < record->n_images; i++) {
+        if (record->images[i].lacking[0] && record->result == TTF_RESULT_CAPTURED)
+            bad_field(run, line, record->index, "it is captured, but lacks an image");
+        for (k = 0; k < i; k++)
+            if (strcmp(record->images[k].stream, record->images[i].stream) == 0 &&
+                record->images[k].bracket == record->images[i].bracket)
+                bad_field(run, line, record->index,
+                          "it has two images of the same stream and bracket");
+    }
+}
+
 static void take_slot(struct ttf_verify_run *run, const struct ttf_line *line)
 {
     struct ttf_slot_record record;
     struct ttf_err err = {0};
+    const json_t *index;
     int r;
 
     run->report->slots++;
     run->slot = -1;
     if (ttf_slot_get(line, &record, &err) != 0) {
-        bad_field(run, line, -1, err.what);
+        index = json_object_get(line->json, "index");
+        bad_field(run, line, json_is_integer(index) ? json_integer_value(index) : -1, err.what);
         return;
     }
+    ttf_verify_next_slot(run, record.index);
     run->slot = record.index;
     if (record.index < run->next_index)
         bad_field(run, line, record.index, "its index does not rise");
@@ -106,10 +149,40 @@ static void take_slot(struct ttf_verify_run *run, const struct ttf_line *line)
     run->next_index = record.index + 1;
     run->counts[record.result]++;
     check_images(run, line, &record);
+    check_slot(run, line, &record);
+    note_uses(run, &record);
     r = ttf_line_files(line, take_file, run, &err);
     if (r == -TTF_EDAMAGED)
         bad_field(run, line, record.index, err.what);
     ttf_slot_record_free(&record);
+}
+
+/* The hash of dataset.json that segments bring is looked at once for each value of it. */
+static void take_manifest(struct ttf_verify_run *run, const struct ttf_line *line,
+                          const struct ttf_segment *segment)
+{
+    struct ttf_err err = {0};
+
+    if (strcmp(run->manifest_sha256, segment->dataset_sha256) == 0)
+        return;
+    memcpy(run->manifest_sha256, segment->dataset_sha256, sizeof(run->manifest_sha256));
+    if (ttf_line_files(line, take_file, run, &err) != 0 && !run->failed)
+        run->failed = err.code;
+}
+
+static int learn_plan(struct ttf_verify_run *run, const struct ttf_segment *segment)
+{
+    int *grown;
+
+    if (segment->segment == run->n_segments) {
+        grown = reallocarray(run->plan_of, (size_t)run->n_segments + 1, sizeof(*grown));
+        if (!grown)
+            return -ENOMEM;
+        run->plan_of = grown;
+        run->n_segments++;
+    }
+    run->plan_of[segment->segment] = segment->plan;
+    return 0;
 }
 
 static void take_segment(struct ttf_verify_run *run, const struct ttf_line *line)
@@ -123,8 +196,9 @@ static void take_segment(struct ttf_verify_run *run, const struct ttf_line *line
     }
     if (segment.segment > run->n_segments)
         bad_field(run, line, -1, "its number leaves others out");
-    else if (segment.segment == run->n_segments)
-        run->n_segments++;
+    else if (learn_plan(run, &segment) != 0)
+        run->failed = -ENOMEM;
+    take_manifest(run, line, &segment);
     if (segment.plan >= run->n_plans && segment.plan >= 0)
         bad_field(run, line, -1, "its plan has no line before it");
 }
@@ -170,7 +244,7 @@ static void check_tail(struct ttf_verify_run *run, const char *name,
     if (tail->fragment_bytes > 0)
         ttf_verify_find(run, severity, -1, name, "ends in %lld bytes that are no whole line",
                         (long long)tail->fragment_bytes);
-    else if (tail->no_newline && run->report->sealed)
+    else if (tail->no_newline)
         ttf_verify_find(run, severity, -1, name, "its last line lacks its newline");
 }
 
@@ -202,7 +276,9 @@ void ttf_verify_records(struct ttf_verify_run *run)
     const int64_t *c = run->counts;
     const struct ttf_end_record *e = &run->end;
 
+    run->in_records = true;
     scan(run, "records.jsonl", take_line, TTF_FINDING_DAMAGE);
+    run->in_records = false;
     run->slot = -1;
     if (run->ended && run->records_good &&
         (e->slots != run->report->slots || e->captured != c[TTF_RESULT_CAPTURED] ||

@@ -13,15 +13,16 @@
 /* ---- sealed: SHA256SUMS is the whole truth ---- */
 
 /* One line of a sealed list: against the record, or against the file. */
-static void check_listed(struct ttf_verify_run *run, const char *path, const char *sha256)
+static void check_listed(struct ttf_verify_run *run, const char *path, const char *sha256,
+                         const char *where)
 {
     const struct ttf_named *named = ttf_named_files_find(&run->named, path);
 
     if (!named)
-        ttf_verify_queue(run, path, -1, sha256, -1);
+        ttf_verify_queue(run, path, -1, sha256, true, -1);
     else if (memcmp(named->sha256, sha256, 64) != 0)
-        ttf_verify_find(run, TTF_FINDING_DAMAGE, ttf_path_index(path), path,
-                        "its record and " TTF_SUMS_NAME " give different sha256");
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, ttf_path_index(path), where,
+                        "gives %.150s another sha256 than its record", path);
 }
 
 static void read_list(struct ttf_verify_run *run, int file, struct ttf_named_files *listed)
@@ -48,7 +49,7 @@ static void read_list(struct ttf_verify_run *run, int file, struct ttf_named_fil
             run->failed = -ENOMEM;
             break;
         }
-        check_listed(run, name, line);
+        check_listed(run, name, line, where);
     }
     if (r < 0 && !run->failed)
         ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, TTF_SUMS_NAME, "cannot be read: %s",
@@ -72,7 +73,8 @@ static void unlisted(struct ttf_verify_run *run, const char *path)
     if (ttf_is_temporary(path))
         ttf_verify_find(run, TTF_FINDING_LEFTOVER, -1, path, "is a leftover temporary file");
     else if (ours && ttf_path_ok(path))
-        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, path, "is not covered by the seal");
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, path,
+                        "is not covered by the seal: " TTF_SUMS_NAME " does not list it");
     else
         ttf_verify_find(run, TTF_FINDING_NOTE, -1, path, "does not belong to the sealed dataset");
 }
@@ -102,7 +104,8 @@ static void check_sealed(struct ttf_verify_run *run, const struct ttf_paths *fil
         if (!ttf_named_files_find(&listed, run->named.items[i].path))
             ttf_verify_find(run, TTF_FINDING_DAMAGE, ttf_path_index(run->named.items[i].path),
                             run->named.items[i].path,
-                            "is named by a record, but not covered by the seal");
+                            "is named by a record, but not covered by the seal: " TTF_SUMS_NAME
+                            " does not list it");
     for (i = 0; i < files->n; i++)
         if (!outside_by_rule(files->items[i]) && !ttf_named_files_find(&listed, files->items[i]) &&
             !ttf_named_files_find(&run->named, files->items[i]))
@@ -114,41 +117,76 @@ static void check_sealed(struct ttf_verify_run *run, const struct ttf_paths *fil
 
 static void check_running(struct ttf_verify_run *run)
 {
-    enum ttf_sums_state state;
+    struct ttf_sums_verdict sums;
     struct ttf_err err = {0};
-    char path[200];
+    char where[40];
     int r;
 
     if (!run->records_good)
         return; /* what it should hold is not known */
-    r = ttf_sums_compare(run->io, run->path, &state, path, sizeof(path), &err);
-    if (r)
+    r = ttf_sums_compare(run->io, run->path, &sums, &err);
+    if (r) {
         ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, TTF_SUMS_NAME, "%.200s", err.what);
-    else if (state == TTF_SUMS_BEHIND)
+        return;
+    }
+    snprintf(where, sizeof(where), TTF_SUMS_NAME ":%lld", (long long)sums.line);
+    if (sums.state == TTF_SUMS_BEHIND)
         ttf_verify_find(run, TTF_FINDING_LEFTOVER, -1, TTF_SUMS_NAME,
                         "is behind the records; opening for writing brings it up to date");
-    else if (state == TTF_SUMS_AHEAD)
-        ttf_verify_find(run, TTF_FINDING_DAMAGE, ttf_path_index(path), "records.jsonl",
+    else if (sums.state == TTF_SUMS_WRONG)
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, ttf_path_index(sums.path), where,
+                        "has changed: the records have other files, or another sha256");
+    else if (sums.state == TTF_SUMS_SEAL)
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, where,
+                        "is of a seal, as it lists %.120s, but there is no line of records.jsonl",
+                        sums.path);
+    else if (sums.state == TTF_SUMS_AHEAD)
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, ttf_path_index(sums.path), "records.jsonl",
                         "has lost lines: " TTF_SUMS_NAME " lists %.150s, which no record names",
-                        path);
+                        sums.path);
+}
+
+/* Files of one slot that has no record yet are what a crash leaves; of several no crash does. */
+static bool strays_of_one_slot(const struct ttf_verify_run *run, const struct ttf_paths *files)
+{
+    int64_t index, one = -1;
+    size_t i;
+
+    for (i = 0; i < files->n; i++) {
+        index = ttf_path_index(files->items[i]);
+        if (index < run->next_index || ttf_is_temporary(files->items[i]))
+            continue;
+        if (one >= 0 && index != one)
+            return false;
+        one = index;
+    }
+    return true;
+}
+
+static enum ttf_severity stray(const struct ttf_verify_run *run, const char *path, bool one_slot)
+{
+    if (starts(path, "plans/") || starts(path, "calibration/"))
+        return TTF_FINDING_LEFTOVER;
+    return one_slot && ttf_path_index(path) >= run->next_index ? TTF_FINDING_LEFTOVER
+                                                               : TTF_FINDING_NOTE;
 }
 
 static void check_strays(struct ttf_verify_run *run, const struct ttf_paths *files)
 {
+    bool one_slot = strays_of_one_slot(run, files);
     const char *path;
     size_t i;
 
     for (i = 0; i < files->n; i++) {
         path = files->items[i];
         if (ttf_is_temporary(path))
-            ttf_verify_find(run, TTF_FINDING_LEFTOVER, -1, path, "is a leftover temporary file");
+            ttf_verify_find(run, TTF_FINDING_LEFTOVER, ttf_path_index(path), path,
+                            "is a leftover temporary file");
         else if ((starts(path, "frames/") || starts(path, "raw/") || starts(path, "calibration/") ||
                   starts(path, "plans/")) &&
                  run->records_good && !ttf_named_files_find(&run->named, path))
-            ttf_verify_find(run,
-                            ttf_path_index(path) >= run->next_index ? TTF_FINDING_LEFTOVER
-                                                                    : TTF_FINDING_NOTE,
-                            -1, path, "is named by no record");
+            ttf_verify_find(run, stray(run, path, one_slot), ttf_path_index(path), path,
+                            "is named by no record");
     }
 }
 

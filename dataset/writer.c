@@ -139,6 +139,7 @@ int ttf_writer_segment(struct ttf_writer *writer, const struct ttf_segment *segm
     if (s.plan >= state->n_plans)
         return ttf_err_set(err, -EINVAL, "segment", "plan is %d, but there are %d plans", s.plan,
                            state->n_plans);
+    memcpy(s.dataset_sha256, writer->manifest_sha256, sizeof(s.dataset_sha256));
     r = ttf_writer_unseal(writer, err);
     if (r)
         return r;

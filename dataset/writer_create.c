@@ -218,6 +218,7 @@ int ttf_writer_create(struct ttf_io *io, const char *path, const struct ttf_mani
                       struct ttf_err *err)
 {
     struct ttf_writer *writer = ttf_writer_alloc(io, path);
+    struct ttf_sha256 hash;
     char *text = NULL;
     const char *name;
     int r;
@@ -233,6 +234,11 @@ int ttf_writer_create(struct ttf_io *io, const char *path, const struct ttf_mani
     }
     writer->manifest = *manifest;
     r = ttf_manifest_write(manifest, &text, err);
+    if (r == 0) {
+        ttf_sha256_init(&hash);
+        ttf_sha256_add(&hash, text, strlen(text));
+        ttf_sha256_hex(&hash, writer->manifest_sha256);
+    }
     if (r == 0)
         r = fill_folder(writer, text, plan_yaml, plan_json, err);
     free(text);

@@ -62,6 +62,10 @@ static int learn_segment(struct ttf_writer *writer, const struct ttf_line *line,
     r = ttf_segment_get(line, &segment, err);
     if (r)
         return r;
+    if (segment.dataset_sha256[0] && strcmp(segment.dataset_sha256, writer->manifest_sha256) != 0)
+        return ttf_err_set(err, -TTF_EDAMAGED, writer->path,
+                           "dataset.json has changed: segment %d gives another sha256 of it",
+                           segment.segment);
     if (ttf_writer_learn_segment(writer, &segment) != 0)
         return ttf_err_set(err, -TTF_EDAMAGED, line->where,
                            "segment %d comes where segment %d is due", segment.segment,

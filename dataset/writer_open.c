@@ -5,6 +5,7 @@
 
 #include "io_path.h"
 #include "sums.h"
+#include "ttf/dataset/hash.h"
 #include "writer_private.h"
 
 /* One pass over the records: what they say, and whether SHA256SUMS says the same. */
@@ -27,15 +28,25 @@ static int learn_line(void *ctx, const struct ttf_line *line, struct ttf_err *er
 static int end_compare(struct ttf_writer *writer, struct ttf_sums_compare *compare,
                        enum ttf_sums_state *ret, struct ttf_err *err)
 {
-    char path[200];
+    struct ttf_sums_verdict verdict;
     int r;
 
-    r = ttf_sums_compare_end(compare, ret, path, sizeof(path), err);
-    if (r || !ret || *ret != TTF_SUMS_AHEAD)
+    r = ttf_sums_compare_end(compare, ret ? &verdict : NULL, err);
+    if (r || !ret)
         return r;
-    ttf_err_set(err, -TTF_EDAMAGED, writer->path,
-                "records.jsonl has lost lines: " TTF_SUMS_NAME " lists %s, which no record names",
-                path);
+    *ret = verdict.state;
+    if (verdict.state == TTF_SUMS_AHEAD)
+        ttf_err_set(err, -TTF_EDAMAGED, writer->path,
+                    "records.jsonl has lost lines: " TTF_SUMS_NAME
+                    " lists %s, which no record names",
+                    verdict.path);
+    else if (verdict.state == TTF_SUMS_SEAL)
+        ttf_err_set(err, -TTF_EDAMAGED, writer->path,
+                    TTF_SUMS_NAME " is of a seal, as it lists %s, but its line of records.jsonl "
+                                  "has changed or is gone",
+                    verdict.path);
+    else
+        return 0;
     ttf_err_hint(err, "keep a copy of the folder; go on in a new dataset");
     return -TTF_EDAMAGED;
 }
@@ -100,6 +111,19 @@ static int make_sure(struct ttf_writer *writer, bool doubt, struct ttf_err *err)
              : 0;
 }
 
+/* What the segments say of dataset.json is compared with this. */
+static int hash_manifest(struct ttf_writer *writer, struct ttf_err *err)
+{
+    char *path = ttf_path_format("%s/dataset.json", writer->path);
+    int r;
+
+    if (!path)
+        return ttf_err_set(err, -ENOMEM, writer->path, "no memory");
+    r = ttf_sha256_file(writer->io, path, NULL, writer->manifest_sha256, err);
+    free(path);
+    return r;
+}
+
 static int open_all(struct ttf_writer *writer, bool doubt, struct ttf_err *err)
 {
     struct ttf_lines_tail records = {0}, events = {0};
@@ -107,6 +131,8 @@ static int open_all(struct ttf_writer *writer, bool doubt, struct ttf_err *err)
     int r;
 
     r = ttf_manifest_load(writer->io, writer->path, &writer->manifest, err);
+    if (r == 0)
+        r = hash_manifest(writer, err);
     if (r)
         return r;
     r = ttf_writer_lock(writer, err);

@@ -16,6 +16,7 @@ struct ttf_writer {
     void *piece; /* TTF_SHA256_PIECE bytes, for reading back what was written */
     int lock;    /* handle of the folder, locked; -1 */
     struct ttf_manifest manifest;
+    char manifest_sha256[65]; /* of dataset.json's bytes */
     struct ttf_writer_state state;
     struct ttf_jsonl records, events;
     bool sealed;      /* SHA256SUMS covers everything: to be undone before anything is written */

@@ -17,14 +17,18 @@ synth() {
 # Quilting of single pictures beside another program's synthesis; not part of all, which needs only this project.
 gmic() { python3 tests/bench/against_gmic.py "$box" build/tests/bench_patches "$@"; }
 
+# Opening an unsealed dataset that was cut in a commit, to go on.
+recovery() { for slots in 250 2500 25000; do build/tests/store_recovery $slots | grep slots,; done; }
+
 case ${1:-all} in
 week) week ;;
 schedule) shift; schedule "$@" ;;
 synth) shift; synth "$@" ;;
+recovery) recovery ;;
 gmic) shift; gmic "$@" ;;
 all) week; schedule; synth ;;
 *)
-    echo "bench: there is no '$1': week, schedule, synth, gmic" >&2
+    echo "bench: there is no '$1': week, schedule, recovery, synth, gmic" >&2
     exit 2
     ;;
 esac

@@ -122,27 +122,55 @@ static bool needs_room(const char *op)
     return false;
 }
 
+static unsigned storage_of(const struct box_disk *disk, const char *path)
+{
+    size_t n = strlen(disk->second);
+
+    return n > 0 && strncmp(path, disk->second, n) == 0 && (path[n] == '/' || path[n] == '\0');
+}
+
+static void disk_space(void *ctx, const char *path, struct ttf_io_space *space)
+{
+    const struct box_disk *disk = ctx;
+    int64_t free_bytes;
+    bool read_only;
+
+    ttf_sim_storage_state(disk->box, storage_of(disk, path), &free_bytes, &read_only);
+    if (free_bytes != TTF_NS_UNKNOWN && free_bytes < space->free_bytes)
+        space->free_bytes = free_bytes;
+    space->read_only |= read_only;
+}
+
 static int disk_fault(void *ctx, const char *op, const char *path)
 {
-    const struct ttf_box *box = ctx;
+    const struct box_disk *disk = ctx;
+    unsigned storage = storage_of(disk, path);
 
-    (void)path;
-    if (ttf_sim_storage_fault(box, TTF_FAULT_IO_ERROR))
+    if (ttf_sim_storage_fault_at(disk->box, TTF_FAULT_IO_ERROR, storage))
         return -EIO;
-    if (needs_room(op) && ttf_sim_storage_fault(box, TTF_FAULT_DISK_FULL))
+    if (ttf_sim_storage_fault_at(disk->box, TTF_FAULT_READ_ONLY, storage))
+        return -EROFS;
+    if (needs_room(op) && ttf_sim_storage_fault_at(disk->box, TTF_FAULT_DISK_FULL, storage))
         return -ENOSPC;
     return 0;
 }
 
-struct ttf_io *box_disk_create(struct ttf_io *machine, const struct ttf_box *box)
+int box_disk_create(struct box_disk *disk, struct ttf_io *machine, const struct ttf_box *box,
+                    const char *second)
 {
+    *disk = (struct box_disk){.box = box, .second = second, .io = machine};
     if (!box->simulated)
-        return machine;
-    return ttf_io_faulty_create(machine, disk_fault, (void *)box);
+        return 0;
+    disk->faulty = ttf_io_faulty_create(machine, disk_fault, disk);
+    if (!disk->faulty)
+        return -ENOMEM;
+    ttf_io_faulty_space(disk->faulty, disk_space);
+    disk->io = disk->faulty;
+    return 0;
 }
 
-void box_disk_destroy(struct ttf_io *disk, struct ttf_io *machine)
+void box_disk_destroy(struct box_disk *disk)
 {
-    if (disk && disk != machine)
-        ttf_io_faulty_destroy(disk);
+    ttf_io_faulty_destroy(disk->faulty);
+    disk->faulty = disk->io = NULL;
 }

@@ -23,11 +23,21 @@ TTF_MUST_USE int box_create(const struct ttf_board *board, struct ttf_io *io, st
 TTF_MUST_USE int box_configure(const struct ttf_board *board, const struct ttf_box *box,
                                struct ttf_err *err);
 
+/* The machine's disks as a box sees them. Private but for io. */
+struct box_disk {
+    struct ttf_io *io; /* to be used */
+    struct ttf_io *faulty;
+    const struct ttf_box *box;
+    const char *second;
+};
+
 /*
- * The disk: that of the machine, but failing when the simulated box says so
- * (disk-full, io-error). box must stay where it is until box_disk_destroy.
+ * Those of the machine, but failing, full or read-only when the simulated box says so. second: folder of the
+ * plan's second storage, which has faults of its own; empty: none. disk, box and second must stay where they are
+ * until box_disk_destroy. -ENOMEM.
  */
-struct ttf_io *box_disk_create(struct ttf_io *machine, const struct ttf_box *box);
-void box_disk_destroy(struct ttf_io *disk, struct ttf_io *machine);
+TTF_MUST_USE int box_disk_create(struct box_disk *disk, struct ttf_io *machine,
+                                 const struct ttf_box *box, const char *second);
+void box_disk_destroy(struct box_disk *disk); /* a zeroed one is fine */
 
 #endif

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "box.h"
+#include "capture_script.h"
 #include "commands.h"
 #include "sim_boot.h"
 #include "ttf/capture/session.h"
@@ -22,9 +23,12 @@ struct capture {
     struct ttf_plan_file *file;
     struct ttf_session_result result;
     struct cli_progress bar;
+    struct ttf_control *control; /* NULL: no script */
+    char path[4096];             /* of the dataset: as given, or in the second storage */
     unsigned events, boots;
     bool resuming, exists;
-    char digest[65]; /* of what was sealed before; empty if nothing was */
+    int64_t next_index; /* the first slot without a record */
+    char digest[65];    /* of what was sealed before; empty if nothing was */
 };
 
 static void on_progress(void *ctx, const struct ttf_progress *p)
@@ -32,6 +36,11 @@ static void on_progress(void *ctx, const struct ttf_progress *p)
     struct capture *c = ctx;
     char text[96];
 
+    if (p->kind == TTF_PROGRESS_ALARM) {
+        cli_progress_end(&c->bar);
+        cli_warn("ttfbox capture: %s", p->text);
+        return;
+    }
     if (p->kind == TTF_PROGRESS_EVENT) {
         c->events++;
         if (c->bar.shown) {
@@ -52,7 +61,7 @@ static int one_boot(struct capture *c, int64_t *ret_back_ns)
     struct cli *cli = c->cli;
     struct ttf_box box = {0};
     struct ttf_plan_figures figures;
-    struct ttf_io *disk = NULL;
+    struct box_disk disk = {0};
     struct ttf_utc utc;
     int r = box_create(&c->board, cli->io, &box, &cli->err);
 
@@ -71,14 +80,14 @@ static int one_boot(struct capture *c, int64_t *ret_back_ns)
         ttf_plan_file_place(c->file, &cli->err);
         goto out;
     }
-    disk = box_disk_create(cli->io, &box);
-    if (!disk) {
-        r = ttf_err_set(&cli->err, -ENOMEM, NULL, "no memory");
+    r = box_disk_create(&disk, cli->io, &box, ttf_plan_file_plan(c->file)->second_storage);
+    if (r < 0) {
+        ttf_err_set(&cli->err, r, NULL, "no memory");
         goto out;
     }
     struct ttf_session_config config = {
         .box = &box,
-        .io = disk,
+        .io = disk.io,
         .path = cli->opt.output,
         .plan = ttf_plan_file_plan(c->file),
         .plan_yaml = ttf_plan_file_text(c->file),
@@ -87,6 +96,8 @@ static int one_boot(struct capture *c, int64_t *ret_back_ns)
         .progress = on_progress,
         .progress_ctx = c,
         .stop = cli_stop_flag(),
+        .control = c->control,
+        .plan_as_given = cli->opt.as_given,
         .rehearse = cli->opt.rehearse,
         .skip_speed_check = cli->opt.no_speed_check,
     };
@@ -97,7 +108,7 @@ static int one_boot(struct capture *c, int64_t *ret_back_ns)
     if (r == -ESHUTDOWN)
         *ret_back_ns = ttf_sim_back_ns(&box);
 out:
-    box_disk_destroy(disk, cli->io);
+    box_disk_destroy(&disk);
     ttf_box_destroy(&box);
     return r;
 }
@@ -108,17 +119,22 @@ static int look_at_output(struct capture *c)
     struct cli *cli = c->cli;
     struct ttf_reader *reader = NULL;
     struct ttf_io_stat st;
-    char path[4096];
-    int r;
+    char path[4096 + 16];
+    int r = ttf_session_find(cli->io, cli->opt.output, ttf_plan_file_plan(c->file), c->path,
+                             sizeof c->path, &cli->err);
 
-    (void)snprintf(path, sizeof path, "%s/dataset.json", cli->opt.output);
+    if (r < 0)
+        return r;
+    (void)snprintf(path, sizeof path, "%s/dataset.json", c->path);
     /* New, or cut off before it was born: the writer knows which, and refuses anything else. */
     if (cli->io->ops->stat(cli->io, path, &st) < 0)
         return 0;
-    r = ttf_reader_open(cli->io, cli->opt.output, &reader, &cli->err);
+    r = ttf_reader_open(cli->io, c->path, &reader, &cli->err);
     if (r < 0)
         return r;
     c->exists = true;
+    if (ttf_reader_summary(reader)->slots > 0)
+        c->next_index = ttf_reader_summary(reader)->last_index + 1;
     if (ttf_reader_digest(reader, c->digest, NULL) < 0)
         c->digest[0] = '\0';
     if (*ttf_reader_manifest(reader)->source || *ttf_reader_manifest(reader)->derived_uuid) {
@@ -169,6 +185,9 @@ static void say(struct capture *c)
             "slots             %" PRId64 ": %" PRId64 " captured, %" PRId64 " partial, %" PRId64
             " missed, %" PRId64 " failed, %" PRId64 " paused, %" PRId64 " without power",
             s->slots, s->captured, s->partial, s->missed, s->failed, s->paused, s->power);
+    if (s->second_storage)
+        cli_say(cli, "second storage    the run went on in %s; slots are counted there",
+                ttf_plan_file_plan(c->file)->second_storage);
     if (s->error_max_ns) /* 0: this run captured nothing */
         cli_say(cli, "timing            middle of exposure within %.3f ms (p99), %.3f ms at most",
                 (double)s->error_p99_ns / 1e6, (double)s->error_max_ns / 1e6);
@@ -204,6 +223,7 @@ static void put_json(struct capture *c)
     ttf_json_kint(j, "boots", c->boots);
     ttf_json_kbool(j, "resumed", s->resumed || c->boots > 1);
     ttf_json_kbool(j, "already_complete", was_complete(c));
+    ttf_json_kbool(j, "second_storage", s->second_storage);
     ttf_json_kbool(j, "sealed", s->sealed);
     if (s->sealed)
         ttf_json_kstring(j, "digest", s->digest);
@@ -259,6 +279,8 @@ int cmd_capture(struct cli *cli)
         r = cli_load_board(cli, &c->board);
     if (r == 0)
         r = look_at_output(c);
+    if (r == 0 && cli->opt.script)
+        r = capture_script_ask(cli, cli->opt.script, c->next_index, &c->control);
     if (r == 0) {
         cli_stop_catch();
         cli_progress_begin(&c->bar, cli, c->resuming ? "going on" : "capturing");
@@ -271,8 +293,10 @@ int cmd_capture(struct cli *cli)
         if (!c->result.sealed && !cli->opt.rehearse)
             r = CLI_FAILED; /* stopped before it was done */
     }
-    if (c)
+    if (c) {
         ttf_plan_file_free(c->file);
+        ttf_control_destroy(c->control);
+    }
     free(c);
     return r;
 }

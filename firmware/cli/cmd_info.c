@@ -14,11 +14,36 @@ struct walk {
     int64_t first_utc_ns, last_utc_ns;
 };
 
+/* One slot for programs: what happened, when it was due, and its images' files. */
+static void put_slot(struct cli *cli, const struct ttf_slot_record *record, int64_t due_utc_ns)
+{
+    struct ttf_json *j = &cli->out;
+
+    ttf_json_object(j);
+    ttf_json_kint(j, "index", record->index);
+    ttf_json_kint(j, "segment", record->segment);
+    ttf_json_kint(j, "due_ns", record->due_ns);
+    if (due_utc_ns != TTF_NS_UNKNOWN)
+        ttf_json_kint(j, "due_utc_ns", due_utc_ns);
+    ttf_json_kstring(j, "result", ttf_result_name(record->result));
+    if (*record->reason)
+        ttf_json_kstring(j, "reason", record->reason);
+    ttf_json_key(j, "files");
+    ttf_json_array(j);
+    for (unsigned k = 0; k < record->n_images; k++)
+        for (unsigned f = 0; f < record->images[k].n_files; f++)
+            ttf_json_string(j, record->images[k].files[f].path);
+    ttf_json_array_end(j);
+    ttf_json_object_end(j);
+}
+
 static int walk_slots(struct cli *cli, struct ttf_reader *reader, struct walk *w)
 {
     const struct ttf_reader_summary *s = ttf_reader_summary(reader);
 
     *w = (struct walk){.first_utc_ns = TTF_NS_UNKNOWN, .last_utc_ns = TTF_NS_UNKNOWN};
+    ttf_json_key(&cli->out, "slot_list");
+    ttf_json_array(&cli->out);
     for (int64_t i = 0; i < s->slots; i++) {
         struct ttf_slot_record record;
         int r = ttf_reader_slot(reader, i, &record, &cli->err);
@@ -27,6 +52,7 @@ static int walk_slots(struct cli *cli, struct ttf_reader *reader, struct walk *w
         if (r < 0)
             return r;
         due = ttf_reader_due_utc_ns(reader, &record);
+        put_slot(cli, &record, due);
         if (due != TTF_NS_UNKNOWN) {
             w->last_utc_ns = due;
             if (w->first_utc_ns == TTF_NS_UNKNOWN)
@@ -39,6 +65,7 @@ static int walk_slots(struct cli *cli, struct ttf_reader *reader, struct walk *w
         }
         ttf_slot_record_free(&record);
     }
+    ttf_json_array_end(&cli->out);
     return 0;
 }
 
@@ -77,6 +104,11 @@ static void put_origin(struct cli *cli, const struct ttf_manifest *m)
 {
     struct ttf_json *j = &cli->out;
 
+    if (*m->group_uuid) {
+        cli_say(cli, "group             %s, member %s", m->group_uuid, m->group_member);
+        ttf_json_kstring(j, "group_uuid", m->group_uuid);
+        ttf_json_kstring(j, "group_member", m->group_member);
+    }
     if (*m->source) {
         cli_say(cli, "imported from     %s", m->source);
         ttf_json_kstring(j, "source", m->source);

@@ -141,6 +141,23 @@ static void put_json(struct ttf_json *j, const struct check *c)
     }
 }
 
+/* The second storage, and against the first one's disk if a folder is named. */
+static int check_second(struct cli *cli, const struct ttf_plan *plan)
+{
+    const char *path = cli->opt.output;
+    bool same = false;
+    int r =
+        ttf_second_storage_check(cli->io, path ? path : "", plan, path ? &same : NULL, &cli->err);
+
+    if (r < 0)
+        return -EINVAL; /* wrong input, at its line */
+    if (same)
+        cli_warn("ttfbox plan check: warning: the second storage lies on the same file system as "
+                 "%s: what fills or breaks one does so to the other",
+                 path);
+    return 0;
+}
+
 /* The plan against the box, and against the disk if a folder is named. */
 static int check(struct cli *cli, struct check *c, const struct ttf_board *board)
 {
@@ -171,6 +188,8 @@ static int check(struct cli *cli, struct check *c, const struct ttf_board *board
             r = -EINVAL;
         }
     }
+    if (r == 0)
+        r = check_second(cli, plan);
     if (r < 0)
         ttf_plan_file_place(c->file, &cli->err);
     return r;

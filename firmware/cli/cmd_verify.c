@@ -27,7 +27,10 @@ static void say_finding(struct cli *cli, const struct ttf_verify_finding *f)
 {
     struct ttf_json *j = &cli->out;
 
-    if (f->slot >= 0)
+    if (f->last_slot > f->slot)
+        cli_say(cli, "%-9s %s, slots %" PRId64 " to %" PRId64 ": %s",
+                ttf_severity_name(f->severity), f->file, f->slot, f->last_slot, f->text);
+    else if (f->slot >= 0)
         cli_say(cli, "%-9s %s, slot %" PRId64 ": %s", ttf_severity_name(f->severity), f->file,
                 f->slot, f->text);
     else
@@ -37,6 +40,8 @@ static void say_finding(struct cli *cli, const struct ttf_verify_finding *f)
     ttf_json_kstring(j, "file", f->file);
     if (f->slot >= 0)
         ttf_json_kint(j, "slot", f->slot);
+    if (f->last_slot > f->slot)
+        ttf_json_kint(j, "last_slot", f->last_slot);
     ttf_json_kstring(j, "text", f->text);
     ttf_json_object_end(j);
 }

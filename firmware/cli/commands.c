@@ -132,7 +132,10 @@ static const struct cli_command COMMANDS[] = {
             "Run again on an unfinished dataset, it goes on where it was, on the same grid, "
             "whatever stopped it: Ctrl-C (ends within a slot), a kill, a power cut. In the "
             "simulated box a power cut is part of the run: the box comes back by itself after the "
-            "board's sim.outage. A dataset of the simulated box says SIMULATED.",
+            "board's sim.outage. A dataset of the simulated box says SIMULATED.\n\n"
+            "With another plan it goes on by that one from the next slot on; a plan that it has "
+            "moved on from leaves it as it is. When its storage fails for good, it goes on in the "
+            "plan's storage.second, also when run again.",
         .min_args = 1,
         .max_args = 1,
         .run = cmd_capture,
@@ -141,6 +144,8 @@ static const struct cli_command COMMANDS[] = {
                     {OPT_CALIBRATION, NULL},
                     {OPT_REHEARSE, NULL},
                     {OPT_NO_SPEED_CHECK, NULL},
+                    {OPT_SCRIPT, NULL},
+                    {OPT_AS_GIVEN, NULL},
                     {OPT_THREADS, NULL},
                     {OPT_JSON, NULL},
                     {OPT_QUIET, NULL},
@@ -148,6 +153,24 @@ static const struct cli_command COMMANDS[] = {
         .examples = {{"ttfbox capture week.yaml --rehearse 3 -o try", "three slots at once"},
                      {"ttfbox capture week.yaml -c cal -o grass", "the week itself"},
                      {"ttfbox capture week.yaml -c cal -o grass", "the same again: goes on"}},
+    },
+    {
+        .name = "note",
+        .args = "DATASET [TEXT]",
+        .summary = "add a note to a dataset, while it is captured or after",
+        .text =
+            "A line in notes.jsonl, outside the seal: what somebody saw or did, to which slots. "
+            "The dataset itself is not touched.",
+        .min_args = 1,
+        .max_args = 2,
+        .run = cmd_note,
+        .options = {{OPT_SLOTS, NULL},
+                    {OPT_TAG, NULL},
+                    {OPT_AUTHOR, NULL},
+                    {OPT_JSON, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox note grass \"watered\" --slots 144", NULL},
+                     {"ttfbox note grass --tag exclude --slots 30-42", NULL}},
     },
     {
         .name = "import",

@@ -30,6 +30,11 @@ enum cli_option {
     OPT_REFLECTANCE,
     OPT_REHEARSE,
     OPT_NO_SPEED_CHECK,
+    OPT_SCRIPT,
+    OPT_AS_GIVEN,
+    OPT_SLOTS,
+    OPT_TAG,
+    OPT_AUTHOR,
     OPT_THREADS,
     OPT_SEED,
     OPT_INTERVAL,
@@ -105,8 +110,9 @@ enum cli_option {
 /* Values as given; what was not given has the value the option's table names. */
 struct cli_options {
     const char *board, *scene, *output, *calibration, *plan, *shot, *to, *gaps, *order, *transfer;
+    const char *script, *slots, *tag, *author;
     const char *compress, *sink, *stream, *title, *name, *metric;
-    bool json, quiet, per_frame, no_speed_check, check, man;
+    bool json, quiet, per_frame, no_speed_check, as_given, check, man;
     int64_t threads, rehearse, frames, every, start, fps, feather, columns, width_max;
     int64_t seed;
     bool has_seed;

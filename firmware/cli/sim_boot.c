@@ -21,8 +21,8 @@ static void next_boot(struct walk *w, const struct ttf_segment *s,
 
     if (strcmp(s->trust, "none") != 0 && s->origin_utc_ns != TTF_NS_UNKNOWN)
         by_utc = s->origin_utc_ns - s->origin_ns - config->start_utc_ns;
-    if (first)
-        w->zero_ns = 0;
+    if (first) /* of a run gone on with in a second storage: not the box's first boot */
+        w->zero_ns = s->first_index > 0 && by_utc > TTF_NS_PER_S ? by_utc : 0;
     else if (by_utc > w->last_ns)
         w->zero_ns = by_utc;
     else

@@ -115,6 +115,11 @@ static int read_day_levels(const struct cfg_field *field, struct yaml_node *node
     return cfg_lamp_levels(field, node, plan->day_levels, &plan->n_day_levels, err);
 }
 
+static const struct cfg_field STORAGE[] = {{"second", cfg_text512,
+                                            offsetof(struct ttf_plan, second_storage), 0, 0,
+                                            "a folder on another disk, as /mnt/usb", 0, 0},
+                                           {0}};
+
 static const struct cfg_field WHITE_BALANCE[] = {
     {"red", cfg_u32_milli, E(wb_r_milli), 0.1, 16, "red gain relative to green, as 1.8", 0, 0},
     {"blue", cfg_u32_milli, E(wb_b_milli), 0.1, 16, "blue gain relative to green, as 1.5", 0, 0},
@@ -205,6 +210,7 @@ static const struct cfg_field PLAN[] = {
     {"reference", cfg_section, P(reference), 0, 0, "patch whose level is watched", REGION, 0},
     {"keep", cfg_enum, P(keep), 0, 0, "raw, developed, both or default", KEEPS, 0},
     {"mm_per_px", cfg_double, P(mm_per_px), 1e-6, 1e3, "millimetres per pixel, as 0.05", 0, 0},
+    {"storage", cfg_section, 0, 0, 0, "where it goes on, as {second: /mnt/usb}", STORAGE, 0},
     {"reserve", cfg_i64_bytes, P(reserve_bytes), 0, 1e15, "disk kept free, as 256MiB", 0, 0},
     {0}};
 

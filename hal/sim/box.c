@@ -188,14 +188,41 @@ int ttf_sim_corners(const struct ttf_box *box, double ret_xy[4][2])
 
 bool ttf_sim_storage_fault(const struct ttf_box *box, enum ttf_fault_kind kind)
 {
+    return ttf_sim_storage_fault_at(box, kind, 0);
+}
+
+void ttf_sim_storage_state(const struct ttf_box *box, unsigned storage, int64_t *ret_free_bytes,
+                           bool *ret_read_only)
+{
+    struct sim_box *sim = world_of(box);
+    int64_t t;
+
+    *ret_free_bytes = TTF_NS_UNKNOWN;
+    *ret_read_only = false;
+    if (!sim || sim_world_enter(sim) < 0)
+        return;
+    t = sim_box_elapsed(sim, sim->world_ns);
+    for (unsigned i = 0; i < sim->faults.n; i++) {
+        if (!sim_fault_storage_lasts(&sim->faults, i, storage, t))
+            continue;
+        if (sim->faults.fault[i].kind == TTF_FAULT_DISK_FULL)
+            *ret_free_bytes = sim->faults.fault[i].amount << 20;
+        *ret_read_only |= sim->faults.fault[i].kind == TTF_FAULT_READ_ONLY;
+    }
+    sim_world_leave(sim);
+}
+
+bool ttf_sim_storage_fault_at(const struct ttf_box *box, enum ttf_fault_kind kind, unsigned storage)
+{
     struct sim_box *sim = world_of(box);
     bool fails;
 
-    if (!sim || (kind != TTF_FAULT_DISK_FULL && kind != TTF_FAULT_IO_ERROR))
+    if (!sim ||
+        (kind != TTF_FAULT_DISK_FULL && kind != TTF_FAULT_IO_ERROR && kind != TTF_FAULT_READ_ONLY))
         return false;
     if (sim_world_enter(sim) < 0)
         return kind == TTF_FAULT_IO_ERROR; /* no power, no disk */
-    fails = sim_fault_on_storage(&sim->faults, kind, sim_box_elapsed(sim, sim->world_ns));
+    fails = sim_fault_on_storage(&sim->faults, kind, storage, sim_box_elapsed(sim, sim->world_ns));
     sim_world_leave(sim);
     return fails;
 }

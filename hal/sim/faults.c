@@ -29,6 +29,7 @@ static const struct {
     [TTF_FAULT_CLOCK_STEP] = {"clock-step", 3600, 0},
     [TTF_FAULT_POWER_CUT] = {"power-cut", 0, 0},
     [TTF_FAULT_DOOR_OPEN] = {"door-open", 0, 10 * TTF_NS_PER_S},
+    [TTF_FAULT_READ_ONLY] = {"read-only", 0, TTF_NS_NEVER},
 };
 
 const char *ttf_fault_name(enum ttf_fault_kind kind)
@@ -78,6 +79,14 @@ int sim_fault_target(const struct ttf_sim_config *config, const struct ttf_fault
             if (!fault->target[0] || strcmp(fault->target, config->sensors[i].name) == 0)
                 return (int)i;
         return -1;
+    case TTF_FAULT_DISK_FULL:
+    case TTF_FAULT_IO_ERROR:
+    case TTF_FAULT_READ_ONLY:
+        if (!fault->target[0])
+            return 0;
+        return strcmp(fault->target, "first") == 0    ? 1
+               : strcmp(fault->target, "second") == 0 ? 2
+                                                      : -1;
     default:
         return fault->target[0] ? -1 : 0;
     }
@@ -224,12 +233,27 @@ bool sim_fault_on_sensor(struct sim_faults *f, unsigned sensor, int64_t t)
     return false;
 }
 
-bool sim_fault_on_storage(struct sim_faults *f, enum ttf_fault_kind kind, int64_t t)
+static bool of_storage(const struct sim_faults *f, unsigned i, unsigned storage)
+{
+    return f->target[i] == 0 || f->target[i] == storage + 1;
+}
+
+bool sim_fault_storage_lasts(const struct sim_faults *f, unsigned i, unsigned storage, int64_t t)
+{
+    const struct ttf_fault *fault = &f->fault[i];
+
+    return of_storage(f, i, storage) && fault->rate_per_million == 0 && t >= fault->at_ns &&
+           t - fault->at_ns < fault->duration_ns;
+}
+
+bool sim_fault_on_storage(struct sim_faults *f, enum ttf_fault_kind kind, unsigned storage,
+                          int64_t t)
 {
     uint64_t key = sim_mix((uint64_t)f->power_on_ns, f->storage_operations++, 0);
 
     for (unsigned i = 0; i < f->n; i++)
-        if (f->fault[i].kind == kind && strikes(f, i, t, key))
+        if (f->fault[i].kind == kind && of_storage(f, i, storage) &&
+            (kind != TTF_FAULT_DISK_FULL || f->fault[i].amount == 0) && strikes(f, i, t, key))
             return true;
     return false;
 }

@@ -18,8 +18,8 @@ struct sim_faults {
     int64_t power_on_ns;
     unsigned n;
     struct ttf_fault fault[TTF_SIM_FAULTS_MAX]; /* amounts and durations resolved */
-    unsigned target[TTF_SIM_FAULTS_MAX];        /* index of lamp or sensor */
-    bool spent[TTF_SIM_FAULTS_MAX];             /* a one-time fault that has struck */
+    unsigned target[TTF_SIM_FAULTS_MAX]; /* index of lamp or sensor; of a storage + 1, 0: all */
+    bool spent[TTF_SIM_FAULTS_MAX];      /* a one-time fault that has struck */
     uint64_t storage_operations;
 };
 
@@ -54,8 +54,12 @@ bool sim_fault_on_frame(struct sim_faults *f, enum ttf_fault_kind kind, int64_t 
 /* Does sensor `sensor` fail to answer a reading at t? */
 bool sim_fault_on_sensor(struct sim_faults *f, unsigned sensor, int64_t t);
 
-/* Does a storage operation at t fail in this way? */
-bool sim_fault_on_storage(struct sim_faults *f, enum ttf_fault_kind kind, int64_t t);
+/* Does an operation of storage 0 or 1 at t fail in this way? */
+bool sim_fault_on_storage(struct sim_faults *f, enum ttf_fault_kind kind, unsigned storage,
+                          int64_t t);
+
+/* Is fault i one of this storage's, and does it last at t? */
+bool sim_fault_storage_lasts(const struct sim_faults *f, unsigned i, unsigned storage, int64_t t);
 
 /* The first power cut after this boot began, and its fault; TTF_NS_NEVER if none comes. */
 int64_t sim_fault_cut_ns(const struct sim_faults *f, unsigned *ret_i);

@@ -76,7 +76,7 @@ static int take_line(void *ctx, const struct ttf_line *line, struct ttf_err *err
     return 0;
 }
 
-static void bad_line(void *ctx, const char *where, const char *text)
+static void bad_line(void *ctx, const char *where, const char *text, const char *line, size_t n)
 {
 }
 

@@ -200,7 +200,7 @@ static void draw_fault(struct chaos *c, int64_t span_ns)
 {
     static const uint32_t rates[] = {1000, 10000, 50000, 200000};
     struct ttf_fault *fault = &c->run.config.faults[c->run.config.n_faults++];
-    enum ttf_fault_kind kind = (enum ttf_fault_kind)chaos_below(c, TTF_FAULT_KIND_COUNT);
+    enum ttf_fault_kind kind = (enum ttf_fault_kind)chaos_below(c, TTF_FAULT_READ_ONLY);
 
     *fault = (struct ttf_fault){.kind = kind, .at_ns = chaos_between(c, 1, span_ns)};
     if (chaos_percent(c, 50))

@@ -160,7 +160,7 @@ static void a_wrong_line_is_named_and_the_rest_still_checked(void **state)
     free(text);
     write_text(in(path, "frames/main/000002.tif"), "changed", 7);
     report = verified(path);
-    assert_true(found(&report, TTF_FINDING_DAMAGE, "records.jsonl:4", -1, "crc"));
+    assert_true(found(&report, TTF_FINDING_DAMAGE, "records.jsonl:4", 1, "crc"));
     assert_true(found(&report, TTF_FINDING_DAMAGE, "frames/main/000002.tif", 2, "7 bytes"));
     assert_int_equal(report.n_of[TTF_FINDING_DAMAGE], 2);
     ttf_verify_report_free(&report);
@@ -338,8 +338,8 @@ static void what_a_crash_leaves_is_no_damage(void **state)
     report = verified(path);
     assert_false(report.damaged);
     assert_true(
-        found(&report, TTF_FINDING_LEFTOVER, "frames/main/000003.tif.tmp", -1, "temporary"));
-    assert_true(found(&report, TTF_FINDING_LEFTOVER, "frames/main/000003.tif", -1, "no record"));
+        found(&report, TTF_FINDING_LEFTOVER, "frames/main/000003.tif.tmp", 3, "temporary"));
+    assert_true(found(&report, TTF_FINDING_LEFTOVER, "frames/main/000003.tif", 3, "no record"));
     assert_true(found(&report, TTF_FINDING_LEFTOVER, "SHA256SUMS", -1, "behind"));
     assert_true(found(&report, TTF_FINDING_LEFTOVER, "records.jsonl", -1, "11 bytes"));
     assert_int_equal(report.n_findings, 4);

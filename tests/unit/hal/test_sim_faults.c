@@ -394,6 +394,41 @@ static void a_fault_about_something_that_is_not_there_is_refused(void **state)
     assert_non_null(strstr(err.what, "lamp-dead"));
 }
 
+static void a_storage_has_faults_of_its_own(void **state)
+{
+    struct ttf_box box = with(TTF_FAULT_READ_ONLY, 0, 0, 0, "first");
+    int64_t free_bytes;
+    bool read_only;
+
+    (void)state;
+    assert_true(ttf_sim_storage_fault(&box, TTF_FAULT_READ_ONLY));
+    assert_true(ttf_sim_storage_fault_at(&box, TTF_FAULT_READ_ONLY, 0));
+    assert_false(ttf_sim_storage_fault_at(&box, TTF_FAULT_READ_ONLY, 1));
+    ttf_sim_storage_state(&box, 0, &free_bytes, &read_only);
+    assert_true(read_only && free_bytes == TTF_NS_UNKNOWN);
+    ttf_sim_storage_state(&box, 1, &free_bytes, &read_only);
+    assert_false(read_only);
+    ttf_box_destroy(&box);
+}
+
+static void a_disk_that_fills_up_says_so_before_anything_fails(void **state)
+{
+    struct ttf_box box = with(TTF_FAULT_DISK_FULL, 0, TTF_NS_PER_H, 100, NULL);
+    int64_t free_bytes;
+    bool read_only;
+
+    (void)state;
+    ttf_sim_storage_state(&box, 0, &free_bytes, &read_only);
+    assert_true(free_bytes == INT64_C(100) << 20 && !read_only);
+    assert_false(ttf_sim_storage_fault(&box, TTF_FAULT_DISK_FULL));
+    ttf_box_destroy(&box);
+    box = with(TTF_FAULT_DISK_FULL, 0, TTF_NS_PER_H, 0, NULL);
+    ttf_sim_storage_state(&box, 1, &free_bytes, &read_only);
+    assert_true(free_bytes == 0);
+    assert_true(ttf_sim_storage_fault_at(&box, TTF_FAULT_DISK_FULL, 1));
+    ttf_box_destroy(&box);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -416,6 +451,8 @@ int main(void)
         cmocka_unit_test(the_door_opens_lets_light_in_and_darkens_the_lamps),
         cmocka_unit_test(faults_at_random_strike_about_as_often_as_said_and_the_same_each_time),
         cmocka_unit_test(the_largest_amounts_do_not_run_over),
+        cmocka_unit_test(a_storage_has_faults_of_its_own),
+        cmocka_unit_test(a_disk_that_fills_up_says_so_before_anything_fails),
         cmocka_unit_test(a_fault_about_something_that_is_not_there_is_refused),
     };
 

@@ -6,6 +6,7 @@
 #ifndef TTF_CAPTURE_DISK_BUDGET_H
 #define TTF_CAPTURE_DISK_BUDGET_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "ttf/base/err.h"
@@ -31,5 +32,14 @@ TTF_MUST_USE int ttf_disk_budget_check(struct ttf_io *io, const char *path, stru
                                        const struct ttf_plan *plan,
                                        const struct ttf_plan_figures *figures,
                                        struct ttf_disk_figures *ret, struct ttf_err *err);
+
+/*
+ * Whether the plan's second storage can be used: a folder that is there and can be written. -ENOENT, -ENOTDIR, -EROFS
+ * or what writing gave, with where "storage.second". path: where the dataset lies or will lie. *ret_same (may be NULL):
+ * both are of one file system, so that what fills or breaks one does the other. A plan without one is fine.
+ */
+TTF_MUST_USE int ttf_second_storage_check(struct ttf_io *io, const char *path,
+                                          const struct ttf_plan *plan, bool *ret_same,
+                                          struct ttf_err *err);
 
 #endif

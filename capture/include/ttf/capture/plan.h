@@ -78,7 +78,7 @@ struct ttf_plan {
     double mm_per_px;      /* 0: not known */
     int64_t reserve_bytes; /* disk kept free; capture stops before it */
     /* Absolute path of a folder on another disk, where the run goes on when the dataset's own fails; empty: none. */
-    char second_storage[256];
+    char second_storage[512];
 };
 
 /* One shot "main" of 20 ms at unity gain, lamps none, 50 Hz, reserve 256 MiB; interval and count 0. */

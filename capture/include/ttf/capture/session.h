@@ -80,6 +80,13 @@ struct ttf_session_result {
 };
 
 /*
+ * Where the dataset of a run into `path` is gone on with: there, or in the plan's second storage. -EEXIST: what lies in
+ * the second storage is not of this run.
+ */
+TTF_MUST_USE int ttf_session_find(struct ttf_io *io, const char *path, const struct ttf_plan *plan,
+                                  char *ret, size_t size, struct ttf_err *err);
+
+/*
  * Runs. 0 when the plan is done (sealed) or a stop was asked for (not sealed).
  * -EINVAL: the plan does not fit the box or the dataset. -EBUSY: dataset in use.
  * -ENOSPC, -EROFS, -EIO: storage gave out (all committed slots are safe); -EIO also: at arming the

@@ -27,6 +27,7 @@ struct ttf_io_stat {
     bool is_dir;
     bool is_regular;
     int64_t bytes;
+    uint64_t device; /* of the file system it lies on; 0: not known */
 };
 
 struct ttf_io_space {
@@ -73,6 +74,10 @@ typedef int ttf_io_fault_fn(void *ctx, const char *op, const char *path);
 /* A twin of `base` that fails when told to. base must outlive it. NULL: no memory. */
 struct ttf_io *ttf_io_faulty_create(struct ttf_io *base, ttf_io_fault_fn *fault, void *ctx);
 void ttf_io_faulty_destroy(struct ttf_io *io);
+
+/* Asked, with the same ctx, what to make of the room that `base` says there is. */
+typedef void ttf_io_space_fn(void *ctx, const char *path, struct ttf_io_space *space);
+void ttf_io_faulty_space(struct ttf_io *io, ttf_io_space_fn *space);
 
 /* ---- whole operations on top of the table ---- */
 

@@ -15,7 +15,7 @@
 #include "ttf/dataset/pixbuf.h"
 
 #define TTF_FORMAT_MAJOR 1
-#define TTF_FORMAT_MINOR 0
+#define TTF_FORMAT_MINOR 1
 
 #define TTF_STREAMS_MAX  16
 #define TTF_CAMERAS_MAX  4

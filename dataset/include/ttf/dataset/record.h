@@ -112,6 +112,8 @@ struct ttf_segment {
     int zone_offset_s;
     int64_t gap_ns; /* of an outage before it; TTF_NS_UNKNOWN while not known, 0: none */
     bool corrects;  /* this line corrects an earlier one */
+    char dataset_sha256
+        [65]; /* of dataset.json, hex; empty: of a writer of format 1.0. The writer fills it in */
     /* of a run's time since its slot 0, where that is not first_index * interval_ns; 0: it is */
     int64_t run_ns;
 };

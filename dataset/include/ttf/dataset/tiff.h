@@ -36,7 +36,7 @@ enum ttf_tiff_compression {
 struct ttf_tiff_spec {
     uint32_t width, height;
     uint32_t samples;       /* 1 grey, 3 RGB, 2 or 4: the last of no stated meaning */
-    enum ttf_sample format; /* U8, U16 or F32 */
+    enum ttf_sample format; /* of the file; rows for F16 are given as F32 */
     enum ttf_tiff_compression compression;
     enum ttf_icc icc;
     struct ttf_tiff_times times;

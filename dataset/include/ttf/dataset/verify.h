@@ -27,9 +27,10 @@ const char *ttf_severity_name(enum ttf_severity severity); /* "leftover", "note"
 
 struct ttf_verify_finding {
     enum ttf_severity severity;
-    int64_t slot;   /* index, or -1: of no slot */
-    char file[200]; /* relative to the dataset, records.jsonl:LINE for a line */
-    char text[256]; /* what is wrong, a sentence without a full stop */
+    int64_t slot;      /* index of the (first) slot that is concerned, or -1: of no slot */
+    int64_t last_slot; /* of several: the last; else the same */
+    char file[200];    /* relative to the dataset, records.jsonl:LINE for a line */
+    char text[256];    /* what is wrong, a sentence without a full stop */
 };
 
 /* Told now and then; from the calling thread. */

@@ -66,11 +66,13 @@ enum ttf_fault_kind {
     TTF_FAULT_LAMP_FADING,    /* loses `amount` permille of its light an hour */
     TTF_FAULT_LAMP_STUCK,     /* stays as it is, whatever is commanded */
     TTF_FAULT_SENSOR_GONE,    /* does not answer; `target` names the sensor */
-    TTF_FAULT_DISK_FULL,      /* writing gives ENOSPC */
-    TTF_FAULT_IO_ERROR,       /* writing or syncing gives EIO */
-    TTF_FAULT_CLOCK_STEP,     /* UTC jumps by `amount` s */
-    TTF_FAULT_POWER_CUT,      /* the box loses power; it is back `amount` s later (0: sim.outage) */
-    TTF_FAULT_DOOR_OPEN,      /* the door is open */
+    /* writing gives ENOSPC; `amount` > 0: it does not, but only so many MiB are left. `target`: as read-only */
+    TTF_FAULT_DISK_FULL,
+    TTF_FAULT_IO_ERROR,   /* writing or syncing gives EIO; `target`: as read-only */
+    TTF_FAULT_CLOCK_STEP, /* UTC jumps by `amount` s */
+    TTF_FAULT_POWER_CUT,  /* the box loses power; it is back `amount` s later (0: sim.outage) */
+    TTF_FAULT_DOOR_OPEN,  /* the door is open */
+    TTF_FAULT_READ_ONLY,  /* writing gives EROFS; `target`: "first" or "second" storage */
     TTF_FAULT_KIND_COUNT
 };
 
@@ -91,8 +93,9 @@ struct ttf_fault {
     int64_t at_ns; /* since the box's first power-on */
     int64_t duration_ns;
     uint32_t rate_per_million;
-    int64_t amount;  /* see the kinds; 0: the kind's documented default */
-    char target[32]; /* lamp or sensor; empty: the first */
+    int64_t amount; /* see the kinds; 0: the kind's documented default */
+    /* lamp or sensor, empty: the first; of storage: "first", "second", empty: all */
+    char target[32];
 };
 
 #define TTF_SIM_FAULTS_MAX 64
@@ -206,10 +209,21 @@ TTF_MUST_USE int ttf_sim_truth(const struct ttf_box *box, int64_t middle_ns, uin
 TTF_MUST_USE int ttf_sim_corners(const struct ttf_box *box, double ret_xy[4][2]);
 
 /*
- * True if a storage operation now fails in this way (disk-full, io-error); without
+ * True if a storage operation now fails in this way (disk-full, io-error, read-only); without
  * power, io-error always. Each question counts as one operation. Any thread.
  */
 bool ttf_sim_storage_fault(const struct ttf_box *box, enum ttf_fault_kind kind);
+
+/* The same of storage 0 (the dataset's own, as above) or 1 (the plan's second one). */
+bool ttf_sim_storage_fault_at(const struct ttf_box *box, enum ttf_fault_kind kind,
+                              unsigned storage);
+
+/*
+ * What lasts of that storage at this moment, for whoever asks how much room there is; counts as no operation.
+ * *ret_free_bytes: TTF_NS_UNKNOWN where nothing lowers it.
+ */
+void ttf_sim_storage_state(const struct ttf_box *box, unsigned storage, int64_t *ret_free_bytes,
+                           bool *ret_read_only);
 
 /* Since the first power-on: the time of this instant of the boot clock; and, after a cut, when the box is back. */
 int64_t ttf_sim_elapsed_ns(const struct ttf_box *box, int64_t boot_ns);

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Runs that are changed while they live, by a script; notes; and a run that goes on in a second storage.
+. "$(dirname "$0")/cli.bash"
+
+mkdir second
+plan p.yaml "interval: 1min" "count: 8" "lamps: {mode: capture-only, settle: 5s}" \
+    "shot: {lamps: {left: 100%}}" "storage: {second: $WORK/second}"
+
+# ---- asked by a script, gone on with by the first plan ----
+printf '%s\n' "# meanwhile" "" "2 pause watering" "3 continue" "4 interval 30s" "4 note faster now" \
+    "5 count 10" "7 stop" >script
+expect 1 "$TTFBOX" capture p.yaml "${TINY[@]}" -o grass --script script --json
+is slots 7
+is paused 1
+is sealed false
+expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" -o grass --json
+is slots 10
+is sealed true
+is second_storage false
+grep -q '"text":"faster now"' grass/notes.jsonl || fail "the note is not there"
+[ -f grass/plans/2.json ] || fail "two changes are two plans"
+echo "3 dance" >wrong
+expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other --script wrong
+said err "wrong:1"
+
+# ---- notes, outside the seal ----
+expect 0 "$TTFBOX" note grass "all \"well\"" --slots 2-3,5 --tag exclude,mine --author Jo
+tail -n 1 grass/notes.jsonl | "$PYTHON" -c 'import json, sys
+v = json.load(sys.stdin)
+assert v["text"] == "all \"well\"" and v["slots"] == [[2, 3], [5, 5]], v
+assert v["tags"] == ["exclude", "mine"] and v["author"] == "Jo", v' || fail "the note is another one"
+expect 2 "$TTFBOX" note grass "wrong" --slots 5-2
+expect 2 "$TTFBOX" note grass
+expect 0 "$TTFBOX" verify grass
+
+# ---- the second storage ----
+expect 0 "$TTFBOX" plan check p.yaml "${TINY[@]}" -o moved
+said err "same file system"
+READ_ONLY=(--set 'sim.faults=[{kind: read-only, at: 4min, target: first}]')
+expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" "${READ_ONLY[@]}" -o moved --json
+is second_storage true
+said err "goes on here"
+expect 0 "$TTFBOX" verify second/moved
+expect 0 "$TTFBOX" verify moved
+expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" "${READ_ONLY[@]}" -o moved --json
+is already_complete true
+rm -r second
+expect 2 "$TTFBOX" plan check p.yaml "${TINY[@]}"
+said err "p.yaml:5:"
+said err "storage.second"
+
+# ---- a disk that fills up: capture stops before the reserve, nothing fails ----
+plan full.yaml "interval: 1min" "count: 6" "shot: {exposure: 20ms}" "reserve: 200MiB"
+expect 0 "$TTFBOX" capture full.yaml "${TINY[@]}" -o full --json \
+    --set 'sim.faults=[{kind: disk-full, at: 150s, for: 1h, amount: 100}]'
+is failed 0
+[ "$(json missed)" -ge 2 ] || fail "the reserve was not kept"
+expect 0 "$TTFBOX" verify full
+echo "living: all as it should be"

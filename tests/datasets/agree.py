@@ -1,0 +1,246 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Two readers, one of them the program, must say the same of the same dataset.
+
+    agree.py TTFBOX FOLDER [DATASET...]
+
+Makes datasets in FOLDER (by make.py), damages copies of them in every way that FORMAT.md
+tells apart, and compares `ttfbox verify --json` and `info --json` with read.py. What is
+given besides (a capture, an import) is compared as it is.
+"""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import zlib
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def run(*command):
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+    try:
+        return done.returncode, json.loads(done.stdout)
+    except ValueError:
+        return done.returncode, None
+
+
+def write(path, data):
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, "wb") as f:
+        f.write(data)
+
+
+def read(path):
+    with open(path, "rb") as f:
+        return f.read()
+
+
+def lines_of(folder):
+    return read(folder + "/records.jsonl").split(b"\n")[:-1]
+
+
+def put_lines(folder, lines):
+    write(folder + "/records.jsonl", b"".join(l + b"\n" for l in lines))
+
+
+def edited(line, **fields):
+    """The line with other fields (None: without it) and a crc that holds."""
+    o = json.loads(line)
+    del o["crc"]
+    for key, value in fields.items():
+        o.pop(key, None) if value is None else o.update({key: value})
+    text = json.dumps(o, separators=(",", ":"))[:-1].encode()
+    return text + b',"crc":"%08x"}' % zlib.crc32(text)
+
+
+def edit_line(kind, nth=0, **fields):
+    def change(folder):
+        lines = lines_of(folder)
+        at = [i for i, l in enumerate(lines) if json.loads(l)["type"] == kind][nth]
+        lines[at] = edited(lines[at], **fields)
+        put_lines(folder, lines)
+    return change
+
+
+def flip(path, at, bit=0):
+    def change(folder):
+        data = bytearray(read(folder + "/" + path))
+        data[at] ^= 1 << bit
+        write(folder + "/" + path, bytes(data))
+    return change
+
+
+def put(path, data):
+    return lambda folder: write(folder + "/" + path, data)
+
+
+def cut(path, n):
+    return lambda folder: write(folder + "/" + path, read(folder + "/" + path)[:-n])
+
+
+def more(path, data):
+    return lambda folder: write(folder + "/" + path, read(folder + "/" + path) + data)
+
+
+def gone(path):
+    return lambda folder: os.unlink(folder + "/" + path)
+
+
+def lose_line(n):
+    return lambda folder: put_lines(folder, [l for i, l in enumerate(lines_of(folder)) if i != n])
+
+
+SHA = "0" * 64
+SPOILED = [  # of which dataset, name, what is done to a copy of it
+    ("bracket", "flip-frame", flip("frames/main/000001.b1.tif", 190)),
+    ("bracket", "flip-record", flip("records.jsonl", 400)),
+    ("bracket", "flip-manifest", flip("dataset.json", 60)),
+    ("bracket", "major-flipped", put("dataset.json", b'{"format":{"name":"ttf","major":3,"minor":0}}')),
+    ("bracket", "short", cut("frames/main/000002.b0.tif", 3)),
+    ("bracket", "missing", gone("frames/main/000000.b2.tif")),
+    ("bracket", "added-frame", put("frames/main/000009.tif", b"x")),
+    ("bracket", "added-plan", put("plans/7.yaml", b"x")),
+    ("bracket", "added-root", put("README.txt", b"x")),
+    ("bracket", "added-folder", put("mine/x.txt", b"x")),
+    ("bracket", "added-tmp", put("frames/main/000009.tif.tmp", b"x")),
+    ("bracket", "added-hidden", put(".mine", b"x")),
+    ("bracket", "outside", put("notes.jsonl", b'{"text":"fine"}\n')),
+    ("bracket", "sealed-and-longer", more("records.jsonl", b'{"type":"sl')),
+    ("bracket", "sums-cut", cut("SHA256SUMS", 1)),
+    ("bracket", "sums-hash", flip("SHA256SUMS", 3)),
+    ("bracket", "sums-line-gone", lambda d: write(d + "/SHA256SUMS", b"\n".join(
+        read(d + "/SHA256SUMS").split(b"\n")[1:]))),
+    ("three-segments", "torn", more("records.jsonl", b'{"type":"slot","se')),
+    ("three-segments", "torn-event", more("events.jsonl", b'{"ty')),
+    ("three-segments", "no-newline", cut("records.jsonl", 1)),
+    ("three-segments", "newline-lost-between", lambda d: write(
+        d + "/records.jsonl", read(d + "/records.jsonl")[:-1] + b'\0{"type":"slot","seq":')),
+    ("three-segments", "lost-line", lose_line(4)),
+    ("three-segments", "lost-last", lose_line(-1 % 13)),
+    ("three-segments", "flip-line", flip("records.jsonl", 700)),
+    ("three-segments", "flip-event", flip("events.jsonl", 9)),
+    ("three-segments", "sums-behind", cut("SHA256SUMS", 100)),
+    ("three-segments", "sums-gone", gone("SHA256SUMS")),
+    ("three-segments", "sums-hash", flip("SHA256SUMS", 3)),
+    ("three-segments", "sums-path", flip("SHA256SUMS", 80)),
+    ("three-segments", "sums-hole", lambda d: write(
+        d + "/SHA256SUMS", bytes(30) + read(d + "/SHA256SUMS")[30:])),
+    ("three-segments", "sums-ahead", more("SHA256SUMS", SHA.encode() + b"  frames/main/000099.tif\n")),
+    ("three-segments", "sums-of-a-seal", more("SHA256SUMS", SHA.encode() + b"  events.jsonl\n")),
+    ("three-segments", "one-newer-file", put("frames/main/000009.tif", b"x")),
+    ("three-segments", "two-newer", lambda d: (put("frames/main/000009.tif", b"x")(d),
+                                               put("frames/main/000010.tif", b"x")(d))),
+    ("three-segments", "an-older-file", put("frames/main/000001.mask.tif", b"x")),
+    ("three-segments", "plan-without-line", put("plans/1.yaml", b"x")),
+    ("three-segments", "calibration-without-line", put("calibration/c/dark.tif", b"x")),
+    ("three-segments", "no-events", gone("events.jsonl")),
+    ("three-segments", "no-records", gone("records.jsonl")),
+    ("three-segments", "manifest-guarded", edit_line("segment", 0, dataset_sha256=SHA)),
+    ("three-segments", "no-reason", edit_line("slot", 3, reason=None)),
+    ("three-segments", "captured-lacking", edit_line("slot", 8 - 2, images=[
+        {"stream": "main", "lacking": "nothing"}])),
+    ("three-segments", "no-files-no-reason", edit_line("slot", 6, images=[{"stream": "main"}])),
+    ("three-segments", "twice-the-same", edit_line("slot", 6, images=[
+        {"stream": "main", "lacking": "a"}, {"stream": "main", "lacking": "b"}],
+        result="partial", reason="x")),
+    ("three-segments", "result-unknown", edit_line("slot", 7, result="eaten")),
+    ("three-segments", "index-falls", edit_line("slot", 7, index=2)),
+    ("three-segments", "segment-unknown", edit_line("slot", 7, segment=9)),
+    ("three-segments", "plan-unknown", edit_line("segment", 1, plan=4)),
+    ("three-segments", "trust-unknown", edit_line("segment", 1, trust="me")),
+    ("three-segments", "no-trust", edit_line("segment", 1, trust=None)),
+    ("three-segments", "segment-left-out", edit_line("segment", 1, segment=5)),
+    ("three-segments", "gap-negative", edit_line("segment", 1, gap_ns=-4)),
+    ("three-segments", "calibration-unknown", edit_line("slot", 0, images=[
+        {"stream": "main", "calibration": "gone", "lacking": "x"}], result="partial", reason="x")),
+    ("three-segments", "leads-out", edit_line("slot", 7, images=[{"stream": "main", "files": [
+        {"role": "raw", "path": "../x", "bytes": 1, "sha256": SHA}]}], result="captured")),
+    ("three-segments", "stream-unknown", edit_line("slot", 7, images=[
+        {"stream": "other", "lacking": "x"}])),
+    ("three-segments", "no-role", edit_line("slot", 6, images=[{"stream": "main", "files": [
+        {"path": "frames/main/000000.tif", "bytes": 224, "sha256": SHA}]}])),
+    ("changed-calibration", "calibration-changed", flip("calibration/cal-b/calibration.json", 3)),
+    ("example", "plan-changed", flip("plans/0.yaml", 3)),
+    ("example", "end-counts-wrong", edit_line("end", 0, slots=4)),
+    ("example", "notes-broken", put("notes.jsonl", b"{nonsense\n")),
+]
+
+
+def findings_of(found, file, severity):
+    """Classes and files; where in a file and in which words is each reader's own affair."""
+    return {(f[severity], f[file].split(":")[0]) for f in found}
+
+
+def compare(box, dataset):
+    """What the two readers say differently."""
+    r, ours = run(box, "verify", dataset, "--json")
+    s, theirs = run(sys.executable, HERE + "/read.py", dataset)
+    refused = [code not in (0, 3) for code in (r, s)]
+    if any(refused):
+        return [] if all(refused) or (s == 1 and r == 3) else ["exit %d, %d" % (r, s)]
+    a = findings_of(ours["findings"], "file", "severity")
+    b = {f for f in findings_of(theirs["findings"], "path", "class")
+         if f[1] not in ("notes.jsonl", "samples.json")}  # the program leaves them to people
+    said = ["exit %d, %d" % (r, s)] if r != s else []
+    said += ["only ours: %s" % (f,) for f in a - b] + ["only theirs: %s" % (f,) for f in b - a]
+    if ours["sealed"] != theirs["sealed"] or ours.get("digest") != theirs.get("digest"):
+        said.append("seal or digest")
+    if r == 0:
+        said += contents(run(box, "info", dataset, "--json")[1], theirs)
+    return said
+
+
+def contents(info, theirs):
+    said = []
+    ours = {s["index"]: s for s in info["slot_list"]}
+    for slot in theirs["slots"]:
+        o = ours.pop(slot["index"], None)
+        files = [f["path"] for i in slot.get("images", []) for f in i.get("files", [])
+                 if f["role"] in ("developed", "raw", "uncertainty", "mask")]
+        if not o or not set(files) <= set(o["files"]) or any(
+                o.get(k) != slot.get(k) for k in ("segment", "result", "reason", "due_ns",
+                                                  "due_utc_ns")):
+            said.append("slot %d: %r" % (slot["index"], o))
+        for image in slot.get("images", []):
+            if abs(image.get("pixel_mean", 0) - image.get("mean_level", 0)) > 1e-4 and \
+                    "pixel_mean" in image and "mean_level" in image:
+                said.append("slot %d: mean %r" % (slot["index"], image["pixel_mean"]))
+    said += ["slot %d is only ours" % i for i in ours]
+    m = theirs["manifest"]
+    for key in ("uuid", "simulated", "title", "source"):
+        if info.get(key, m.get(key)) != m.get(key) and info.get(key) != "":
+            said.append(key)
+    streams = [[s[k] for k in ("id", "width", "height", "samples", "pedestal", "scale", "quantity",
+                               "colour_space")] for s in m["streams"]]
+    if streams != [[s[k] for k in ("id", "width", "height", "samples", "pedestal", "scale",
+                                   "quantity", "colour_space")] for s in info["streams"]]:
+        said.append("streams")
+    if info["segments"] != len(theirs["segments"]):
+        said.append("segments")
+    return said
+
+
+def main():
+    box, folder = sys.argv[1:3]
+    shutil.rmtree(folder, ignore_errors=True)
+    subprocess.run([sys.executable, HERE + "/make.py", folder + "/made"], check=True)
+    datasets = [(n, folder + "/made/" + n) for n in sorted(os.listdir(folder + "/made"))]
+    for of, name, change in SPOILED:
+        copy = "%s/%s-%s" % (folder, of, name)
+        shutil.copytree(folder + "/made/" + of, copy)
+        change(copy)
+        datasets.append((of + ", " + name, copy))
+    datasets += [(os.path.basename(d), d) for d in sys.argv[3:]]
+    differ = 0
+    for name, dataset in datasets:
+        for text in compare(box, dataset):
+            differ += 1
+            print("%-40s %s" % (name, text))
+    print("%d datasets read twice, %d differences" % (len(datasets), differ))
+    return 1 if differ else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
