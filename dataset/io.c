@@ -170,20 +170,18 @@ out:
     return r ? ttf_err_set(err, r, path, "cannot be written: %s", strerrordesc_np(-r)) : 0;
 }
 
-int ttf_io_make_folder(struct ttf_io *io, const char *path, bool sure)
+static int make_one(struct ttf_io *io, const char *path)
 {
     struct ttf_io_stat st;
     int r;
 
     /* Asked first: on a read-only mount mkdir of what is there may say EROFS. */
     r = io->ops->stat(io, path, &st);
-    if (r == 0 && !st.is_dir)
-        return -ENOTDIR;
     if (r == 0)
-        return sure ? ttf_io_sync_parent(io, path) : 0;
+        return st.is_dir ? 0 : -ENOTDIR;
     r = io->ops->mkdir(io, path);
     if (r == -EEXIST)
-        return sure ? ttf_io_sync_parent(io, path) : 0; /* somebody else was faster */
+        return 0; /* somebody else was faster */
     if (r)
         return r;
     r = ttf_io_sync_parent(io, path);
@@ -202,13 +200,13 @@ int ttf_io_mkdirs(struct ttf_io *io, const char *path, struct ttf_err *err)
         if (copy[i] != '/' && copy[i] != '\0')
             continue;
         if (copy[i] == '\0') {
-            r = ttf_io_make_folder(io, copy, false);
+            r = make_one(io, copy);
             break;
         }
         if (copy[i - 1] == '/')
             continue;
         copy[i] = '\0';
-        r = ttf_io_make_folder(io, copy, false);
+        r = make_one(io, copy);
         copy[i] = '/';
     }
     if (r)

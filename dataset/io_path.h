@@ -19,9 +19,6 @@ char *ttf_path_format(const char *fmt, ...) TTF_PRINTF(1, 2);
 /* The folder a path lies in ("." if it has none), to be freed; NULL: no memory. */
 char *ttf_path_parent(const char *path);
 
-/* Makes one folder, its name synced; sure: also that of one that is there. */
-TTF_MUST_USE int ttf_io_make_folder(struct ttf_io *io, const char *path, bool sure);
-
 /* Syncs the folder that `path` lies in. Allocates nothing. */
 TTF_MUST_USE int ttf_io_sync_parent(struct ttf_io *io, const char *path);
 

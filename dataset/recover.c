@@ -160,6 +160,10 @@ static int find_leftovers(struct ttf_writer *writer, const struct ttf_paths *fil
     return r;
 }
 
+/*
+ * For good: a file that came back after a power cut, behind a seal that was written
+ * meanwhile and does not cover it, would be damage.
+ */
 static int remove_all(struct ttf_writer *writer, const struct ttf_paths *paths, struct ttf_err *err)
 {
     char *full;
@@ -169,6 +173,12 @@ static int remove_all(struct ttf_writer *writer, const struct ttf_paths *paths, 
     for (i = 0; r >= 0 && i < paths->n; i++) {
         full = ttf_path_format("%s/%s", writer->path, paths->items[i]);
         r = full ? ttf_remove(writer->io, full, err) : -ENOMEM;
+        if (r == 1) {
+            r = ttf_io_sync_parent(writer->io, full);
+            if (r)
+                ttf_err_set(err, r, paths->items[i], "its removal cannot be synced: %s",
+                            strerrordesc_np(-r));
+        }
         free(full);
         writer->state.repaired++;
     }

@@ -61,21 +61,52 @@ static int add_line(struct text *text, const char *hex, const char *path)
     return 0;
 }
 
+/*
+ * A file that no record names: of a call that failed half-way, or somebody else's.
+ * The seal vouches for it, so its bytes and its name are to be on the disk before.
+ */
+static int hash_durably(struct ttf_writer *writer, const char *path, char ret_hex[65],
+                        struct ttf_err *err)
+{
+    struct ttf_io *io = writer->io;
+    char full[TTF_PATH_MAX], folder[TTF_PATH_MAX], *slash;
+    int file, r;
+
+    r = ttf_path_put(full, "%s/%s", writer->path, path);
+    if (r == 0)
+        r = ttf_path_put(folder, "%s", path);
+    if (r)
+        return ttf_err_set(err, r, path, "this file's name is too long");
+    r = file = io->ops->open(io, full, TTF_IO_READ);
+    if (file >= 0) {
+        r = io->ops->sync(io, file, false);
+        if (r == 0)
+            r = ttf_sha256_handle(io, file, NULL, ret_hex);
+        io->ops->close(io, file);
+    }
+    slash = strrchr(folder, '/');
+    if (r == 0 && slash) {
+        *slash = '\0';
+        r = ttf_writer_folder(writer, folder, err);
+        if (r == 0)
+            r = ttf_io_sync_parent(io, full);
+    }
+    if (r && (!err || err->code == 0))
+        ttf_err_set(err, r, path, "cannot be sealed: %s", strerrordesc_np(-r));
+    return r;
+}
+
 /* The hash that a record gives a file, else that of the file itself. */
 static int list_one(struct ttf_writer *writer, const char *path,
                     const struct ttf_named_files *named, struct text *text, struct ttf_err *err)
 {
     const struct ttf_named *known = ttf_named_files_find(named, path);
-    char hex[65], *full;
+    char hex[65];
     int r;
 
     if (known)
         return add_line(text, known->sha256, path);
-    full = ttf_path_format("%s/%s", writer->path, path);
-    if (!full)
-        return -ENOMEM;
-    r = ttf_sha256_file(writer->io, full, NULL, hex, err);
-    free(full);
+    r = hash_durably(writer, path, hex, err);
     return r ? r : add_line(text, hex, path);
 }
 
@@ -109,6 +140,26 @@ static int list_all(struct ttf_writer *writer, const struct ttf_paths *files,
     return r;
 }
 
+/* Files that were given up and removed do not come back behind the seal: verify would call them damage. */
+static int sync_streams(struct ttf_writer *writer, struct ttf_err *err)
+{
+    const struct ttf_manifest *m = &writer->manifest;
+    struct ttf_io *io = writer->io;
+    char path[TTF_PATH_MAX];
+    struct ttf_io_stat st;
+    unsigned i;
+    int r = 0;
+
+    for (i = 0; r == 0 && i < 2 * m->n_streams; i++) {
+        r = ttf_path_put(path, "%s/%s/%s", writer->path, i % 2 ? "raw" : "frames",
+                         m->streams[i / 2].id);
+        if (r == 0 && io->ops->stat(io, path, &st) == 0)
+            r = io->ops->sync_dir(io, path);
+    }
+    return r ? ttf_err_set(err, r, path, "cannot be synced to the disk: %s", strerrordesc_np(-r))
+             : 0;
+}
+
 static int write_sums(struct ttf_writer *writer, char ret_digest[65], struct ttf_err *err)
 {
     struct ttf_named_files named = {0};
@@ -125,6 +176,8 @@ static int write_sums(struct ttf_writer *writer, char ret_digest[65], struct ttf
         r = ttf_walk(writer->io, writer->path, &files, err);
     if (r == 0)
         r = list_all(writer, &files, &named, &text, err);
+    if (r == 0)
+        r = sync_streams(writer, err);
     if (r == 0)
         r = ttf_io_write_file(writer->io, path, text.at, text.used, err);
     if (r == 0) {

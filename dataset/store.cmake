@@ -4,4 +4,4 @@ set(TTF_DATASET_STORE
     notes.c reader.c record.c
     record_check.c record_read.c record_write.c recover.c reserve.c seal.c sums.c verify.c
     verify_records.c verify_slots.c verify_sums.c walk.c writer.c writer_calibration.c writer_create.c
-    writer_file.c writer_learn.c writer_open.c)
+    writer_file.c writer_folder.c writer_learn.c writer_open.c)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A calibration's folder, copied into the dataset. */
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -113,7 +112,6 @@ static int copy_folder(struct ttf_writer *writer, const char *id, const char *fo
     char *to = ttf_path_format("%s/calibration/%s", writer->path, id);
     struct ttf_io *io = writer->io;
     struct ttf_paths names = {0};
-    char relative[80];
     size_t i;
     int r;
 
@@ -126,8 +124,7 @@ static int copy_folder(struct ttf_writer *writer, const char *id, const char *fo
         goto out;
     }
     ttf_paths_sort(&names);
-    snprintf(relative, sizeof(relative), "calibration/%s", id);
-    r = ttf_writer_folder(writer, relative, err);
+    r = ttf_writer_folder(writer, to + strlen(writer->path) + 1, err);
     for (i = 0; r == 0 && i < names.n; i++)
         r = copy_named(writer, id, folder, names.items[i], json, err);
     if (r == 0) {

@@ -106,8 +106,9 @@ out:
 int ttf_writer_plan_files(struct ttf_writer *writer, int n, const char *yaml, const char *text,
                           struct ttf_json *json, struct ttf_err *err)
 {
-    int r = ttf_writer_folder(writer, "plans", err);
+    int r;
 
+    r = ttf_writer_folder(writer, "plans", err);
     ttf_json_kint(json, "plan", n);
     ttf_json_key(json, "files");
     ttf_json_array(json);
@@ -195,6 +196,10 @@ static int fill_folder(struct ttf_writer *writer, const char *text, const char *
     int r;
 
     r = check_folder(writer, err);
+    if (r)
+        return r;
+    ttf_writer_sync_above(writer);
+    r = ttf_writer_sync_names(writer, err);
     if (r)
         return r;
     r = ttf_writer_lock(writer, err);

@@ -9,6 +9,8 @@
 #include "manifest_rules.h"
 #include "writer_private.h"
 
+#define UNANSWERED_MAX 8 /* names that cannot even be asked for */
+
 /* What one attempt at a file needs. */
 struct attempt {
     struct ttf_writer *writer;
@@ -111,16 +113,13 @@ static int make_path(struct ttf_file_ref *ref, const char *stream, int64_t index
     return n < (int)sizeof(ref->path) && ttf_path_ok(ref->path) ? 0 : -EINVAL;
 }
 
-/* So many names that cannot even be looked at are no bad luck any more: the folder is gone. */
-#define UNREADABLE_MAX 8
-
 /* The first name from `retry` on that nothing on the disk has. */
 static int free_name(struct ttf_writer *writer, struct ttf_file_ref *ref, const char *stream,
                      int64_t index, int bracket, const char *extension, int *retry,
                      char full[TTF_PATH_MAX])
 {
     struct ttf_io_stat st;
-    int unreadable = 0, r;
+    int r, unanswered = 0;
 
     for (;; (*retry)++) {
         r = make_path(ref, stream, index, bracket, extension, *retry);
@@ -132,7 +131,8 @@ static int free_name(struct ttf_writer *writer, struct ttf_file_ref *ref, const 
         r = writer->io->ops->stat(writer->io, full, &st);
         if (r == -ENOENT)
             return 0;
-        if (r && (r != -EIO || ++unreadable == UNREADABLE_MAX))
+        /* One name may lie on bad blocks; a disk that is gone answers none. */
+        if (r && (r != -EIO || ++unanswered == UNANSWERED_MAX))
             return r;
     }
 }
@@ -154,38 +154,26 @@ static int one_try(struct attempt *a, struct ttf_file_ref *ref, const char *stre
     return attempt(a, ref, err);
 }
 
-int ttf_writer_folder(struct ttf_writer *writer, const char *relative, struct ttf_err *err)
+/* frames/STREAM or raw/STREAM. Its name is made durable once; later it is only made sure that it is there. */
+static int make_folder(struct ttf_writer *writer, bool raw, const char *stream, struct ttf_err *err)
 {
-    char path[TTF_PATH_MAX];
-    const char *end = relative;
-    int r = 0;
-
-    while (r == 0 && end) {
-        end = strchr(end + 1, '/');
-        r = ttf_path_put(path, "%s/%.*s", writer->path,
-                         (int)(end ? (size_t)(end - relative) : strlen(relative)), relative);
-        if (r == 0)
-            r = ttf_io_make_folder(writer->io, path, true);
-    }
-    return r ? ttf_err_set(err, r, relative, "this folder cannot be made: %s", strerrordesc_np(-r))
-             : 0;
-}
-
-/* The folder of a stream: made sure of once, by the first file that goes there. */
-static int image_folder(struct ttf_writer *writer, const char *stream, bool raw,
-                        struct ttf_err *err)
-{
-    const struct ttf_stream *s = ttf_manifest_stream(&writer->manifest, stream);
-    uint64_t bit = UINT64_C(1) << (2 * (unsigned)(s - writer->manifest.streams) + raw);
-    char relative[80];
+    const struct ttf_stream *at = ttf_manifest_stream(&writer->manifest, stream);
+    uint32_t *durable = raw ? &writer->raw_durable : &writer->frames_durable;
+    uint32_t bit = UINT32_C(1) << (at - writer->manifest.streams);
+    char folder[TTF_PATH_MAX];
     int r;
 
-    if (writer->folders_synced & bit)
-        return 0;
-    snprintf(relative, sizeof(relative), "%s/%s", raw ? "raw" : "frames", stream);
-    r = ttf_writer_folder(writer, relative, err);
+    if (*durable & bit)
+        r = ttf_path_put(folder, "%s/%s/%s", writer->path, raw ? "raw" : "frames", stream);
+    else
+        r = ttf_path_put(folder, "%s/%s", raw ? "raw" : "frames", stream);
+    if (r)
+        return ttf_err_set(err, r, stream, "its folder's name is too long");
+    if (*durable & bit)
+        return ttf_io_mkdirs(writer->io, folder, err);
+    r = ttf_writer_folder(writer, folder, err);
     if (r == 0)
-        writer->folders_synced |= bit;
+        *durable |= bit;
     return r;
 }
 
@@ -206,7 +194,7 @@ int ttf_writer_file(struct ttf_writer *writer, const char *role, const char *str
     if (r)
         return r;
     snprintf(ref.role, sizeof(ref.role), "%s", role);
-    r = image_folder(writer, stream, strcmp(role, "raw") == 0, err);
+    r = make_folder(writer, strcmp(role, "raw") == 0, stream, err);
     if (r)
         return r;
     r = one_try(&a, &ref, stream, index, bracket, extension, &retry, err);

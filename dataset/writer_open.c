@@ -154,6 +154,9 @@ static int open_all(struct ttf_writer *writer, bool doubt, struct ttf_err *err)
                                "records.jsonl or events.jsonl changed after the seal");
         return 0; /* nothing is touched before the first write */
     }
+    r = ttf_writer_sync_names(writer, err);
+    if (r)
+        return r;
     r = ttf_writer_repair(writer, &records, &events, sums, err);
     if (r == 0)
         r = make_sure(writer, doubt, err);

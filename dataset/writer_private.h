@@ -23,19 +23,12 @@ struct ttf_writer {
     bool ended;       /* the last line is an "end" line */
     int sums;         /* handle of SHA256SUMS, appended to; -1: not open */
     bool sums_behind; /* an append failed: to be rebuilt */
-    uint64_t folders_synced; /* by stream: bit 2 i of frames/, 2 i + 1 of raw/ */
+    uint32_t frames_durable, raw_durable; /* streams whose folder's name is on the disk: bits */
     unsigned n_leftovers;    /* files that could not be removed again; those beyond are forgotten */
     char leftovers[8][192];
     unsigned n_calibrations;
     char (*calibrations)[64]; /* ids that have a line */
 };
-
-/*
- * Makes a folder of the dataset ("plans"), and those above it in the dataset, durable: each name is
- * synced even if it is there, since who made it may have been killed, or told that it failed, before.
- */
-TTF_MUST_USE int ttf_writer_folder(struct ttf_writer *writer, const char *relative,
-                                   struct ttf_err *err);
 
 /* Tries once more to remove what could not be removed. */
 void ttf_writer_remove_leftovers(struct ttf_writer *writer);
@@ -45,6 +38,14 @@ TTF_MUST_USE int ttf_writer_lock(struct ttf_writer *writer, struct ttf_err *err)
 
 /* An empty writer for path; NULL: no memory. ttf_writer_abandon frees it. */
 struct ttf_writer *ttf_writer_alloc(struct ttf_io *io, const char *path);
+
+/* Makes a folder of the dataset, and makes sure that its name is on the disk even if it was there. */
+TTF_MUST_USE int ttf_writer_folder(struct ttf_writer *writer, const char *folder,
+                                   struct ttf_err *err);
+/* The names in the dataset's folder, and its own, are on the disk after this. */
+TTF_MUST_USE int ttf_writer_sync_names(struct ttf_writer *writer, struct ttf_err *err);
+/* The names of the folders above, as far as we may. */
+void ttf_writer_sync_above(struct ttf_writer *writer);
 
 /* Before anything is written: the seal goes first. */
 TTF_MUST_USE int ttf_writer_unseal(struct ttf_writer *writer, struct ttf_err *err);

@@ -32,6 +32,22 @@ bool cuts_seen(struct cuts *cuts, uint64_t hash)
     return false;
 }
 
+uint64_t cuts_state_hash(const struct disk *disk, const struct run_promise *promise, unsigned level)
+{
+    const unsigned char *at = (const unsigned char *)promise;
+    uint64_t hash = disk_hash(disk) + level;
+    size_t i;
+
+    for (i = 0; i < sizeof(*promise); i++)
+        hash = (hash ^ at[i]) * UINT64_C(0x100000001b3);
+    return hash ^ hash >> 31;
+}
+
+bool cuts_stopped(const struct cuts *cuts)
+{
+    return cuts->stop_at_first && cuts->counts.of[RUN_WELL] < cuts->counts.states;
+}
+
 void cuts_free(struct cuts *cuts)
 {
     free(cuts->seen);
@@ -60,25 +76,46 @@ static void tell(const struct cuts_moment *m)
     }
 }
 
+/* Where it was, so that it can be found again. */
+static void tell_where(const struct cuts *cuts)
+{
+    if (cuts->states_most > 0)
+        printf("  seed %llu, state %llu: crash random --seed %llu --states %llu --processes 1\n",
+               (unsigned long long)cuts->seed, (unsigned long long)cuts->state,
+               (unsigned long long)cuts->seed, (unsigned long long)cuts->state);
+    if (cuts->trouble[0])
+        printf("  first: %s\n", cuts->trouble);
+}
+
+/* The first ten are enough to look at. */
+static bool to_be_told(struct cuts *cuts, const struct run *run)
+{
+    cuts->counts.states++;
+    cuts->counts.of[run->fault]++;
+    if (run->fault == RUN_WELL || cuts->counts.of[RUN_WELL] + 10 < cuts->counts.states)
+        return false;
+    printf("broken: %s\n", run->broken);
+    tell_where(cuts);
+    return true;
+}
+
+void cuts_broken_uncut(struct cuts *cuts, const struct run *run)
+{
+    if (to_be_told(cuts, run))
+        printf("  without a cut\n");
+}
+
 void cuts_judge(struct cuts *cuts, const struct cuts_moment *moment, struct disk *after,
-                disk_step_fn *then, void *then_ctx, struct run *judged)
+                unsigned looks, disk_step_fn *then, void *then_ctx, struct run *judged)
 {
     run_init(judged, after);
     judged->promise = *moment->promise;
     disk_on_step(after, then, then_ctx);
-    cuts->counts.states++;
     cuts->counts.deeper += moment->before != NULL;
-    judge_go_on(judged);
+    judge_go_on(judged, looks);
     disk_on_step(after, NULL, NULL);
     run_end(judged);
-    cuts->counts.of[judged->fault]++;
-    if (judged->fault == RUN_WELL || cuts->counts.of[RUN_WELL] + 10 < cuts->counts.states)
-        return; /* the first ten are enough to look at */
-    printf("broken: %s\n", judged->broken);
-    if (cuts->states_most > 0)
-        printf("  seed %llu, state %llu: crash random --seed %llu --states %llu\n",
-               (unsigned long long)cuts->seed, (unsigned long long)cuts->state,
-               (unsigned long long)cuts->seed, (unsigned long long)cuts->state);
-    tell(moment);
+    if (to_be_told(cuts, judged))
+        tell(moment);
     (void)fflush(stdout);
 }

@@ -28,8 +28,11 @@ struct cuts {
     unsigned depth;               /* how many cuts on end: 1 or 2 */
     unsigned part, parts;         /* exhaustive: this process takes each parts-th step */
     bool stop_at_first;
-    uint64_t *seen; /* hashes of states that were judged; NULL: not remembered */
+    unsigned between_of; /* one in so many states is looked at between repair and going on */
+    uint64_t *seen;      /* hashes of states that were judged; NULL: not remembered */
     size_t seen_n, seen_room;
+    unsigned trouble_each; /* trouble at one in so many steps */
+    char trouble[80];      /* that a run met first, in words */
     /* random */
     uint64_t seed, state;
     uint64_t states_most;
@@ -37,6 +40,9 @@ struct cuts {
 
 /* Cuts at every step of a fixed run. */
 void cuts_exhaustive(struct cuts *cuts);
+
+/* The same run, with one failure of the disk, or killed, at each step, and cut after each call since. */
+void cuts_troubled(struct cuts *cuts);
 
 /* Runs drawn from seeds `seed`, seed + parts, ..., cut at random steps, until so many states were judged. */
 void cuts_random(struct cuts *cuts);
@@ -47,6 +53,15 @@ void cuts_free(struct cuts *cuts);
 
 /* Was this state judged already? Remembers it. */
 bool cuts_seen(struct cuts *cuts, uint64_t hash);
+uint64_t cuts_state_hash(const struct disk *disk, const struct run_promise *promise,
+                         unsigned level);
+bool cuts_stopped(const struct cuts *cuts);
+
+/* A run that was broken by itself. */
+void cuts_broken_uncut(struct cuts *cuts, const struct run *run);
+
+#define CUTS_FIXED_STEPS 19
+extern const enum run_step cuts_fixed_run[CUTS_FIXED_STEPS];
 
 /* The state after a cut: judged, `then` watching each of its steps (NULL: nobody). Tells what is wrong. */
 struct cuts_moment {
@@ -57,6 +72,6 @@ struct cuts_moment {
     const struct cuts_moment *before; /* the cut before this one; NULL */
 };
 void cuts_judge(struct cuts *cuts, const struct cuts_moment *moment, struct disk *after,
-                disk_step_fn *then, void *then_ctx, struct run *judged);
+                unsigned looks, disk_step_fn *then, void *then_ctx, struct run *judged);
 
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cuts.h"
+#include "judge.h"
 
 /* One run, or one recovery, that is being cut at each of its steps. */
 struct watch {
@@ -13,22 +14,6 @@ struct watch {
     const struct cuts_moment *before;
     uint64_t step;
 };
-
-static uint64_t hash_of(const struct disk *disk, const struct run_promise *promise, unsigned level)
-{
-    const unsigned char *at = (const unsigned char *)promise;
-    uint64_t hash = disk_hash(disk) + level;
-    size_t i;
-
-    for (i = 0; i < sizeof(*promise); i++)
-        hash = (hash ^ at[i]) * UINT64_C(0x100000001b3);
-    return hash ^ hash >> 31;
-}
-
-static bool stopped(const struct cuts *cuts)
-{
-    return cuts->stop_at_first && cuts->counts.of[RUN_WELL] < cuts->counts.states;
-}
 
 static int watch_step(void *ctx, struct disk *disk, const char *op, const char *path);
 
@@ -41,14 +26,16 @@ static void one_cut(struct watch *w, const struct disk *disk, const struct disk_
     struct watch next;
     struct run judged;
     struct disk *after;
+    unsigned looks;
 
-    if (stopped(cuts))
+    if (cuts_stopped(cuts))
         return;
     after = disk_cut(disk, kept);
     cuts->counts.cuts++;
-    if (!cuts_seen(cuts, hash_of(after, moment.promise, w->level))) {
+    if (!cuts_seen(cuts, cuts_state_hash(after, moment.promise, w->level))) {
         next = (struct watch){cuts, &judged, w->level + 1, &moment, 0};
-        cuts_judge(cuts, &moment, after, deeper ? watch_step : NULL, &next, &judged);
+        looks = JUDGE_BEFORE | (cuts->counts.states % cuts->between_of ? 0 : JUDGE_BETWEEN);
+        cuts_judge(cuts, &moment, after, looks, deeper ? watch_step : NULL, &next, &judged);
     }
     disk_destroy(after);
 }
@@ -167,14 +154,14 @@ static int watch_step(void *ctx, struct disk *disk, const char *op, const char *
     return 0;
 }
 
+const enum run_step cuts_fixed_run[CUTS_FIXED_STEPS] = {
+    RUN_CREATE,  RUN_SEGMENT,   RUN_CALIBRATE, RUN_SLOT_ONE, RUN_EVENT,     RUN_SLOT_TWO, RUN_PLAN,
+    RUN_SEGMENT, RUN_SLOT_PAIR, RUN_CORRECT,   RUN_REOPEN,   RUN_SLOT_NONE, RUN_SLOT_ONE, RUN_SEAL,
+    RUN_REOPEN,  RUN_SEGMENT,   RUN_SLOT_TWO,  RUN_EVENT,    RUN_SEAL,
+};
+
 void cuts_exhaustive(struct cuts *cuts)
 {
-    static const enum run_step steps[] = {
-        RUN_CREATE,   RUN_SEGMENT,   RUN_CALIBRATE, RUN_SLOT_ONE,  RUN_EVENT,
-        RUN_SLOT_TWO, RUN_PLAN,      RUN_SEGMENT,   RUN_SLOT_PAIR, RUN_CORRECT,
-        RUN_REOPEN,   RUN_SLOT_NONE, RUN_SLOT_ONE,  RUN_SEAL,      RUN_REOPEN,
-        RUN_SEGMENT,  RUN_SLOT_TWO,  RUN_EVENT,     RUN_SEAL,
-    };
     struct watch watch = {.cuts = cuts};
     struct disk *disk = run_fresh_disk();
     struct run run;
@@ -183,15 +170,12 @@ void cuts_exhaustive(struct cuts *cuts)
     run_init(&run, disk);
     watch.run = &run;
     disk_on_step(disk, watch_step, &watch);
-    for (i = 0; i < sizeof(steps) / sizeof(steps[0]) && run_do(&run, steps[i]); i++)
+    for (i = 0; i < CUTS_FIXED_STEPS && run_do(&run, cuts_fixed_run[i]); i++)
         ;
-    if (run.broken[0]) {
-        printf("broken without any cut: %s\n", run.broken);
-        cuts->counts.of[run.fault]++;
-        cuts->counts.states++;
-    } else {
+    if (run.broken[0])
+        cuts_broken_uncut(cuts, &run);
+    else
         (void)watch_step(&watch, disk, "the end", "");
-    }
     run_end(&run);
     disk_destroy(disk);
 }

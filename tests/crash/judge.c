@@ -153,14 +153,15 @@ void judge_look(struct run *run, bool clean)
     look_events(run);
 }
 
-void judge_go_on(struct run *run)
+void judge_go_on(struct run *run, unsigned looks)
 {
     bool sealed = run->promise.sealed;
 
-    judge_look(run, false);
+    if (looks & JUDGE_BEFORE)
+        judge_look(run, false);
     if (run->broken[0] || !run_do(run, RUN_CREATE))
         return;
-    if (!sealed && !ttf_writer_state(run->writer)->sealed)
+    if ((looks & JUDGE_BETWEEN) && !sealed && !ttf_writer_state(run->writer)->sealed)
         judge_look(run, true);
     (void)(!run->broken[0] && run_do(run, RUN_SLOT_PAIR) && run_do(run, RUN_EVENT) &&
            run_do(run, RUN_SEAL));

@@ -12,7 +12,12 @@
  */
 void judge_look(struct run *run, bool clean);
 
-/* Looks, opens for writing, commits, seals, looks. `run` has the promise and is gone on with. */
-void judge_go_on(struct run *run);
+/*
+ * Looks (JUDGE_BEFORE), opens for writing, looks (JUDGE_BETWEEN), commits, seals, looks.
+ * `run` has the promise and is gone on with.
+ */
+#define JUDGE_BEFORE  1u
+#define JUDGE_BETWEEN 2u
+void judge_go_on(struct run *run, unsigned looks);
 
 #endif

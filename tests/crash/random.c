@@ -6,28 +6,18 @@
 
 #include "cuts.h"
 #include "draw.h"
+#include "judge.h"
+#include "trouble.h"
 
 #define STATES_OF_A_RUN 200 /* so that finding one again is quick */
-
-/* A disk that fails, or a program that is killed, at one step of the run. */
-enum trouble {
-    NO_TROUBLE,
-    KILLED,
-    SYNC_FAILS, /* and its pages are lost */
-    STEP_FAILS, /* EIO */
-    FULL        /* ENOSPC */
-};
 
 struct drawn_run {
     struct cuts *cuts;
     struct run run;
     struct draw draw;
     uint64_t states_left; /* of this run */
-    enum trouble trouble;
-    unsigned trouble_at; /* step */
-    unsigned step;
+    struct trouble trouble;
     unsigned cut_percent;
-    bool in_trouble;
 };
 
 struct drawn_recovery {
@@ -73,6 +63,7 @@ static void cut_here(struct drawn_run *d, struct disk *disk, const struct run_pr
     struct run judged;
     struct drawn_recovery next = {d, &judged, &moment};
     struct disk *after;
+    unsigned looks;
 
     if (d->states_left == 0)
         return;
@@ -81,7 +72,9 @@ static void cut_here(struct drawn_run *d, struct disk *disk, const struct run_pr
     d->cuts->counts.cuts++;
     choose(&d->draw, disk, kept);
     after = disk_cut(disk, kept);
-    cuts_judge(d->cuts, &moment, after, before ? NULL : recovery_step, &next, &judged);
+    looks = (draw_below(&d->draw, 2) ? JUDGE_BEFORE : 0) |
+            (draw_below(&d->draw, d->cuts->between_of) ? 0 : JUDGE_BETWEEN);
+    cuts_judge(d->cuts, &moment, after, looks, before ? NULL : recovery_step, &next, &judged);
     disk_destroy(after);
 }
 
@@ -95,49 +88,13 @@ static int recovery_step(void *ctx, struct disk *disk, const char *op, const cha
     return 0;
 }
 
-static int trouble_comes(struct drawn_run *d, struct disk *disk, const char *op, const char *path)
-{
-    bool sync = strcmp(op, "sync") == 0;
-
-    if (d->trouble == NO_TROUBLE || d->step < d->trouble_at)
-        return 0;
-    if ((d->trouble == SYNC_FAILS && !sync) || (d->trouble == STEP_FAILS && sync) ||
-        (d->trouble == FULL && strcmp(op, "append") != 0 && strcmp(op, "open") != 0))
-        return 0; /* the next one that fits */
-    if (d->trouble == KILLED)
-        disk_kill(disk);
-    if (d->trouble == SYNC_FAILS)
-        disk_lose_dirty(disk, path);
-    d->run.may_fail = d->in_trouble = d->run.promise.troubled = true;
-    if (d->trouble == FULL) {
-        d->trouble = NO_TROUBLE;
-        return -ENOSPC;
-    }
-    d->trouble = NO_TROUBLE;
-    return -EIO;
-}
-
 static int run_step_comes(void *ctx, struct disk *disk, const char *op, const char *path)
 {
     struct drawn_run *d = ctx;
 
-    d->step++;
     while (d->states_left > 0 && draw_below(&d->draw, 100) < d->cut_percent)
         cut_here(d, disk, &d->run.promise, op, path, NULL);
-    return trouble_comes(d, disk, op, path);
-}
-
-/* After trouble: sometimes the program goes on, sometimes it begins anew. */
-static bool get_over_it(struct drawn_run *d, bool done)
-{
-    bool killed = disk_io(d->run.disk)->ops->lock(disk_io(d->run.disk), 0) == -EIO;
-
-    if (!killed && d->run.writer && (done || draw_below(&d->draw, 2)))
-        return true;
-    run_end(&d->run);
-    disk_revive(d->run.disk);
-    d->in_trouble = d->run.may_fail = false;
-    return run_do(&d->run, RUN_CREATE);
+    return trouble_step(&d->trouble, &d->run, op, path);
 }
 
 static enum run_step draw_step(struct draw *draw)
@@ -153,8 +110,9 @@ static enum run_step draw_step(struct draw *draw)
 
 static void one_run(struct cuts *cuts)
 {
-    static const enum trouble troubles[] = {NO_TROUBLE, NO_TROUBLE, KILLED, KILLED,
-                                            SYNC_FAILS, STEP_FAILS, FULL};
+    static const enum trouble_kind troubles[] = {TROUBLE_NONE,   TROUBLE_NONE, TROUBLE_KILLED,
+                                                 TROUBLE_KILLED, TROUBLE_SYNC, TROUBLE_STEP,
+                                                 TROUBLE_FULL};
     struct drawn_run *d = calloc(1, sizeof(*d));
     unsigned i, n;
     bool well;
@@ -166,28 +124,26 @@ static void one_run(struct cuts *cuts)
     d->states_left = STATES_OF_A_RUN;
     if (d->states_left > cuts->states_most - cuts->counts.states)
         d->states_left = cuts->states_most - cuts->counts.states;
-    d->trouble = troubles[draw_below(&d->draw, 7)];
-    d->trouble_at = (unsigned)draw_below(&d->draw, 250);
+    d->trouble.kind = troubles[draw_below(&d->draw, 7)];
+    d->trouble.at = (unsigned)draw_below(&d->draw, 250);
     d->cut_percent = (unsigned)draw_below(&d->draw, 50);
     n = 5 + (unsigned)draw_below(&d->draw, 20);
     run_init(&d->run, run_fresh_disk());
     disk_on_step(d->run.disk, run_step_comes, d);
     well = run_do(&d->run, RUN_CREATE);
-    for (i = 0; i < n && d->states_left > 0 && !d->run.broken[0] && (well || d->in_trouble); i++) {
-        if (d->in_trouble)
-            well = get_over_it(d, well);
+    for (i = 0; i < n && d->states_left > 0 && !d->run.broken[0] && (well || d->trouble.over);
+         i++) {
+        if (d->trouble.over)
+            well = (!trouble_killed(&d->run) && d->run.writer && draw_below(&d->draw, 2)) ||
+                   trouble_begin_anew(&d->trouble, &d->run);
         if (d->run.writer && !d->run.broken[0])
             well = run_do(&d->run, draw_step(&d->draw));
     }
     while (d->states_left > 0 && !d->run.broken[0])
         cut_here(d, d->run.disk, &d->run.promise, "the end", "", NULL);
-    if (d->run.broken[0]) {
-        printf("broken without a cut: %s\n  seed %llu, step %u\n", d->run.broken,
-               (unsigned long long)cuts->seed, d->step);
-        cuts->counts.states++;
-        cuts->counts.of[d->run.fault]++;
-    }
-    cuts->counts.steps += d->step;
+    if (d->run.broken[0])
+        cuts_broken_uncut(cuts, &d->run);
+    cuts->counts.steps += d->trouble.step;
     run_end(&d->run);
     disk_destroy(d->run.disk);
     free(d);
@@ -196,8 +152,7 @@ static void one_run(struct cuts *cuts)
 void cuts_random(struct cuts *cuts)
 {
     cuts->seed += cuts->part;
-    while (cuts->counts.states < cuts->states_most &&
-           !(cuts->stop_at_first && cuts->counts.of[RUN_WELL] < cuts->counts.states)) {
+    while (cuts->counts.states < cuts->states_most && !cuts_stopped(cuts)) {
         cuts->state = 0;
         one_run(cuts);
         cuts->seed += cuts->parts;

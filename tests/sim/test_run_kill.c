@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Kill -9 at 30 random moments of a capture, resumed each time: no committed frame
+ * Kill -9 at 30 random moments of captures, resumed each time: no committed frame
  * is lost, every slot is accounted for, and the dataset stays whole. The seed is
- * printed; TTF_SEED in the environment sets it.
+ * printed; TTF_SEED and TTF_KILLS in the environment set it and how many (./dev kill).
  */
 #include "cmocka_includes.h"
 
@@ -135,10 +135,17 @@ static void expect_whole_so_far(struct sim_run *run)
         sim_run_expect_whole(run, false);
 }
 
+static uint64_t from_environment(const char *name, uint64_t otherwise)
+{
+    const char *given = getenv(name); /* NOLINT(concurrency-mt-unsafe): before any thread */
+
+    return given ? strtoull(given, NULL, 0) : otherwise;
+}
+
 static void killed_thirty_times_nothing_committed_is_lost(void **state)
 {
-    const char *given = getenv("TTF_SEED"); /* NOLINT(concurrency-mt-unsafe): before any thread */
-    uint64_t seed = given ? strtoull(given, NULL, 0) : 20260726;
+    uint64_t seed = from_environment("TTF_SEED", 20260726);
+    unsigned wanted = (unsigned)from_environment("TTF_KILLS", KILLS);
     uint64_t x = seed * UINT64_C(0x9e3779b97f4a7c15) + 1;
     struct ttf_clock *clock = ttf_clock_real_create();
     unsigned kills = 0;
@@ -146,7 +153,7 @@ static void killed_thirty_times_nothing_committed_is_lost(void **state)
 
     (void)state;
     print_message("seed %llu\n", (unsigned long long)seed);
-    while (kills < KILLS) {
+    while (kills < wanted) {
         static struct acknowledged ack;
         struct sim_run run;
         int64_t power_on = 0;
@@ -157,7 +164,7 @@ static void killed_thirty_times_nothing_committed_is_lost(void **state)
         while (!done) {
             int64_t after = (int64_t)(next_random(&x) % 120 + 3) * TTF_NS_PER_MS;
 
-            if (kills >= KILLS)
+            if (kills >= wanted)
                 after = 0; /* enough: let it end */
             done = run_and_kill(&run, clock, power_on, after, &ack);
             kills += !done;

@@ -193,14 +193,15 @@ static void read_all(struct view *v, const struct timed *t)
     assert_int_equal(ttf_reader_open(ttf_io_posix(), t->run.path, &v->reader, NULL), 0);
     assert_int_equal(ttf_reader_summary(v->reader)->slots, SLOTS);
     for (int64_t k = 0; k < SLOTS; k++) {
+        unsigned b = 0;
+
         assert_int_equal(ttf_reader_slot(v->reader, k, &v->record[k], NULL), 0);
         assert_int_equal(v->record[k].index, k);
         assert_int_equal(ttf_reader_segment(v->reader, v->record[k].segment, &v->segment[k]), 0);
-        v->boot[k] = NULL;
-        for (unsigned b = 0; b < t->n_boots; b++)
-            if (strcmp(t->boots[b].id, v->segment[k].boot_id) == 0)
-                v->boot[k] = &t->boots[b];
-        assert_non_null(v->boot[k]);
+        while (b < t->n_boots && strcmp(t->boots[b].id, v->segment[k].boot_id) != 0)
+            b++;
+        assert_true(b < t->n_boots);
+        v->boot[k] = &t->boots[b];
         v->due_ns[k] = v->record[k].due_ns + v->boot[k]->power_on_ns;
     }
 }

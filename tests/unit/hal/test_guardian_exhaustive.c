@@ -290,7 +290,7 @@ static void go_on(struct search *s, unsigned k, const struct ttf_guardian *watch
         }
         ttf_guardian_advance(&w, t + s->tick_ns);
         ttf_guardian_advance(&z, t + s->tick_ns);
-        if (memcmp(&w, &z, sizeof(w)) != 0)
+        if (memcmp((const void *)&w, (const void *)&z, sizeof(w)) != 0)
             fail_at(s, k, "looked at late, it is in another state");
     }
 }
