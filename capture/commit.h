@@ -43,6 +43,7 @@ struct ttf_committer {
     void *progress_ctx;
     struct ttf_control *control; /* for answers; NULL allowed */
     /* the committer's until join */
+    bool doubt;                /* a sync failed, and the dataset was not opened anew since */
     struct ttf_writer *writer; /* NULL while the dataset cannot be opened; owned by the session */
     int away;                  /* why it cannot */
     struct ttf_ledger ledger;

@@ -44,12 +44,12 @@ void ttf_committer_drop_lost_files(struct ttf_committer *c, struct ttf_slot_reco
 /* After a write that failed nobody knows what is on the disk: open it anew, which repairs what it must. */
 int ttf_committer_reopen(struct ttf_committer *c)
 {
+    struct ttf_writer *old = c->writer;
     struct ttf_err err = {0};
     int r;
 
-    ttf_writer_abandon(c->writer);
     c->writer = NULL;
-    r = ttf_writer_open(c->io, c->path, &c->writer, &err);
+    r = ttf_writer_open_anew(c->io, c->path, old, &c->doubt, &c->writer, &err);
     if (r == 0)
         r = ttf_writer_reserve(c->writer, c->line_bytes, &err);
     c->away = r;

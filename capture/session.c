@@ -370,6 +370,7 @@ static int seal(struct ttf_session *s, char ret_digest[65], struct ttf_err *err)
     struct ttf_writer **writer = &s->committer.writer;
     struct ttf_clock *clock = s->box->clock;
     int64_t until = ttf_clock_now_ns(clock) + TTF_COMMIT_PATIENCE_NS;
+    struct ttf_writer *old;
     int r = ttf_writer_seal(*writer, "count", ret_digest, err);
 
     while ((r == -EIO || r == -ENOSPC) && !power_lost(s) && ttf_clock_now_ns(clock) < until) {
@@ -377,12 +378,11 @@ static int seal(struct ttf_session *s, char ret_digest[65], struct ttf_err *err)
         if (power_lost(s))
             break;
         /* After a write that failed nobody knows what is on the disk. */
-        ttf_writer_abandon(*writer);
+        old = *writer;
         *writer = NULL;
-        r = ttf_writer_open(s->config->io, s->committer.path, writer, err);
-        if (r == 0 && ttf_writer_state(*writer)->sealed)
-            r = read_digest(s, ret_digest, err); /* it had got there after all */
-        else if (r == 0)
+        r = ttf_writer_open_anew(s->config->io, s->committer.path, old, &s->committer.doubt, writer,
+                                 err);
+        if (r == 0) /* once more even if it is seen: it may not have got there */
             r = ttf_writer_seal(*writer, "count", ret_digest, err);
     }
     return r;

@@ -182,7 +182,12 @@ static int make_one(struct ttf_io *io, const char *path)
     r = io->ops->mkdir(io, path);
     if (r == -EEXIST)
         return 0; /* somebody else was faster */
-    return r ? r : ttf_io_sync_parent(io, path);
+    if (r)
+        return r;
+    r = ttf_io_sync_parent(io, path);
+    if (r) /* left there, it would pass for durable the next time */
+        (void)io->ops->unlink(io, path);
+    return r;
 }
 
 int ttf_io_mkdirs(struct ttf_io *io, const char *path, struct ttf_err *err)

@@ -106,9 +106,29 @@ static int put(struct ttf_jsonl *f, const char *text, size_t n)
     if (back == 0)
         return 0;
     f->broken = r;
+    f->doubt = true;
     /* Not acknowledged: better it is not there either. */
     if (f->io->ops->truncate(f->io, f->file, f->bytes) == 0)
         (void)f->io->ops->sync(f->io, f->file, true);
+    return r;
+}
+
+int ttf_jsonl_renew(struct ttf_jsonl *f, struct ttf_err *err)
+{
+    int r = write_anew(f, "", 0);
+
+    return r ? ttf_err_set(err, r, f->path, "cannot be written anew: %s", strerrordesc_np(-r)) : 0;
+}
+
+/* Whatever was written of one that failed goes again: the next line brings its own. */
+static int append_newline(struct ttf_jsonl *f)
+{
+    int r = ttf_io_append_all(f->io, f->file, "\n", 1);
+
+    if (r == 0)
+        f->bytes++;
+    else if (f->io->ops->truncate(f->io, f->file, f->bytes) != 0)
+        f->broken = r;
     return r;
 }
 
@@ -164,8 +184,7 @@ int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_err *err)
      * The line is on the disk. Only now its newline, which the next sync takes
      * along: so a line that has one is whole, whatever order blocks reach the disk in.
      */
-    f->no_newline = ttf_io_append_all(f->io, f->file, "\n", 1) != 0;
-    f->bytes += f->no_newline ? 0 : 1;
+    f->no_newline = append_newline(f) != 0;
     return 0;
 }
 
@@ -174,14 +193,13 @@ int ttf_jsonl_settle(struct ttf_jsonl *f, struct ttf_err *err)
     int r = f->broken;
 
     if (r == 0 && f->no_newline) {
-        r = ttf_io_append_all(f->io, f->file, "\n", 1);
-        if (r == 0) {
-            f->no_newline = false;
-            f->bytes++;
-        }
+        r = append_newline(f);
+        f->no_newline = r != 0;
     }
-    if (r == 0)
+    if (r == 0) {
         r = f->io->ops->sync(f->io, f->file, true);
+        f->doubt = f->doubt || r != 0;
+    }
     if (r) {
         f->broken = f->broken ? f->broken : r;
         return ttf_err_set(err, r, f->path, "cannot be written: %s", strerrordesc_np(-r));

@@ -24,6 +24,7 @@ struct ttf_jsonl {
     int64_t bytes;        /* of good lines */
     int64_t next_seq;
     bool no_newline; /* the last line's newline is still to be written */
+    bool doubt;      /* a sync failed: what is seen of the file may not be on the disk */
     int broken;      /* 0, or what every later append returns: what is on the disk is not known */
 };
 
@@ -42,6 +43,9 @@ TTF_MUST_USE int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_err *err);
 
 /* Writes a newline that is still owed, and syncs. */
 TTF_MUST_USE int ttf_jsonl_settle(struct ttf_jsonl *f, struct ttf_err *err);
+
+/* Writes all good lines as a new file, durable whatever became of the old one's. */
+TTF_MUST_USE int ttf_jsonl_renew(struct ttf_jsonl *f, struct ttf_err *err);
 
 void ttf_jsonl_close(struct ttf_jsonl *f);
 

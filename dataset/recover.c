@@ -16,17 +16,21 @@
 
 /* ---- bytes behind the last whole line ---- */
 
-static char *read_hex(struct ttf_io *io, int file, int64_t offset, int64_t bytes)
+static int read_hex(struct ttf_jsonl *f, int64_t offset, int64_t bytes, char **ret,
+                    struct ttf_err *err)
 {
     static const char digits[] = "0123456789abcdef";
     size_t n = bytes < (int64_t)ASIDE_BYTES_MAX ? (size_t)bytes : ASIDE_BYTES_MAX, i;
     unsigned char *raw = malloc(n);
     char *hex = malloc(2 * n + 1);
+    int64_t got = raw && hex ? ttf_io_pread_all(f->io, f->file, raw, n, offset) : -ENOMEM;
 
-    if (!raw || !hex || ttf_io_pread_all(io, file, raw, n, offset) != (int64_t)n) {
+    if (got != (int64_t)n) {
         free(raw);
         free(hex);
-        return NULL;
+        got = got < 0 ? got : -EIO;
+        return ttf_err_set(err, (int)got, f->path, "its end cannot be set aside: %s",
+                           strerrordesc_np((int)-got));
     }
     for (i = 0; i < n; i++) {
         hex[2 * i] = digits[raw[i] >> 4];
@@ -34,7 +38,8 @@ static char *read_hex(struct ttf_io *io, int file, int64_t offset, int64_t bytes
     }
     hex[2 * n] = '\0';
     free(raw);
-    return hex;
+    *ret = hex;
+    return 0;
 }
 
 static int aside_event(struct ttf_writer *writer, const char *name, int64_t bytes, const char *hex,
@@ -77,22 +82,23 @@ static int cut_fragment(struct ttf_jsonl *f, const struct ttf_lines_tail *tail, 
 static int repair_ends(struct ttf_writer *writer, const struct ttf_lines_tail *records,
                        const struct ttf_lines_tail *events, struct ttf_err *err)
 {
-    struct ttf_io *io = writer->io;
     char *of_events = NULL, *of_records = NULL;
     int r = 0;
 
     if (events->fragment_bytes > 0) {
-        of_events =
-            read_hex(io, writer->events.file, events->fragment_offset, events->fragment_bytes);
-        r = cut_fragment(&writer->events, events, err);
+        r = read_hex(&writer->events, events->fragment_offset, events->fragment_bytes, &of_events,
+                     err);
+        if (r == 0)
+            r = cut_fragment(&writer->events, events, err);
         if (r == 0)
             r = aside_event(writer, "events.jsonl", events->fragment_bytes, of_events, err);
         writer->state.repaired++;
     }
     if (r == 0 && records->fragment_bytes > 0) {
-        of_records =
-            read_hex(io, writer->records.file, records->fragment_offset, records->fragment_bytes);
-        r = aside_event(writer, "records.jsonl", records->fragment_bytes, of_records, err);
+        r = read_hex(&writer->records, records->fragment_offset, records->fragment_bytes,
+                     &of_records, err);
+        if (r == 0)
+            r = aside_event(writer, "records.jsonl", records->fragment_bytes, of_records, err);
         if (r == 0)
             r = cut_fragment(&writer->records, records, err);
         writer->state.repaired++;

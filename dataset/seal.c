@@ -213,6 +213,7 @@ int ttf_writer_seal(struct ttf_writer *writer, const char *reason, char ret_dige
     if (writer->sums >= 0)
         io->ops->close(io, writer->sums); /* it will be another file */
     writer->sums = -1;
+    ttf_writer_remove_leftovers(writer);
     r = write_sums(writer, digest, err);
     if (r)
         return r;

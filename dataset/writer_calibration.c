@@ -150,6 +150,9 @@ int ttf_writer_calibration(struct ttf_writer *writer, const char *id, const char
     for (i = 0; i < writer->n_calibrations; i++)
         if (strcmp(writer->calibrations[i], id) == 0)
             return 0;
+    r = ttf_writer_room_for_calibration(writer);
+    if (r)
+        return ttf_err_set(err, r, id, "no memory");
     r = ttf_writer_unseal(writer, err);
     if (r)
         return r;

@@ -27,6 +27,18 @@ static int foreign_line(void *ctx, const struct ttf_line *line, struct ttf_err *
     return strcmp(line->type, "plan") == 0 ? 0 : 1;
 }
 
+/* Who made the folder may have been cut off, or told that it failed, before its name was synced. */
+static int sync_name(struct ttf_writer *writer, struct ttf_err *err)
+{
+    int r = ttf_io_sync_parent(writer->io, writer->path);
+
+    if (r == -EACCES || r == -EPERM) /* somebody else's folder, and their care */
+        return 0;
+    return r ? ttf_err_set(err, r, writer->path, "its folder cannot be synced to the disk: %s",
+                           strerrordesc_np(-r))
+             : 0;
+}
+
 static int check_folder(struct ttf_writer *writer, struct ttf_err *err)
 {
     struct ttf_io *io = writer->io;
@@ -42,16 +54,20 @@ static int check_folder(struct ttf_writer *writer, struct ttf_err *err)
     if (!st.is_dir)
         return ttf_err_set(err, -EEXIST, writer->path, "is there already, and is no folder");
     r = io->ops->list(io, writer->path, foreign_entry, NULL);
+    if (r < 0)
+        return ttf_err_set(err, r, writer->path, "cannot be listed: %s", strerrordesc_np(-r));
     if (r == 0) {
         records = ttf_path_format("%s/records.jsonl", writer->path);
         if (!records)
             return ttf_err_set(err, -ENOMEM, writer->path, "no memory");
-        r = ttf_lines_scan(io, records, foreign_line, NULL, NULL, NULL, NULL);
+        r = ttf_lines_scan(io, records, foreign_line, NULL, NULL, NULL, err);
         r = r == -ENOENT ? 0 : r;
         free(records);
     }
     if (r == 0)
-        return 0;
+        return sync_name(writer, err);
+    if (r < 0 && r != -TTF_EDAMAGED)
+        return r;
     ttf_err_set(err, -EEXIST, writer->path, "is there already, and is not empty");
     ttf_err_hint(err, "choose another name, or go on with the dataset that is there");
     return -EEXIST;

@@ -26,6 +26,25 @@ static bool worth_another_name(int r)
     return r == -EIO || r == -EUCLEAN || r == -ENXIO || r == -EREMOTEIO;
 }
 
+/* Whole, but of no record, and its name is not for sure: the seal must not promise that it is there. */
+static void remember_leftover(struct ttf_writer *writer, const char *path)
+{
+    if (writer->n_leftovers < TTF_COUNT_OF(writer->leftovers))
+        snprintf(writer->leftovers[writer->n_leftovers++], sizeof(writer->leftovers[0]), "%s",
+                 path);
+}
+
+void ttf_writer_remove_leftovers(struct ttf_writer *writer)
+{
+    char full[TTF_PATH_MAX];
+    unsigned i;
+
+    for (i = 0; i < writer->n_leftovers; i++)
+        if (ttf_path_put(full, "%s/%s", writer->path, writer->leftovers[i]) == 0)
+            (void)writer->io->ops->unlink(writer->io, full);
+    writer->n_leftovers = 0;
+}
+
 /* Writes, syncs, renames, syncs the folder. What it leaves on failure is removed as well as can be. */
 static int attempt(struct attempt *a, struct ttf_file_ref *ret, struct ttf_err *err)
 {
@@ -67,7 +86,8 @@ static int attempt(struct attempt *a, struct ttf_file_ref *ret, struct ttf_err *
     }
     r = ttf_io_sync_parent(io, a->full);
     if (r) {
-        io->ops->unlink(io, a->full);
+        if (io->ops->unlink(io, a->full) != 0)
+            remember_leftover(a->writer, a->path);
         return ttf_err_set(err, r, a->path, "its folder cannot be synced to the disk: %s",
                            strerrordesc_np(-r));
     }

@@ -8,7 +8,7 @@
 #include "record_line.h"
 #include "writer_private.h"
 
-int ttf_writer_learn_calibration(struct ttf_writer *writer, const char *id)
+int ttf_writer_room_for_calibration(struct ttf_writer *writer)
 {
     char(*grown)[64];
 
@@ -16,7 +16,17 @@ int ttf_writer_learn_calibration(struct ttf_writer *writer, const char *id)
     if (!grown)
         return -ENOMEM;
     writer->calibrations = grown;
-    ttf_text_cut(grown[writer->n_calibrations++], sizeof(*grown), id);
+    return 0;
+}
+
+int ttf_writer_learn_calibration(struct ttf_writer *writer, const char *id)
+{
+    int r = ttf_writer_room_for_calibration(writer);
+
+    if (r)
+        return r;
+    ttf_text_cut(writer->calibrations[writer->n_calibrations++], sizeof(writer->calibrations[0]),
+                 id);
     return 0;
 }
 

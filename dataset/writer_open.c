@@ -94,6 +94,23 @@ static int open_events(struct ttf_writer *writer, struct ttf_lines_tail *tail, s
     return r;
 }
 
+/* Names that were put in place and not synced, by whoever wrote here before, are made durable. */
+static int make_sure(struct ttf_writer *writer, bool doubt, struct ttf_err *err)
+{
+    int r = 0;
+
+    if (doubt)
+        r = ttf_jsonl_renew(&writer->records, err);
+    if (doubt && r == 0)
+        r = ttf_jsonl_renew(&writer->events, err);
+    if (r)
+        return r;
+    r = writer->io->ops->sync_dir(writer->io, writer->path);
+    return r ? ttf_err_set(err, r, writer->path, "cannot be synced to the disk: %s",
+                           strerrordesc_np(-r))
+             : 0;
+}
+
 /* What the segments say of dataset.json is compared with this. */
 static int hash_manifest(struct ttf_writer *writer, struct ttf_err *err)
 {
@@ -107,7 +124,7 @@ static int hash_manifest(struct ttf_writer *writer, struct ttf_err *err)
     return r;
 }
 
-static int open_all(struct ttf_writer *writer, struct ttf_err *err)
+static int open_all(struct ttf_writer *writer, bool doubt, struct ttf_err *err)
 {
     struct ttf_lines_tail records = {0}, events = {0};
     enum ttf_sums_state sums = TTF_SUMS_SAME;
@@ -142,23 +159,43 @@ static int open_all(struct ttf_writer *writer, struct ttf_err *err)
         return r;
     r = ttf_writer_repair(writer, &records, &events, sums, err);
     if (r == 0)
+        r = make_sure(writer, doubt, err);
+    if (r == 0)
         ttf_reserve_make(writer);
     return r;
+}
+
+static bool in_doubt(const struct ttf_writer *writer)
+{
+    return writer && (writer->records.doubt || writer->events.doubt);
+}
+
+int ttf_writer_open_anew(struct ttf_io *io, const char *path, struct ttf_writer *old, bool *doubt,
+                         struct ttf_writer **ret, struct ttf_err *err)
+{
+    struct ttf_writer *writer;
+    int r;
+
+    *doubt = *doubt || in_doubt(old);
+    ttf_writer_abandon(old);
+    writer = ttf_writer_alloc(io, path);
+    if (!writer)
+        return ttf_err_set(err, -ENOMEM, path, "no memory");
+    r = open_all(writer, *doubt, err);
+    if (r) {
+        *doubt = *doubt || in_doubt(writer);
+        ttf_writer_abandon(writer);
+        return r;
+    }
+    *doubt = false;
+    *ret = writer;
+    return 0;
 }
 
 int ttf_writer_open(struct ttf_io *io, const char *path, struct ttf_writer **ret,
                     struct ttf_err *err)
 {
-    struct ttf_writer *writer = ttf_writer_alloc(io, path);
-    int r;
+    bool doubt = false;
 
-    if (!writer)
-        return ttf_err_set(err, -ENOMEM, path, "no memory");
-    r = open_all(writer, err);
-    if (r) {
-        ttf_writer_abandon(writer);
-        return r;
-    }
-    *ret = writer;
-    return 0;
+    return ttf_writer_open_anew(io, path, NULL, &doubt, ret, err);
 }

@@ -24,9 +24,14 @@ struct ttf_writer {
     int sums;         /* handle of SHA256SUMS, appended to; -1: not open */
     bool sums_behind; /* an append failed: to be rebuilt */
     uint32_t frames_durable, raw_durable; /* streams whose folder's name is on the disk: bits */
+    unsigned n_leftovers;    /* files that could not be removed again; those beyond are forgotten */
+    char leftovers[8][192];
     unsigned n_calibrations;
     char (*calibrations)[64]; /* ids that have a line */
 };
+
+/* Tries once more to remove what could not be removed. */
+void ttf_writer_remove_leftovers(struct ttf_writer *writer);
 
 /* Takes the folder's lock. -EBUSY. */
 TTF_MUST_USE int ttf_writer_lock(struct ttf_writer *writer, struct ttf_err *err);
@@ -50,6 +55,8 @@ TTF_MUST_USE int ttf_writer_learn(struct ttf_writer *writer, const struct ttf_li
                                   struct ttf_err *err);
 TTF_MUST_USE int ttf_writer_learn_segment(struct ttf_writer *writer,
                                           const struct ttf_segment *segment);
+/* Memory for one more, so that learning it cannot fail once its line is written. */
+TTF_MUST_USE int ttf_writer_room_for_calibration(struct ttf_writer *writer);
 TTF_MUST_USE int ttf_writer_learn_calibration(struct ttf_writer *writer, const char *id);
 
 /* Space that events can fall back on. Making it may fail quietly: the disk is full already. */

@@ -49,6 +49,14 @@ TTF_MUST_USE int ttf_writer_open(struct ttf_io *io, const char *path, struct ttf
                                  struct ttf_err *err);
 
 /*
+ * The same after a write of `old` failed (NULL: none is left), which is abandoned: what is seen
+ * of files whose sync failed may never have reached the disk, so then the logs are written as
+ * new files. *doubt: false at first; kept by the caller until an opening succeeds.
+ */
+TTF_MUST_USE int ttf_writer_open_anew(struct ttf_io *io, const char *path, struct ttf_writer *old,
+                                      bool *doubt, struct ttf_writer **ret, struct ttf_err *err);
+
+/*
  * Memory for record lines of line_bytes: slots and events whose lines are no longer
  * (an event without detail never is) are then written without allocating. Kept until
  * the writer is freed; without it the memory grows with the longest line. -ENOMEM.
