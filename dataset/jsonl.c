@@ -201,6 +201,9 @@ int ttf_jsonl_settle(struct ttf_jsonl *f, struct ttf_err *err)
         f->doubt = f->doubt || r != 0;
     }
     if (r) {
+        /* Its newline may be gone while it is still seen: whoever opens next would build on it. */
+        if (!f->broken && !f->no_newline && write_anew(f, "", 0) == 0)
+            return 0;
         f->broken = f->broken ? f->broken : r;
         return ttf_err_set(err, r, f->path, "cannot be written: %s", strerrordesc_np(-r));
     }

@@ -400,7 +400,7 @@ static void a_newline_that_found_no_room_is_written_when_closing(void **state)
 static void a_log_that_cannot_be_synced_is_not_sealed(void **state)
 {
     const char *path = in(*state, "d");
-    struct cue cue = {.error = EIO, .op = "sync", .in = "events.jsonl"};
+    struct cue cue = {.error = EIO, .op = "sync", .in = "events.jsonl", .for_ever = true};
     struct ttf_io *io = ttf_io_faulty_create(quick_io(), cue_fault, &cue);
     struct ttf_writer *writer = small_create(io, path);
 

@@ -151,6 +151,26 @@ static void what_the_repair_removes_stays_removed(void **state)
     ttf_io_faulty_destroy(w.io);
 }
 
+static void a_log_whose_sync_fails_on_closing_is_written_as_a_new_file(void **state)
+{
+    static const char *const wanted[] = {"sync records.jsonl.tmp\n", "rename records.jsonl\n",
+                                         NULL};
+    struct ttf_writer *writer;
+    struct watched w;
+
+    watch(&w, state);
+    assert_int_equal(ttf_writer_open(w.io, w.path, &writer, NULL), 0);
+    assert_int_equal(small_slot(writer, 0), 0);
+    w.log[w.cue.log_used = 0] = '\0';
+    w.cue.n = 0;
+    w.cue.at = 1; /* what was dirty is lost, and seen all the same */
+    w.cue.error = EIO;
+    ttf_writer_close(writer);
+    assert_order(w.log, wanted, "sync_dir d\n");
+    ttf_io_faulty_destroy(w.io);
+    assert_int_equal(small_check(quick_io(), w.path), 1);
+}
+
 static int gone(struct ttf_io *io, const char *path, struct ttf_io_stat *ret)
 {
     if (strstr(path, ".tif"))
@@ -180,6 +200,7 @@ int main(void)
         T(a_dataset_that_is_opened_stays_where_it_was_seen),
         T(a_seal_vouches_only_for_what_is_on_the_disk),
         T(what_the_repair_removes_stays_removed),
+        T(a_log_whose_sync_fails_on_closing_is_written_as_a_new_file),
         T(a_disk_that_answers_nothing_ends_the_search_for_a_name),
     };
 
