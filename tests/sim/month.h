@@ -9,8 +9,14 @@
 #define MONTH_DAY_SLOTS   144
 #define MONTH_DAYS_MAX    60
 
+/*
+ * All kinds but a storage that can only be read: that ends a run at once, by policy
+ * (test_run_storage.c), and is not one of a run that goes on.
+ */
+#define MONTH_PLAIN_KINDS TTF_FAULT_READ_ONLY
+
 /* Hangs of the four kinds count as kinds of their own. */
-#define MONTH_KINDS (TTF_FAULT_KIND_COUNT + 3)
+#define MONTH_KINDS (MONTH_PLAIN_KINDS + 3)
 
 /* Each fault has so many slots to itself: 18 kinds make a day. */
 #define MONTH_BLOCK (MONTH_DAY_SLOTS / MONTH_KINDS)

@@ -10,13 +10,13 @@
 
 static enum ttf_fault_kind kind_of(unsigned kind)
 {
-    return kind < TTF_FAULT_KIND_COUNT ? (enum ttf_fault_kind)kind : TTF_FAULT_CAMERA_HANG;
+    return kind < MONTH_PLAIN_KINDS ? (enum ttf_fault_kind)kind : TTF_FAULT_CAMERA_HANG;
 }
 
 /* Of a hang: which step cures it. */
 static int64_t hang_of(unsigned kind)
 {
-    return kind < TTF_FAULT_KIND_COUNT ? 0 : (int64_t)(kind - TTF_FAULT_KIND_COUNT) + 1;
+    return kind < MONTH_PLAIN_KINDS ? 0 : (int64_t)(kind - MONTH_PLAIN_KINDS) + 1;
 }
 
 const char *month_kind_name(unsigned kind)
