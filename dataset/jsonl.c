@@ -188,6 +188,16 @@ int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_err *err)
     return 0;
 }
 
+int ttf_jsonl_sync_last(struct ttf_jsonl *f, struct ttf_err *err)
+{
+    int r = f->no_newline ? f->io->ops->sync(f->io, f->file, true) : 0;
+
+    if (r == 0)
+        return 0;
+    f->doubt = true;
+    return ttf_err_set(err, r, f->path, "cannot be synced to the disk: %s", strerrordesc_np(-r));
+}
+
 int ttf_jsonl_settle(struct ttf_jsonl *f, struct ttf_err *err)
 {
     int r = f->broken;

@@ -41,6 +41,12 @@ struct ttf_json *ttf_jsonl_begin(struct ttf_jsonl *f, const char *type);
 /* Finishes the line that was begun, appends and syncs it. */
 TTF_MUST_USE int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_err *err);
 
+/*
+ * Before anything is put behind a last line that is owed its newline: whoever wrote it may
+ * have died before syncing it, and what is seen of it is not yet on the disk.
+ */
+TTF_MUST_USE int ttf_jsonl_sync_last(struct ttf_jsonl *f, struct ttf_err *err);
+
 /* Writes a newline that is still owed, and syncs. */
 TTF_MUST_USE int ttf_jsonl_settle(struct ttf_jsonl *f, struct ttf_err *err);
 

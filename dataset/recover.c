@@ -83,9 +83,11 @@ static int repair_ends(struct ttf_writer *writer, const struct ttf_lines_tail *r
                        const struct ttf_lines_tail *events, struct ttf_err *err)
 {
     char *of_events = NULL, *of_records = NULL;
-    int r = 0;
+    int r = ttf_jsonl_sync_last(&writer->records, err);
 
-    if (events->fragment_bytes > 0) {
+    if (r == 0)
+        r = ttf_jsonl_sync_last(&writer->events, err);
+    if (r == 0 && events->fragment_bytes > 0) {
         r = read_hex(&writer->events, events->fragment_offset, events->fragment_bytes, &of_events,
                      err);
         if (r == 0)

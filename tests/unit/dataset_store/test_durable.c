@@ -69,6 +69,26 @@ static void folders_that_a_killed_writer_made_get_their_names_synced(void **stat
     ttf_io_faulty_destroy(w.io);
 }
 
+static void a_line_that_a_killed_writer_left_is_synced_before_its_newline(void **state)
+{
+    static const char *const wanted[] = {"sync records.jsonl\n", "sync events.jsonl\n",
+                                         "append records.jsonl\n", NULL};
+    struct ttf_writer *writer;
+    struct watched w;
+
+    watch(&w, state);
+    assert_int_equal(ttf_writer_open(quick_io(), w.path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_event(writer, "door", 1, 1, "moved", NULL, NULL), 0);
+    ttf_writer_abandon(writer);
+    /* It died between writing a line and syncing it: the line is seen, and on no disk. */
+    assert_int_equal(run("truncate -s -1 '%s/records.jsonl'", w.path), 0);
+    assert_int_equal(run("truncate -s -1 '%s/events.jsonl'", w.path), 0);
+    assert_int_equal(ttf_writer_open(w.io, w.path, &writer, NULL), 0);
+    assert_order(w.log, wanted, "append events.jsonl\n");
+    ttf_writer_abandon(writer);
+    ttf_io_faulty_destroy(w.io);
+}
+
 static void a_folder_whose_sync_failed_is_synced_by_the_next_slot(void **state)
 {
     static const char *const wanted[] = {"sync_dir d\n", "sync_dir frames\n", NULL};
@@ -196,6 +216,7 @@ int main(void)
 #define T(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
     const struct CMUnitTest tests[] = {
         T(folders_that_a_killed_writer_made_get_their_names_synced),
+        T(a_line_that_a_killed_writer_left_is_synced_before_its_newline),
         T(a_folder_whose_sync_failed_is_synced_by_the_next_slot),
         T(a_dataset_that_is_opened_stays_where_it_was_seen),
         T(a_seal_vouches_only_for_what_is_on_the_disk),
