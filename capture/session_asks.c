@@ -98,10 +98,10 @@ static int change_plan(struct ttf_session *s, const struct ttf_ask *ask, int64_t
 {
     const struct ttf_plan before = s->plan;
     struct ttf_lamp_programme programme;
-    struct ttf_plan_figures figures;
+    struct ttf_plan_figures figures = {0};
     struct ttf_plan_change *change;
     struct ttf_segment segment;
-    struct ttf_plan plan;
+    struct ttf_plan plan = {0};
     struct ttf_grid grid;
     int r = changed_plan(s, ask, index, &plan, &figures, err);
 

@@ -36,7 +36,7 @@ TTF_MUST_USE int ttf_slot_get_brief(const struct ttf_line *line, struct ttf_slot
 /* A file that a line names, of whatever role. */
 struct ttf_named_file {
     const char *path, *sha256; /* valid during the call */
-    int64_t bytes; /* -1: the line does not say */
+    int64_t bytes;             /* -1: the line does not say */
     bool of_image; /* of an image of a slot; else of a plan, a calibration, or dataset.json */
 };
 typedef int ttf_named_file_fn(void *ctx, const struct ttf_named_file *file, struct ttf_err *err);

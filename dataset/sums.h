@@ -29,7 +29,7 @@ enum ttf_sums_state {
     TTF_SUMS_BEHIND, /* lines are lacking or not whole: what a crash leaves */
     TTF_SUMS_WRONG,  /* a line of it has changed, which no crash does; the records have it right */
     TTF_SUMS_AHEAD,  /* it lists an image that no record names: the records have lost lines */
-    TTF_SUMS_SEAL    /* it lists what only a seal does, but not records.jsonl: that line has changed */
+    TTF_SUMS_SEAL /* it lists what only a seal does, but not records.jsonl: that line has changed */
 };
 
 /* What a comparison found. */

@@ -24,7 +24,7 @@ struct ttf_writer {
     int sums;         /* handle of SHA256SUMS, appended to; -1: not open */
     bool sums_behind; /* an append failed: to be rebuilt */
     uint32_t frames_durable, raw_durable; /* streams whose folder's name is on the disk: bits */
-    unsigned n_leftovers;    /* files that could not be removed again; those beyond are forgotten */
+    unsigned n_leftovers; /* files that could not be removed again; those beyond are forgotten */
     char leftovers[8][192];
     unsigned n_calibrations;
     char (*calibrations)[64]; /* ids that have a line */

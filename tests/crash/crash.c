@@ -171,8 +171,8 @@ static bool options(int argc, char **argv, struct asked *asked)
     };
     int c;
 
-    while ((c = getopt_long(argc, argv, "", known, NULL)) !=
-           -1) { /* NOLINT(concurrency-mt-unsafe) */
+    /* NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread */
+    while ((c = getopt_long(argc, argv, "", known, NULL)) != -1) {
         switch (c) {
         case 'q':
             asked->quick = true;
@@ -221,7 +221,9 @@ int main(int argc, char **argv)
     if (!asked.exhaustive && !asked.troubled && !asked.random)
         asked.exhaustive = asked.troubled = asked.random = true;
     /* Readers take 128 KiB and give them back, a thousand times a second: not from the kernel each time. */
+    /* NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread */
     (void)mallopt(M_MMAP_THRESHOLD, 16 << 20);
+    /* NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread */
     (void)mallopt(M_TRIM_THRESHOLD, 64 << 20);
     return campaigns(&asked) ? 0 : 1;
 }

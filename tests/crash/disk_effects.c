@@ -243,8 +243,8 @@ static int copy_reached(struct disk *to, const struct disk *from, struct disk_no
 struct disk *disk_cut(const struct disk *disk, const struct disk_kept *kept)
 {
     struct disk *to = disk_alloc(disk->hollow);
-    struct disk_node after[DISK_NODES_MAX], *nodes[DISK_NODES_MAX];
-    int map[DISK_NODES_MAX], i;
+    struct disk_node after[DISK_NODES_MAX], *nodes[DISK_NODES_MAX] = {0};
+    int map[DISK_NODES_MAX] = {0}, i;
     unsigned k;
 
     for (i = 0; i < disk->n_nodes; i++) {

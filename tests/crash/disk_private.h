@@ -75,7 +75,7 @@ void *disk_need(void *memory);
 
 struct disk *disk_alloc(const char *hollow);
 int disk_node_add(struct disk *disk, bool is_dir, bool hollow);
-void disk_node_drop(struct disk *disk, int node);
+void disk_node_drop(struct disk *disk, int i);
 
 int disk_names_find(const struct disk_names *names, const char *name);     /* node or -ENOENT */
 void disk_names_set(struct disk_names *names, const char *name, int node); /* node -1: removes it */
@@ -97,7 +97,7 @@ void disk_effect_name(struct disk *disk, enum disk_effect_kind kind, int folder,
 void disk_effect_length(struct disk *disk, int node, size_t bytes, bool longer);
 void disk_effect_data(struct disk *disk, int node, size_t offset, const void *data, size_t n);
 
-/* Does to state [1] what effects of this node say; data_only leaves a shorter length out. */
-void disk_make_durable(struct disk *disk, int node, bool data_only);
+/* Does to state [1] what effects of node i say; data_only leaves a shorter length out. */
+void disk_make_durable(struct disk *disk, int i, bool data_only);
 
 #endif

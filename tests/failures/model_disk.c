@@ -42,7 +42,7 @@ int model_name_make(struct model_disk *disk, const char *path)
         abort();
     disk->names = must(realloc(disk->names, ((size_t)disk->n_names + 1) * sizeof(*disk->names)));
     disk->names[disk->n_names] = (struct model_name){.seen = -1, .kept = -1};
-    strcpy(disk->names[disk->n_names].path, path);
+    memcpy(disk->names[disk->n_names].path, path, strlen(path) + 1);
     return disk->n_names++;
 }
 
@@ -214,7 +214,7 @@ static void lose_if_out_of_reach(struct model_disk *disk, struct model_name *nam
     char *slash;
     int parent;
 
-    strcpy(folder, name->path);
+    memcpy(folder, name->path, sizeof(folder));
     for (slash = strrchr(folder, '/'); slash && slash > folder; slash = strrchr(folder, '/')) {
         *slash = '\0';
         parent = model_find(disk, folder);

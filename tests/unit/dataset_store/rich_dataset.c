@@ -29,12 +29,13 @@ static void put_stream(struct ttf_manifest *m, const char *id, const char *camer
 {
     struct ttf_stream *s = &m->streams[m->n_streams++];
 
-    strcpy(s->id, id);
-    strcpy(s->camera, camera);
-    strcpy(s->channel, channel);
-    strcpy(s->quantity, quantity);
-    strcpy(s->unit, strcmp(quantity, "displacement") == 0 ? "mm" : "1");
-    strcpy(s->colour_space, samples == 3 && *camera ? "linear-srgb" : "none");
+    snprintf(s->id, sizeof(s->id), "%s", id);
+    snprintf(s->camera, sizeof(s->camera), "%s", camera);
+    snprintf(s->channel, sizeof(s->channel), "%s", channel);
+    snprintf(s->quantity, sizeof(s->quantity), "%s", quantity);
+    snprintf(s->unit, sizeof(s->unit), "%s", strcmp(quantity, "displacement") == 0 ? "mm" : "1");
+    snprintf(s->colour_space, sizeof(s->colour_space), "%s",
+             samples == 3 && *camera ? "linear-srgb" : "none");
     s->width = *camera && strcmp(camera, "side") == 0 ? 5 : 8;
     s->height = 6;
     s->samples = samples;
@@ -52,15 +53,19 @@ void rich_manifest(struct ttf_manifest *m)
         {"white", "all lamps"}, {"raking-left", "from the left"}, {"ir-night", "infrared"}};
 
     assert_int_equal(ttf_manifest_init(m, NULL), 0);
-    strcpy(m->uuid, "5ca1ab1e-0000-4000-8000-000000000001"); /* the same bits every time */
-    strcpy(m->title, "everything that the format knows: \xc3\xa4\xe2\x82\xac");
-    strcpy(m->box_serial, "box-7");
+    snprintf(m->uuid, sizeof(m->uuid), "%s",
+             "5ca1ab1e-0000-4000-8000-000000000001"); /* the same bits every time */
+    snprintf(m->title, sizeof(m->title), "%s",
+             "everything that the format knows: \xc3\xa4\xe2\x82\xac");
+    snprintf(m->box_serial, sizeof(m->box_serial), "%s", "box-7");
     m->n_cameras = 2;
     m->cameras[0] = (struct ttf_dataset_camera){"top", "A", 16, 12, "RGGB", 12};
     m->cameras[1] = (struct ttf_dataset_camera){"side", "B", 10, 12, "GRBG", 10};
     for (m->n_channels = 0; m->n_channels < 3; m->n_channels++) {
-        strcpy(m->channels[m->n_channels].id, channels[m->n_channels][0]);
-        strcpy(m->channels[m->n_channels].title, channels[m->n_channels][1]);
+        snprintf(m->channels[m->n_channels].id, sizeof(m->channels[m->n_channels].id), "%s",
+                 channels[m->n_channels][0]);
+        snprintf(m->channels[m->n_channels].title, sizeof(m->channels[m->n_channels].title), "%s",
+                 channels[m->n_channels][1]);
     }
     put_stream(m, "top", "top", "white", "reflectance", TTF_SAMPLE_U16, 3);
     put_stream(m, "side", "side", "raking-left", "radiance", TTF_SAMPLE_U16, 1);
@@ -68,8 +73,8 @@ void rich_manifest(struct ttf_manifest *m)
     put_stream(m, "height", "", "", "displacement", TTF_SAMPLE_F32, 1);
     put_stream(m, "normals", "", "", "normals", TTF_SAMPLE_F16, 3);
     m->streams[TOP].primary = true;
-    strcpy(m->group_uuid, "5ca1ab1e-0000-4000-8000-000000000099");
-    strcpy(m->group_member, "box-7 of two");
+    snprintf(m->group_uuid, sizeof(m->group_uuid), "%s", "5ca1ab1e-0000-4000-8000-000000000099");
+    snprintf(m->group_member, sizeof(m->group_member), "%s", "box-7 of two");
 }
 
 uint16_t rich_code(int64_t slot, int stream, int bracket)
@@ -151,14 +156,14 @@ static void put_shots(struct ttf_image *image, int64_t start_ns, int n)
         shot->start_ns = start_ns + i * 40 * TTF_NS_PER_MS;
         shot->end_ns = shot->start_ns + 21 * TTF_NS_PER_MS;
         shot->n_lamps = 2;
-        strcpy(shot->lamps[0].name, "left");
+        snprintf(shot->lamps[0].name, sizeof(shot->lamps[0].name), "%s", "left");
         shot->lamps[0].commanded_permille = 1000;
         shot->lamps[0].measured_permille = 996;
-        strcpy(shot->lamps[1].name, "right");
+        snprintf(shot->lamps[1].name, sizeof(shot->lamps[1].name), "%s", "right");
         shot->lamps[1].measured_permille = -1;
     }
     if (n > 1)
-        strcpy(image->shots[n / 2].refused, "corrupt");
+        snprintf(image->shots[n / 2].refused, sizeof(image->shots[n / 2].refused), "%s", "corrupt");
     image->n_averaged = (unsigned)(n > 1 ? n - 1 : 1);
 }
 
@@ -178,12 +183,12 @@ static void put_image(struct ttf_writer *writer, struct ttf_slot_record *record,
     *image = one.images[0];
     one.images[0] = (struct ttf_image){0};
     ttf_slot_record_free(&one);
-    strcpy(image->stream, s->id);
+    snprintf(image->stream, sizeof(image->stream), "%s", s->id);
     image->bracket = bracket;
     image->relative_exposure = bracket < 0 ? 0 : bracket == 0 ? 0.25 : bracket == 1 ? 1 : 4;
     if (s->camera[0]) {
         put_shots(image, record->due_ns, stream == SIDE ? 9 : 1);
-        strcpy(image->calibration, calibration);
+        snprintf(image->calibration, sizeof(image->calibration), "%s", calibration);
     }
     put_file(writer, image, record->index, "developed", &picture);
     if (stream == TOP && bracket == 1) {
@@ -191,7 +196,7 @@ static void put_image(struct ttf_writer *writer, struct ttf_slot_record *record,
         put_file(writer, image, record->index, "uncertainty", &picture);
         put_file(writer, image, record->index, "mask", &picture);
         image->reference_level = 0.9;
-        strcpy(image->flags, "saturated,lamp-unsettled");
+        snprintf(image->flags, sizeof(image->flags), "%s", "saturated,lamp-unsettled");
     }
     image->mean_level = s->format == TTF_SAMPLE_F16 || s->format == TTF_SAMPLE_F32
                             ? picture.code / 4.0
@@ -220,20 +225,20 @@ static void put_slot(struct ttf_writer *writer, int64_t index, int segment, int6
     if (index == 3) { /* one image is lacking, and says why */
         struct ttf_image *image = &record.images[record.n_images++];
 
-        strcpy(image->stream, "normals");
-        strcpy(image->lacking, "no height");
+        snprintf(image->stream, sizeof(image->stream), "%s", "normals");
+        snprintf(image->lacking, sizeof(image->lacking), "%s", "no height");
         record.result = TTF_RESULT_PARTIAL;
-        strcpy(record.reason, "normals: no height");
+        snprintf(record.reason, sizeof(record.reason), "%s", "normals: no height");
     } else {
         put_image(writer, &record, NORMALS, -1, calibration);
     }
     record.n_sensors = 2;
-    strcpy(record.sensors[0].name, "box");
-    strcpy(record.sensors[0].kind, "temp_mdegc");
+    snprintf(record.sensors[0].name, sizeof(record.sensors[0].name), "%s", "box");
+    snprintf(record.sensors[0].kind, sizeof(record.sensors[0].kind), "%s", "temp_mdegc");
     record.sensors[0].ok = true;
     record.sensors[0].value = -1500;
-    strcpy(record.sensors[1].name, "air");
-    strcpy(record.sensors[1].kind, "rh_permille");
+    snprintf(record.sensors[1].name, sizeof(record.sensors[1].name), "%s", "air");
+    snprintf(record.sensors[1].kind, sizeof(record.sensors[1].kind), "%s", "rh_permille");
     if (ttf_writer_commit(writer, &record, &err) != 0)
         fail_msg("%s: %s", err.where, err.what);
     ttf_slot_record_free(&record);
@@ -250,7 +255,7 @@ static void put_absent(struct ttf_writer *writer, int64_t index, int segment,
     record.segment = segment;
     record.due_ns = (5 + 10 * index) * TTF_NS_PER_S;
     record.result = result;
-    strcpy(record.reason, reason);
+    snprintf(record.reason, sizeof(record.reason), "%s", reason);
     assert_int_equal(ttf_writer_commit(writer, &record, NULL), 0);
     ttf_slot_record_free(&record);
 }
@@ -271,7 +276,7 @@ static void put_segment(struct ttf_writer *writer, int n, int64_t first, int64_t
                             .gap_ns = gap_ns,
                             .corrects = corrects};
 
-    strcpy(s.trust, trust);
+    snprintf(s.trust, sizeof(s.trust), "%s", trust);
     snprintf(s.boot_id, sizeof(s.boot_id), "0a0b0c0d-0000-4000-8000-00000000000%d", n);
     assert_int_equal(ttf_writer_segment(writer, &s, NULL), 0);
 }

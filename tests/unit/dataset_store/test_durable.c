@@ -40,11 +40,15 @@ static void assert_order(const char *log, const char *const *wanted, const char 
 {
     const char *at = log, *end = strstr(log, last);
 
-    if (!end)
+    if (!end) {
         fail_msg("no %s in:\n%s", last, log);
+        return;
+    }
     for (; *wanted; wanted++) {
-        at = strstr(at, *wanted);
-        if (!at || at > end)
+        const char *found = strstr(at, *wanted);
+
+        at = found ? found : end;
+        if (!found || found > end)
             fail_msg("no %s before %s, or out of order, in:\n%s", *wanted, last, log);
     }
 }

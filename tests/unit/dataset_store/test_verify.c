@@ -337,8 +337,7 @@ static void what_a_crash_leaves_is_no_damage(void **state)
     assert_int_equal(run("printf '{\"type\":\"sl' >> '%s/records.jsonl'", path), 0);
     report = verified(path);
     assert_false(report.damaged);
-    assert_true(
-        found(&report, TTF_FINDING_LEFTOVER, "frames/main/000003.tif.tmp", 3, "temporary"));
+    assert_true(found(&report, TTF_FINDING_LEFTOVER, "frames/main/000003.tif.tmp", 3, "temporary"));
     assert_true(found(&report, TTF_FINDING_LEFTOVER, "frames/main/000003.tif", 3, "no record"));
     assert_true(found(&report, TTF_FINDING_LEFTOVER, "SHA256SUMS", -1, "behind"));
     assert_true(found(&report, TTF_FINDING_LEFTOVER, "records.jsonl", -1, "11 bytes"));
