@@ -215,9 +215,10 @@ int ttf_writer_seal(struct ttf_writer *writer, const char *reason, char ret_dige
     writer->sums = -1;
     ttf_writer_remove_leftovers(writer);
     r = write_sums(writer, digest, err);
+    /* Also if that failed: it may have got there, and then it must go before anything else is written. */
+    writer->sealed = true;
     if (r)
         return r;
-    writer->sealed = true;
     writer->state.sealed = true;
     writer->sums_behind = false;
     reserve = ttf_path_format("%s/" TTF_RESERVE_NAME, writer->path);

@@ -16,6 +16,7 @@
 
 #include "store_ios.h"
 #include "store_test.h"
+#include "ttf/dataset/verify.h"
 
 /* A dataset and a disk that writes down what it is told to do. */
 struct watched {
@@ -90,6 +91,35 @@ static void a_line_that_a_killed_writer_left_is_synced_before_its_newline(void *
     assert_int_equal(ttf_writer_open(w.io, w.path, &writer, NULL), 0);
     assert_order(w.log, wanted, "append events.jsonl\n");
     ttf_writer_abandon(writer);
+    ttf_io_faulty_destroy(w.io);
+}
+
+static void a_seal_that_failed_is_removed_before_anything_else_is_written(void **state)
+{
+    static const char *const wanted[] = {"rename SHA256SUMS\n", "append records.jsonl\n", NULL};
+    struct ttf_verify_options options = {.deep = true};
+    struct ttf_verify_report report;
+    struct ttf_writer *writer;
+    struct watched w;
+
+    watch(&w, state);
+    assert_int_equal(ttf_writer_open(w.io, w.path, &writer, NULL), 0);
+    assert_int_equal(small_slot(writer, 0), 0);
+    w.cue.op = "sync_dir";
+    w.cue.error = EIO;
+    w.cue.n = 0;
+    w.cue.at = 2; /* the stream's folder is the first, that of SHA256SUMS the second */
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), -EIO);
+    assert_int_equal(run("grep -q records.jsonl '%s/SHA256SUMS'", w.path), 0); /* it is seen */
+    w.cue.op = NULL;
+    w.cue.at = 0;
+    w.log[w.cue.log_used = 0] = '\0';
+    assert_int_equal(small_slot(writer, 1), 0);
+    assert_order(w.log, wanted, "append SHA256SUMS\n");
+    ttf_writer_abandon(writer);
+    assert_int_equal(ttf_verify(quick_io(), w.path, &options, &report, NULL), 0);
+    assert_false(report.damaged);
+    ttf_verify_report_free(&report);
     ttf_io_faulty_destroy(w.io);
 }
 
@@ -221,6 +251,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         T(folders_that_a_killed_writer_made_get_their_names_synced),
         T(a_line_that_a_killed_writer_left_is_synced_before_its_newline),
+        T(a_seal_that_failed_is_removed_before_anything_else_is_written),
         T(a_folder_whose_sync_failed_is_synced_by_the_next_slot),
         T(a_dataset_that_is_opened_stays_where_it_was_seen),
         T(a_seal_vouches_only_for_what_is_on_the_disk),
