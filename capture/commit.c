@@ -23,6 +23,19 @@ void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progre
     pthread_mutex_unlock(&committer->progress_mutex);
 }
 
+void ttf_committer_alarm(struct ttf_committer *committer, const char *text)
+{
+    struct ttf_progress p = {.kind = TTF_PROGRESS_ALARM,
+                             .index = committer->ledger.next_index,
+                             .total = committer->total,
+                             .text = text,
+                             .now_ns = ttf_clock_now_ns(committer->box->clock),
+                             .error_ns = TTF_NS_UNKNOWN,
+                             .wakeup_ns = TTF_NS_UNKNOWN};
+
+    ttf_committer_tell(committer, &p);
+}
+
 /* ---- room on the disk ---- */
 
 static const char *storage_reason(int r)
@@ -158,12 +171,6 @@ static void do_image(struct ttf_committer *c, struct ttf_job *job)
 static void give_up(struct ttf_committer *c, int code, const struct ttf_err *err)
 {
     int told = code == -ENOSPC || code == -EROFS || code == -TTF_EDAMAGED ? code : -EIO;
-    struct ttf_progress p = {.kind = TTF_PROGRESS_ALARM,
-                             .index = c->ledger.next_index,
-                             .total = c->total,
-                             .now_ns = ttf_clock_now_ns(c->box->clock),
-                             .error_ns = TTF_NS_UNKNOWN,
-                             .wakeup_ns = TTF_NS_UNKNOWN};
     char text[256];
 
     if (ttf_queue_fatal(c->queue) < 0)
@@ -175,8 +182,7 @@ static void give_up(struct ttf_committer *c, int code, const struct ttf_err *err
                                : "and the plan names no second storage");
     if (c->writer)
         ttf_committer_say(c, c->writer, text);
-    p.text = text;
-    ttf_committer_tell(c, &p);
+    ttf_committer_alarm(c, text);
     ttf_queue_tell_fatal(c->queue, told, err);
 }
 

@@ -83,4 +83,7 @@ void ttf_committer_end(struct ttf_committer *committer, struct ttf_pulse *pulse)
 /* Tells the watcher; any thread, one at a time. */
 void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progress *progress);
 
+/* Tells it of a storage that is gone (TTF_PROGRESS_ALARM). */
+void ttf_committer_alarm(struct ttf_committer *committer, const char *text);
+
 #endif

@@ -153,19 +153,12 @@ static void tell_first(struct ttf_committer *c, const char *first, struct ttf_wr
 
 static void tell_second(struct ttf_committer *c, const char *first, const char *why)
 {
-    struct ttf_progress p = {.kind = TTF_PROGRESS_ALARM,
-                             .index = c->ledger.next_index,
-                             .total = c->total,
-                             .now_ns = ttf_clock_now_ns(c->box->clock),
-                             .error_ns = TTF_NS_UNKNOWN,
-                             .wakeup_ns = TTF_NS_UNKNOWN};
     char text[4096 + 256];
 
     snprintf(text, sizeof(text), "%s: the run goes on here, from slot %lld on; before it: %s", why,
              (long long)c->ledger.next_index, first);
     ttf_committer_say(c, c->writer, text);
-    p.text = text;
-    ttf_committer_tell(c, &p);
+    ttf_committer_alarm(c, text);
 }
 
 int ttf_committer_move(struct ttf_committer *c, const char *why, struct ttf_slot_work *under_way)

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "datasets/plain_stream.h"
 #include "record_line.h"
 #include "ttf/dataset/hash.h"
 
@@ -71,23 +72,10 @@ uint64_t run_slot_hash(const struct ttf_slot_record *record)
 
 static void fill_manifest(struct ttf_manifest *manifest)
 {
-    struct ttf_stream *s = &manifest->streams[0];
-
     memset(manifest, 0, sizeof(*manifest));
     strcpy(manifest->uuid, "f00dcafe-0000-4000-8000-00006eec9b9f"); /* the same disk in each run */
     strcpy(manifest->software, "crash");
-    manifest->n_streams = 1;
-    strcpy(s->id, "main");
-    strcpy(s->quantity, "reflectance");
-    strcpy(s->unit, "1");
-    strcpy(s->colour_space, "none");
-    s->width = 4;
-    s->height = 3;
-    s->samples = 3;
-    s->format = TTF_SAMPLE_U16;
-    s->encoding.pedestal = TTF_PEDESTAL;
-    s->encoding.scale = TTF_SCALE;
-    s->primary = true;
+    plain_stream(manifest, "none");
 }
 
 static int fill_segment(struct run *run, bool corrects)

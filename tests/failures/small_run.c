@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "datasets/plain_stream.h"
 #include "small_run.h"
 #include "ttf/dataset/hash.h"
 #include "ttf/dataset/reader.h"
@@ -29,21 +30,8 @@ void small_disk_init(struct model_disk *disk)
 
 static void manifest_of(struct ttf_manifest *manifest)
 {
-    struct ttf_stream *s = &manifest->streams[0];
-
     assert_int_equal(ttf_manifest_init(manifest, NULL), 0);
-    manifest->n_streams = 1;
-    strcpy(s->id, "main");
-    strcpy(s->quantity, "reflectance");
-    strcpy(s->unit, "1");
-    strcpy(s->colour_space, "linear-srgb");
-    s->width = 4;
-    s->height = 3;
-    s->samples = 3;
-    s->format = TTF_SAMPLE_U16;
-    s->encoding.pedestal = TTF_PEDESTAL;
-    s->encoding.scale = TTF_SCALE;
-    s->primary = true;
+    plain_stream(manifest, "linear-srgb");
 }
 
 static void segment_of(struct ttf_segment *s)

@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "datasets/plain_stream.h"
 #include "store_test.h"
 #include "ttf/dataset/hash.h"
 #include "ttf/dataset/reader.h"
@@ -70,21 +71,8 @@ int sha256sum_check(const char *dataset)
 
 void small_manifest(struct ttf_manifest *manifest)
 {
-    struct ttf_stream *s = &manifest->streams[0];
-
     assert_int_equal(ttf_manifest_init(manifest, NULL), 0);
-    manifest->n_streams = 1;
-    strcpy(s->id, "main");
-    strcpy(s->quantity, "reflectance");
-    strcpy(s->unit, "1");
-    strcpy(s->colour_space, "linear-srgb");
-    s->width = 4;
-    s->height = 3;
-    s->samples = 3;
-    s->format = TTF_SAMPLE_U16;
-    s->encoding.pedestal = TTF_PEDESTAL;
-    s->encoding.scale = TTF_SCALE;
-    s->primary = true;
+    plain_stream(manifest, "linear-srgb");
 }
 
 static void small_segment(struct ttf_segment *s)
