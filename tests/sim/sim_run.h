@@ -92,7 +92,10 @@ void sim_run_expect_flag(const struct sim_run *run, int64_t index, const char *f
 /* Asserts that the slot's reason is this. */
 void sim_run_expect_reason(const struct sim_run *run, int64_t index, const char *reason);
 
-/* Deep verify: not damaged, every slot of the plan has its record; sealed as said. */
+/* Deep verify: not damaged; sealed as said. */
+void sim_run_expect_undamaged(const struct sim_run *run, bool sealed);
+
+/* The same, and if it is sealed, every slot of the plan has its record. */
 void sim_run_expect_whole(const struct sim_run *run, bool sealed);
 
 #endif

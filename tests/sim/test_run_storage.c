@@ -11,7 +11,6 @@
 #include <unistd.h>
 
 #include "sim_run.h"
-#include "ttf/dataset/verify.h"
 
 /* What the first storage does from slot `fails_from` on. */
 static int fails_with;
@@ -107,20 +106,6 @@ static void expect_both(const struct sim_run *run, const char *letters)
     assert_string_equal(all, letters);
 }
 
-static void expect_undamaged(const struct sim_run *run, bool sealed)
-{
-    struct ttf_verify_options options = {.deep = true};
-    struct ttf_verify_report report;
-
-    assert_int_equal(ttf_verify(ttf_io_posix(), run->path, &options, &report, NULL), 0);
-    for (unsigned i = 0; i < report.n_findings; i++)
-        print_message("verify: %s: %s: %s\n", ttf_severity_name(report.findings[i].severity),
-                      report.findings[i].file, report.findings[i].text);
-    assert_false(report.damaged);
-    assert_int_equal(report.sealed, sealed);
-    ttf_verify_report_free(&report);
-}
-
 static void expect_group(const struct sim_run *run)
 {
     struct sim_run second = second_of(run);
@@ -160,8 +145,8 @@ static void expect_second_took_over(struct sim_run *run, const char *why)
     assert_non_null(strstr(alarm_text, why));
     expect_both(run, "cccccc");
     expect_group(run);
-    expect_undamaged(run, false);
-    expect_undamaged(&second, true);
+    sim_run_expect_undamaged(run, false);
+    sim_run_expect_undamaged(&second, true);
     /* The same grid. */
     assert_int_equal(utc_of(&second, 5) - utc_of(run, 0), 5 * TTF_NS_PER_MIN);
     assert_int_equal(sim_run_events(&second, "storage", why), 1);
@@ -257,12 +242,12 @@ static void without_a_second_storage_the_run_stops_with_an_alarm(void **state)
     assert_int_equal(alarms, 1);
     assert_non_null(strstr(alarm_text, "names no second storage"));
     sim_run_expect(&run, "cc");
-    expect_undamaged(&run, false);
+    sim_run_expect_undamaged(&run, false);
     /* Mended, it is gone on with. */
     fails_with = 0;
     run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
     assert_int_equal(sim_run_boot(&run), 0);
-    expect_undamaged(&run, true);
+    sim_run_expect_undamaged(&run, true);
     sim_run_finish(&run);
 }
 
@@ -277,7 +262,7 @@ static void both_storages_may_fail(void **state)
     assert_int_equal(sim_run_boot(&run), -EROFS);
     assert_non_null(strstr(alarm_text, "second storage cannot be used"));
     sim_run_expect(&run, "cc");
-    expect_undamaged(&run, false);
+    sim_run_expect_undamaged(&run, false);
     sim_run_finish(&run);
 }
 
@@ -302,8 +287,8 @@ static void a_run_that_has_moved_on_resumes_there(void **state)
     sim_run_expect(&run, "cc");
     expect_both(&run, "ccccwwcc");
     sim_run_expect_reason(&second, 4, "the box was without power");
-    expect_undamaged(&run, false);
-    expect_undamaged(&second, true);
+    sim_run_expect_undamaged(&run, false);
+    sim_run_expect_undamaged(&second, true);
     sim_run_finish(&run);
 }
 
@@ -327,7 +312,7 @@ static void a_storage_that_came_back_read_only_is_gone_on_from_in_the_second(voi
     expect_both(&run, "ccccwwcc");
     expect_group(&run);
     assert_int_equal(utc_of(&second, 7) - utc_of(&run, 0), 7 * TTF_NS_PER_MIN);
-    expect_undamaged(&second, true);
+    sim_run_expect_undamaged(&second, true);
     sim_run_finish(&run);
 }
 
@@ -351,7 +336,7 @@ static void the_second_dataset_is_enough_to_go_on_with(void **state)
     second = second_of(&run);
     assert_int_equal(rename(away, run.path), 0);
     expect_both(&run, "ccccwccc");
-    expect_undamaged(&second, true);
+    sim_run_expect_undamaged(&second, true);
     sim_run_finish(&run);
 }
 
@@ -392,7 +377,7 @@ static void a_changed_plan_moves_too(void **state)
     assert_int_equal(sim_run_boot(&run), 0);
     second = second_of(&run);
     expect_both(&run, "cccccccccc");
-    expect_undamaged(&second, true);
+    sim_run_expect_undamaged(&second, true);
     sim_run_record(&second, 3, &record);
     assert_int_equal(record.segment, 0);
     ttf_slot_record_free(&record);
@@ -457,8 +442,8 @@ static void killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one(void
             assert_true(results[2] == 'c' || results[2] == 'w');
             assert_true(results[3] == 'c' && results[4] == '-');
             expect_group(&run);
-            expect_undamaged(&run, false);
-            expect_undamaged(&second, true);
+            sim_run_expect_undamaged(&run, false);
+            sim_run_expect_undamaged(&second, true);
         }
         sim_run_finish(&run);
         if (WEXITSTATUS(status) != 77) {
@@ -561,7 +546,7 @@ static void a_full_disk_is_left_for_the_second_storage(void **state)
     expect_both(&run, "cccccc");
     assert_int_equal(sim_run_events(&run, "storage", "less room than the reserve"), 1);
     assert_int_equal(sim_run_events(&second, "storage", "less room than the reserve"), 1);
-    expect_undamaged(&second, true);
+    sim_run_expect_undamaged(&second, true);
     sim_run_finish(&run);
 }
 
