@@ -90,15 +90,6 @@ int64_t ttf_lamp_programme_next_change(const struct ttf_lamp_programme *programm
     return t_ns + (at < programme->day_ns ? programme->day_ns - at : programme->period_ns - at);
 }
 
-bool ttf_lamp_levels_differ(const unsigned *a, const unsigned *b, unsigned n)
-{
-    for (unsigned i = 0; i < n; i++) {
-        if (a[i] != b[i])
-            return true;
-    }
-    return false;
-}
-
 int64_t ttf_photoperiod_phase_ns(int64_t slot0_utc_ns, int zone_offset_s, int day_start_s)
 {
     int64_t local = slot0_utc_ns + zone_offset_s * TTF_NS_PER_S;

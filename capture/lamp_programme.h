@@ -36,9 +36,6 @@ void ttf_lamp_programme_background(const struct ttf_lamp_programme *programme, i
 /* The next instant after t_ns at which the background changes, or TTF_NS_NEVER. */
 int64_t ttf_lamp_programme_next_change(const struct ttf_lamp_programme *programme, int64_t t_ns);
 
-/* True if the two sets of levels differ for some lamp. */
-bool ttf_lamp_levels_differ(const unsigned *a, const unsigned *b, unsigned n);
-
 /*
  * The phase, in time since slot 0, at which local day begins: resolved once.
  * slot0_utc_ns: UTC of slot 0. Result in [0, 24 h).
