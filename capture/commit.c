@@ -260,10 +260,24 @@ static void do_event(struct ttf_committer *c, const struct ttf_job *job)
 
 static void do_segment(struct ttf_committer *c, const struct ttf_job *job)
 {
-    if (ttf_committer_write_correction(c, &job->segment) == 0)
+    unsigned i;
+
+    /* The newest of a segment says all that those before it did. */
+    for (i = 0; i < c->n_late_segments; i++)
+        if (c->late_segments[i].segment == job->segment.segment)
+            break;
+    if (ttf_committer_write_correction(c, &job->segment) == 0) {
+        if (i < c->n_late_segments)
+            c->late_segments[i] = c->late_segments[--c->n_late_segments];
         return;
-    c->segment = job->segment; /* the newest says all */
-    c->has_segment = true;
+    }
+    if (i == TTF_PULSE_EARLIER + 1) {
+        i--; /* the oldest segments go first out of the pulse's sight too */
+        memmove(&c->late_segments[0], &c->late_segments[1], i * sizeof(c->late_segments[0]));
+    }
+    c->late_segments[i] = job->segment;
+    if (i == c->n_late_segments)
+        c->n_late_segments++;
 }
 
 static void do_note(struct ttf_committer *c, const struct ttf_job *job)
@@ -310,11 +324,12 @@ static void last_chance(struct ttf_committer *c)
     struct ttf_err err = {0};
     int r = 0;
 
-    if (ttf_committer_power_lost(c) || !(c->pending || c->n_late > 0 || c->has_segment))
+    if (ttf_committer_power_lost(c) || !(c->pending || c->n_late > 0 || c->n_late_segments > 0))
         return;
     r = ttf_committer_catch_up(c, &err);
-    if (r < 0 && ttf_committer_move(c, storage_reason(r), NULL) == 0)
-        r = ttf_committer_catch_up(c, &err);
+    if (r < 0 && r != -ENOMEM && r != -EINVAL &&
+        ttf_committer_move(c, storage_reason(r), NULL) != -ENOENT)
+        r = ttf_committer_catch_up(c, &err); /* there, or here once more */
     while ((r == -EIO || r == -ENOSPC) && ttf_queue_fatal(c->queue) == 0 &&
            ttf_clock_now_ns(clock) < until) {
         (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + TTF_NS_PER_S);
@@ -349,6 +364,8 @@ static void *run(void *arg)
     /* What the loop saw in the meantime: a clock that was set. */
     while (ttf_queue_length(c->queue) > 0)
         (void)do_next(c);
+    if (!ttf_committer_power_lost(c))
+        ttf_committer_write_late(c);
     while (c->pending)
         ttf_committer_drop_first(c);
     c->n_late = 0;

@@ -62,8 +62,9 @@ struct ttf_committer {
     unsigned n_pending;
     struct ttf_job late[TTF_COMMIT_LATE_EVENTS]; /* events that could not be written yet: copies */
     unsigned n_late;
-    struct ttf_segment segment; /* a correction that could not be written yet, if has_segment */
-    bool has_segment;
+    /* corrections that could not be written yet, one of a segment */
+    struct ttf_segment late_segments[TTF_PULSE_EARLIER + 1];
+    unsigned n_late_segments;
     unsigned strikes;
     int64_t first_strike_ns;
     bool disk_full;

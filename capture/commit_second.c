@@ -142,8 +142,10 @@ static void tell_first(struct ttf_committer *c, const char *first, struct ttf_wr
                        const char *why)
 {
     char text[4096 + 256];
+    bool doubt = c->doubt; /* of the first one's logs */
 
-    if (!writer && ttf_writer_open(c->io, first, &writer, NULL) < 0)
+    c->doubt = false;
+    if (!writer && ttf_writer_open_anew(c->io, first, NULL, &doubt, &writer, NULL) < 0)
         return;
     snprintf(text, sizeof(text), "%s: the run goes on in the second storage, from slot %lld on: %s",
              why, (long long)c->ledger.next_index, c->second_path);
@@ -177,7 +179,7 @@ int ttf_committer_move(struct ttf_committer *c, const char *why, struct ttf_slot
             ttf_events_emit(c->events, "storage", "the second storage cannot be used either: %s",
                             err.what);
         c->second_failed = true;
-        return r;
+        return r == -ENOENT ? -ENODEV : r; /* -ENOENT: there is none to try */
     }
     before = c->writer;
     c->writer = writer;

@@ -178,8 +178,9 @@ void ttf_committer_say(struct ttf_committer *c, struct ttf_writer *writer, const
 
 void ttf_committer_write_late(struct ttf_committer *c)
 {
-    if (c->has_segment && ttf_committer_write_correction(c, &c->segment) == 0)
-        c->has_segment = false;
+    while (c->n_late_segments > 0 &&
+           ttf_committer_write_correction(c, &c->late_segments[c->n_late_segments - 1]) == 0)
+        c->n_late_segments--;
     while (c->n_late > 0 && ttf_committer_write_event(c, &c->late[0]) == 0) {
         c->n_late--;
         memmove(&c->late[0], &c->late[1], c->n_late * sizeof(c->late[0]));

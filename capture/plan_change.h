@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * plan_change.h: a plan that changes while its run lives: what may change, the grid it gives, and its
- * way to the disk (queue.h, a work that carries a change instead of a slot).
+ * way to the disk (stock.h, a work that carries a change instead of a slot).
  */
 #ifndef TTF_CAPTURE_PRIVATE_PLAN_CHANGE_H
 #define TTF_CAPTURE_PRIVATE_PLAN_CHANGE_H
@@ -12,10 +12,10 @@
 
 /* One on its way to the disk. */
 struct ttf_plan_change {
-    int64_t ask;                /* to be answered; 0: none */
-    char *json;                 /* owned */
-    char *yaml;                 /* owned; NULL: not given */
-    struct ttf_segment segment; /* without the plan's number, which the dataset gives */
+    int64_t ask;                              /* to be answered; 0: none */
+    char *json;                               /* owned */
+    char *yaml;                               /* owned; NULL: not given */
+    struct ttf_segment segment;               /* the session's numbers of it and of its plan */
     int64_t count, slot_bytes, reserve_bytes; /* of the new plan */
 };
 

@@ -70,10 +70,11 @@ static void correct_one(struct ttf_pulse *pulse, struct ttf_segment *s, const st
 
 static void correct_segment(struct ttf_pulse *pulse, const struct ttf_utc *utc)
 {
-    for (unsigned i = 0; i < pulse->n_earlier; i++)
-        correct_one(pulse, &pulse->earlier[i], utc);
+    /* The one that a resume goes by comes first. */
     if (pulse->has_segment)
         correct_one(pulse, &pulse->segment, utc);
+    for (unsigned i = 0; i < pulse->n_earlier; i++)
+        correct_one(pulse, &pulse->earlier[i], utc);
 }
 
 void ttf_pulse_next_segment(struct ttf_pulse *pulse, const struct ttf_segment *segment)

@@ -46,8 +46,15 @@ int ttf_second_find(struct ttf_io *io, const char *first, const char *second, st
     bool sealed;
     int r;
 
-    if (second[0] == '\0' || ttf_manifest_load(io, second, &of_second, NULL) < 0)
+    if (second[0] == '\0')
         return 0;
+    r = ttf_manifest_load(io, second, &of_second, err);
+    if (r == -ENOENT)
+        return 0;
+    if (r < 0) { /* it may have been moved on to: two datasets of the same slots would be worse */
+        ttf_err_hint(err, "mend or move away what lies in the second storage");
+        return r;
+    }
     alone = ttf_manifest_load(io, first, &of_first, NULL) < 0;
     if (strcmp(of_second.group_member, TTF_MEMBER_SECOND) != 0 ||
         (!alone && strcmp(of_second.group_uuid, of_first.uuid) != 0))

@@ -92,6 +92,14 @@ static void tell_change(struct ttf_session *s, const struct ttf_plan *before, in
                     s->pulse.segment.plan, (long long)index, what);
 }
 
+/* A day that begins at the same local time is where it was: it is resolved once, and no clock moves it. */
+static bool same_local_day(const struct ttf_plan *a, const struct ttf_plan *b)
+{
+    return a->lamps == TTF_LAMPS_PHOTOPERIOD && b->lamps == TTF_LAMPS_PHOTOPERIOD &&
+           a->photoperiod_local && b->photoperiod_local && a->day_start_s == b->day_start_s &&
+           strcmp(a->zone, b->zone) == 0;
+}
+
 /* Everything is made before anything is changed: what fails leaves the old plan in force. */
 static int change_plan(struct ttf_session *s, const struct ttf_ask *ask, int64_t number,
                        int64_t index, struct ttf_err *err)
@@ -105,7 +113,9 @@ static int change_plan(struct ttf_session *s, const struct ttf_ask *ask, int64_t
     struct ttf_grid grid;
     int r = changed_plan(s, ask, index, &plan, &figures, err);
 
-    if (r == 0 && !(plan.photoperiod_local && ttf_plan_same(&plan, &before)))
+    if (r == 0 && same_local_day(&plan, &before))
+        plan.phase_ns = before.phase_ns;
+    else if (r == 0)
         r = ttf_session_resolve_phase(&plan, ttf_utc_watch_at(&s->pulse.utc, s->slot0_ns), err);
     if (r == 0)
         r = ttf_lamp_programme_init(&programme, &plan, s->box->lamps, s->slot0_ns, err);

@@ -185,6 +185,13 @@ struct found {
     struct ttf_manifest manifest;
 };
 
+/* Not: in use, damaged, no memory. Those are for a person, or pass. */
+static bool cannot_be_written(int code)
+{
+    return code == -EROFS || code == -EIO || code == -ENOSPC || code == -EDQUOT ||
+           code == -EACCES || code == -EPERM;
+}
+
 /*
  * A dataset whose storage can be read and not written any more, at the beginning of a boot: what it says is
  * where the second one goes on.
@@ -194,7 +201,7 @@ static int start_second(struct ttf_session *s, int code, struct found *found, st
     struct ttf_err why = {0};
 
     if (s->committer.second_path[0] == '\0' || strcmp(s->committer.second_path, s->path) == 0 ||
-        code == -EBUSY ||
+        !cannot_be_written(code) ||
         ttf_second_state_of(s->config->io, s->path, &found->state, &found->manifest, &why) < 0)
         return code;
     ttf_events_emit(&s->events, "storage",

@@ -84,7 +84,7 @@ TTF_MUST_USE int ttf_session_hand_over_change(struct ttf_session *s,
 
 /*
  * Before anything is set up: of a dataset that is there, compares the plan given with those it has. s->plan
- * becomes the one in force (session.h); known_plan, moved_on_from.
+ * becomes the one in force (README.md, "Living runs"); known_plan, moved_on_from.
  */
 TTF_MUST_USE int ttf_session_plan_in_force(struct ttf_session *s, struct ttf_err *err);
 

@@ -14,8 +14,8 @@
 /* Records that may wait for a disk that hangs, or for one that takes lost slots one by one. */
 #define SLOTS 2048u
 
-/* Corrections of UTC that wait: after these the next step or trust tries again. */
-#define SEGMENTS 8u
+/* Corrections of UTC on their way, of all segments, twice: after these the next step or trust tries again. */
+#define SEGMENTS (2u * (TTF_PULSE_EARLIER + 1))
 
 /* Notes on their way: more than people write at a time. */
 #define NOTES 8u

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * timeline.h: a run's own time over its segments: what a photoperiod counts in. From slot 0 on; within a
- * boot by its clock, over a boot by slots, so that an outage of unknown length counts as none. Pure.
+ * boot by its clock, over a boot by slots, so that an outage of unknown length counts as none.
+ * Pure, but for ttf_timeline_read.
  */
 #ifndef TTF_CAPTURE_PRIVATE_TIMELINE_H
 #define TTF_CAPTURE_PRIVATE_TIMELINE_H

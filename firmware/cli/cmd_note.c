@@ -70,8 +70,10 @@ int cmd_note(struct cli *cli)
     struct ttf_note note = {.utc_ns = now_utc_ns()};
     int r = 0;
 
-    if (strlen(text) >= sizeof note.text ||
-        strlen(cli->opt.author ? cli->opt.author : "") >= sizeof note.author)
+    if (cli->opt.author && strlen(cli->opt.author) >= sizeof note.author)
+        return ttf_err_set(&cli->err, -EINVAL, "--author", "a name has at most %zu bytes",
+                           sizeof note.author - 1);
+    if (strlen(text) >= sizeof note.text)
         return ttf_err_set(&cli->err, -EINVAL, path, "a note's text has at most %zu bytes",
                            sizeof note.text - 1);
     memcpy(note.text, text, strlen(text) + 1);

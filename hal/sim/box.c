@@ -195,6 +195,7 @@ void ttf_sim_storage_state(const struct ttf_box *box, unsigned storage, int64_t 
                            bool *ret_read_only)
 {
     struct sim_box *sim = world_of(box);
+    int64_t left;
     int64_t t;
 
     *ret_free_bytes = TTF_NS_UNKNOWN;
@@ -205,8 +206,10 @@ void ttf_sim_storage_state(const struct ttf_box *box, unsigned storage, int64_t 
     for (unsigned i = 0; i < sim->faults.n; i++) {
         if (!sim_fault_storage_lasts(&sim->faults, i, storage, t))
             continue;
-        if (sim->faults.fault[i].kind == TTF_FAULT_DISK_FULL)
-            *ret_free_bytes = sim->faults.fault[i].amount << 20;
+        left = sim->faults.fault[i].amount << 20;
+        if (sim->faults.fault[i].kind == TTF_FAULT_DISK_FULL &&
+            (*ret_free_bytes == TTF_NS_UNKNOWN || left < *ret_free_bytes))
+            *ret_free_bytes = left;
         *ret_read_only |= sim->faults.fault[i].kind == TTF_FAULT_READ_ONLY;
     }
     sim_world_leave(sim);

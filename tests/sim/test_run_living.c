@@ -337,6 +337,57 @@ static void another_interval_does_not_move_the_day(void **state)
     }
 }
 
+static long long phase_in(const struct sim_run *run, const char *name)
+{
+    char *text = text_of(run, name);
+    const char *at = text ? strstr(text, "\"phase_ns\"") : NULL;
+    long long phase;
+
+    assert_non_null(at);
+    phase = strtoll(strchr(at, ':') + 1, NULL, 10);
+    free(text);
+    return phase;
+}
+
+/* A day that begins at a local time is resolved once: neither a step of the clock nor another change moves it. */
+static void another_length_does_not_move_a_local_day(void **state)
+{
+    struct sim_run run;
+    int64_t longer, whole;
+
+    (void)state;
+    for (int trusted = 0; trusted < 2; trusted++) {
+        struct ttf_ask plan = {.kind = TTF_ASK_PLAN, .from_index = 6};
+
+        with_control(&run);
+        with_days(&run);
+        run.plan.day_ns = 6 * TTF_NS_PER_H;
+        run.plan.period_ns = 24 * TTF_NS_PER_H;
+        run.plan.phase_ns = 0;
+        run.plan.photoperiod_local = true;
+        run.plan.day_start_s = 8 * 3600;
+        run.plan.count = 8;
+        sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, 2 * TTF_NS_PER_MIN)->amount = 3600;
+        if (!trusted) { /* from the cut on nobody vouches for the time */
+            run.config.rtc = false;
+            sim_run_fault(&run, TTF_FAULT_POWER_CUT, 3 * TTF_NS_PER_MIN + 30 * TTF_NS_PER_S)
+                ->amount = 20;
+        }
+        plan.plan = run.plan;
+        plan.plan.count = 10;
+        longer = ask(&run, &(struct ttf_ask){.kind = TTF_ASK_COUNT, .from_index = 5, .count = 9});
+        whole = ask(&run, &plan);
+        assert_int_equal(sim_run_through_cuts(&run), 0);
+        expect_done(&run, longer);
+        expect_done(&run, whole);
+        assert_true(phase_in(&run, "plans/0.json") != 0);
+        assert_true(phase_in(&run, "plans/1.json") == phase_in(&run, "plans/0.json"));
+        assert_true(phase_in(&run, "plans/2.json") == phase_in(&run, "plans/0.json"));
+        sim_run_expect_undamaged(&run, true);
+        finish(&run);
+    }
+}
+
 static void what_cannot_change_is_refused_in_a_sentence(void **state)
 {
     struct sim_run run;
@@ -650,6 +701,7 @@ int main(void)
         cmocka_unit_test(a_stop_is_obeyed_and_the_run_gone_on_with),
         cmocka_unit_test(another_photoperiod_is_a_plan_and_its_lamps_keep_their_limits),
         cmocka_unit_test(another_interval_does_not_move_the_day),
+        cmocka_unit_test(another_length_does_not_move_a_local_day),
         cmocka_unit_test(what_cannot_change_is_refused_in_a_sentence),
         cmocka_unit_test(a_note_is_a_line_beside_the_seal),
         cmocka_unit_test(killed_at_any_operation_of_a_change_the_old_or_the_new_plan_is_in_force),

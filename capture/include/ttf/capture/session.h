@@ -45,7 +45,7 @@ struct ttf_session_config {
     struct ttf_io *io;              /* borrowed */
     const char *path;               /* of the dataset */
     const struct ttf_plan *plan;    /* borrowed, checked */
-    const char *plan_yaml;          /* as given, for plans/0.yaml; NULL allowed */
+    const char *plan_yaml;          /* as given, for plans/N.yaml; NULL allowed */
     const char *calibration_folder; /* NULL: none */
     unsigned threads;               /* of the tile pool; 0: all */
     ttf_progress_fn *progress;      /* NULL allowed */
