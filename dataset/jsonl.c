@@ -203,21 +203,20 @@ int ttf_jsonl_settle(struct ttf_jsonl *f, struct ttf_err *err)
     int r = f->broken;
 
     if (r == 0 && f->no_newline) {
-        r = append_newline(f);
+        r = append_newline(f); /* where that fails, the next line brings it */
         f->no_newline = r != 0;
     }
     if (r == 0) {
         r = f->io->ops->sync(f->io, f->file, true);
-        f->doubt = f->doubt || r != 0;
-    }
-    if (r) {
         /* Its newline may be gone while it is still seen: whoever opens next would build on it. */
-        if (!f->broken && !f->no_newline && write_anew(f, "", 0) == 0)
+        if (r && write_anew(f, "", 0) == 0)
             return 0;
-        f->broken = f->broken ? f->broken : r;
-        return ttf_err_set(err, r, f->path, "cannot be written: %s", strerrordesc_np(-r));
+        if (r) {
+            f->doubt = true;
+            f->broken = r;
+        }
     }
-    return 0;
+    return r ? ttf_err_set(err, r, f->path, "cannot be written: %s", strerrordesc_np(-r)) : 0;
 }
 
 void ttf_jsonl_close(struct ttf_jsonl *f)

@@ -73,27 +73,44 @@ static int cut_fragment(struct ttf_jsonl *f, const struct ttf_lines_tail *tail, 
     int r;
 
     r = f->io->ops->truncate(f->io, f->file, tail->good_bytes);
-    if (r == 0)
+    if (r == 0) {
         r = f->io->ops->sync(f->io, f->file, false);
+        f->doubt = f->doubt || r != 0;
+    }
     return r ? ttf_err_set(err, r, f->path, "cannot be repaired: %s", strerrordesc_np(-r)) : 0;
+}
+
+/*
+ * Good lines that are on the disk, and nothing behind them, before anything is put there. Of a file whose
+ * sync failed another sync proves nothing: it is written anew.
+ */
+static int settle_good(struct ttf_jsonl *f, const struct ttf_lines_tail *tail, bool doubt,
+                       struct ttf_err *err)
+{
+    int r;
+
+    if (doubt)
+        return ttf_jsonl_renew(f, err);
+    r = ttf_jsonl_sync_last(f, err);
+    if (r == 0 && tail->fragment_bytes > 0)
+        r = cut_fragment(f, tail, err);
+    return r;
 }
 
 /* Both files end in whole lines after this; what was cut off stands in events.jsonl. */
 static int repair_ends(struct ttf_writer *writer, const struct ttf_lines_tail *records,
-                       const struct ttf_lines_tail *events, struct ttf_err *err)
+                       const struct ttf_lines_tail *events, bool doubt, struct ttf_err *err)
 {
     char *of_events = NULL, *of_records = NULL;
-    int r = ttf_jsonl_sync_last(&writer->records, err);
+    int r = 0;
 
-    if (r == 0)
-        r = ttf_jsonl_sync_last(&writer->events, err);
-    if (r == 0 && events->fragment_bytes > 0) {
+    if (events->fragment_bytes > 0)
         r = read_hex(&writer->events, events->fragment_offset, events->fragment_bytes, &of_events,
                      err);
-        if (r == 0)
-            r = cut_fragment(&writer->events, events, err);
-        if (r == 0)
-            r = aside_event(writer, "events.jsonl", events->fragment_bytes, of_events, err);
+    if (r == 0)
+        r = settle_good(&writer->events, events, doubt, err);
+    if (r == 0 && events->fragment_bytes > 0) {
+        r = aside_event(writer, "events.jsonl", events->fragment_bytes, of_events, err);
         writer->state.repaired++;
     }
     if (r == 0 && records->fragment_bytes > 0) {
@@ -101,10 +118,10 @@ static int repair_ends(struct ttf_writer *writer, const struct ttf_lines_tail *r
                      &of_records, err);
         if (r == 0)
             r = aside_event(writer, "records.jsonl", records->fragment_bytes, of_records, err);
-        if (r == 0)
-            r = cut_fragment(&writer->records, records, err);
         writer->state.repaired++;
     }
+    if (r == 0)
+        r = settle_good(&writer->records, records, doubt, err);
     if (r == 0 && writer->records.no_newline) {
         r = ttf_jsonl_settle(&writer->records, err);
         writer->state.repaired++;
@@ -218,14 +235,14 @@ static int repair_files(struct ttf_writer *writer, char *told, size_t told_size,
 /* ---- the whole ---- */
 
 int ttf_writer_repair(struct ttf_writer *writer, const struct ttf_lines_tail *records,
-                      const struct ttf_lines_tail *events, enum ttf_sums_state sums,
+                      const struct ttf_lines_tail *events, enum ttf_sums_state sums, bool doubt,
                       struct ttf_err *err)
 {
     char told[120] = "", text[200];
     unsigned before;
     int r;
 
-    r = repair_ends(writer, records, events, err);
+    r = repair_ends(writer, records, events, doubt, err);
     if (r)
         return r;
     before = writer->state.repaired;

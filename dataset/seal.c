@@ -81,7 +81,7 @@ static int hash_durably(struct ttf_writer *writer, const char *path, char ret_he
     if (file >= 0) {
         r = io->ops->sync(io, file, false);
         if (r == 0)
-            r = ttf_sha256_handle(io, file, NULL, ret_hex);
+            r = ttf_sha256_handle_in(io, file, writer->piece, NULL, ret_hex);
         io->ops->close(io, file);
     }
     slash = strrchr(folder, '/');

@@ -342,8 +342,11 @@ int ttf_sums_rebuild(struct ttf_io *io, const char *dataset, struct ttf_err *err
         r = put_in_place(&b, temporary, path, err);
     if (r == 0 && b.n == 0) { /* sha256sum would complain of an empty list */
         r = ttf_remove(io, path, err);
-        if (r == 1)
+        if (r >= 0) { /* also if an earlier attempt removed it: was that synced? */
             r = io->ops->sync_dir(io, dataset);
+            if (r)
+                ttf_err_set(err, r, path, "cannot be removed for good: %s", strerrordesc_np(-r));
+        }
     }
     if (b.file >= 0)
         io->ops->close(io, b.file);

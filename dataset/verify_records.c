@@ -19,10 +19,11 @@ static const char *short_name(const struct ttf_verify_run *run, const char *wher
 static void bad_line(void *ctx, const char *where, const char *text, const char *line, size_t n)
 {
     struct ttf_verify_run *run = ctx;
+    unsigned before = run->report->n_findings;
 
     run->records_good = false;
     ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, short_name(run, where), "damaged line: %s", text);
-    if (run->in_records)
+    if (run->in_records && run->report->n_findings > before) /* there was room for it */
         ttf_verify_bad_line(run, line, n);
 }
 

@@ -38,7 +38,7 @@ void ttf_verify_bad_line(struct ttf_verify_run *run, const char *line, size_t n)
     struct ttf_verify_report *report = run->report;
     unsigned at = report->n_findings - 1;
 
-    if (!line || report->n_findings == 0 ||
+    if (!line ||
         (!memmem(line, n, type, sizeof(type) - 1) && !memmem(line, n, due, sizeof(due) - 1)))
         return;
     if (run->bad_to != at)

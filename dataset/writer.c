@@ -101,6 +101,7 @@ int ttf_writer_unseal(struct ttf_writer *writer, struct ttf_err *err)
         return r;
     writer->sealed = false;
     writer->state.sealed = false;
+    writer->sums_behind = false;
     ttf_reserve_make(writer);
     return 0;
 }

@@ -61,7 +61,11 @@ static int check_folder(struct ttf_writer *writer, struct ttf_err *err)
         if (!records)
             return ttf_err_set(err, -ENOMEM, writer->path, "no memory");
         r = ttf_lines_scan(io, records, foreign_line, NULL, NULL, NULL, err);
-        r = r == -ENOENT ? 0 : r;
+        if (r == -ENOENT) {
+            r = 0;
+            if (err)
+                *err = (struct ttf_err){0};
+        }
         free(records);
     }
     if (r == 0)

@@ -95,17 +95,9 @@ static int open_events(struct ttf_writer *writer, struct ttf_lines_tail *tail, s
 }
 
 /* Names that were put in place and not synced, by whoever wrote here before, are made durable. */
-static int make_sure(struct ttf_writer *writer, bool doubt, struct ttf_err *err)
+static int make_sure(struct ttf_writer *writer, struct ttf_err *err)
 {
-    int r = 0;
-
-    if (doubt)
-        r = ttf_jsonl_renew(&writer->records, err);
-    if (doubt && r == 0)
-        r = ttf_jsonl_renew(&writer->events, err);
-    if (r)
-        return r;
-    r = writer->io->ops->sync_dir(writer->io, writer->path);
+    int r = writer->io->ops->sync_dir(writer->io, writer->path);
     return r ? ttf_err_set(err, r, writer->path, "cannot be synced to the disk: %s",
                            strerrordesc_np(-r))
              : 0;
@@ -157,9 +149,9 @@ static int open_all(struct ttf_writer *writer, bool doubt, struct ttf_err *err)
     r = ttf_writer_sync_names(writer, err);
     if (r)
         return r;
-    r = ttf_writer_repair(writer, &records, &events, sums, err);
+    r = ttf_writer_repair(writer, &records, &events, sums, doubt, err);
     if (r == 0)
-        r = make_sure(writer, doubt, err);
+        r = make_sure(writer, err);
     if (r == 0)
         ttf_reserve_make(writer);
     return r;

@@ -19,10 +19,10 @@ struct ttf_writer {
     char manifest_sha256[65]; /* of dataset.json's bytes */
     struct ttf_writer_state state;
     struct ttf_jsonl records, events;
-    bool sealed;      /* SHA256SUMS covers everything: to be undone before anything is written */
-    bool ended;       /* the last line is an "end" line */
-    int sums;         /* handle of SHA256SUMS, appended to; -1: not open */
-    bool sums_behind; /* an append failed: to be rebuilt */
+    bool sealed; /* a seal is on the disk, or may be: to be undone before anything is written */
+    bool ended;  /* the last line is an "end" line */
+    int sums;    /* handle of SHA256SUMS, appended to; -1: not open */
+    bool sums_behind;                     /* an append failed: to be rebuilt */
     uint32_t frames_durable, raw_durable; /* streams whose folder's name is on the disk: bits */
     unsigned n_leftovers; /* files that could not be removed again; those beyond are forgotten */
     char leftovers[8][192];
@@ -64,10 +64,13 @@ void ttf_reserve_make(struct ttf_writer *writer);
 /* Frees a part of it: true if there was one. */
 bool ttf_reserve_use(struct ttf_writer *writer);
 
-/* Puts right what a crash left: temporary files, orphans, ends of lines, SHA256SUMS. */
+/*
+ * Puts right what a crash left: temporary files, orphans, ends of lines, SHA256SUMS. doubt: a sync of the logs
+ * has failed in this process, so they are written anew before anything they say counts.
+ */
 TTF_MUST_USE int ttf_writer_repair(struct ttf_writer *writer, const struct ttf_lines_tail *records,
                                    const struct ttf_lines_tail *events, enum ttf_sums_state sums,
-                                   struct ttf_err *err);
+                                   bool doubt, struct ttf_err *err);
 
 /* Writes plans/N.yaml and .json and puts their entries into json as "files". */
 TTF_MUST_USE int ttf_writer_plan_files(struct ttf_writer *writer, int n, const char *yaml,

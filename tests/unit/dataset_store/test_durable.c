@@ -76,7 +76,7 @@ static void folders_that_a_killed_writer_made_get_their_names_synced(void **stat
 
 static void a_line_that_a_killed_writer_left_is_synced_before_its_newline(void **state)
 {
-    static const char *const wanted[] = {"sync records.jsonl\n", "sync events.jsonl\n",
+    static const char *const wanted[] = {"sync events.jsonl\n", "sync records.jsonl\n",
                                          "append records.jsonl\n", NULL};
     struct ttf_writer *writer;
     struct watched w;

@@ -24,7 +24,10 @@ struct ttf_note {
     char tags[TTF_NOTE_TAGS_MAX][32]; /* "exclude", "reference", or people's own; not empty */
 };
 
-/* 0, or -EINVAL naming the field: text neither empty nor UTF-8, ranges turned round, nothing said at all. */
+/*
+ * 0, or -EINVAL naming the field: nothing said at all, an empty tag, too many, ranges turned round. Bytes that are
+ * no UTF-8 are written as U+FFFD.
+ */
 TTF_MUST_USE int ttf_note_check(const struct ttf_note *note, struct ttf_err *err);
 
 /*
