@@ -562,6 +562,7 @@ static void killed_at_any_operation_of_a_change_the_old_or_the_new_plan_is_in_fo
         changed = new_plan_in_force(&run);
         with_old += !changed;
         with_new += changed;
+        ttf_control_destroy(run.control); /* the next boot knows nothing of it */
         run.control = NULL;
         expect_gone_on_with(&run, changed);
         finish(&run);
