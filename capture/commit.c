@@ -148,10 +148,26 @@ static void print_image(struct ttf_committer *c, const struct ttf_job *job)
                         image->stream, storage_reason(raw < 0 ? raw : developed));
 }
 
+/*
+ * An event or a correction that failed leaves a writer that takes nothing more. Opening anew clears away files
+ * without a record, so it comes before the slot's first one, not between its files and its record.
+ */
+static void open_for_slot(struct ttf_committer *c, const struct ttf_slot_record *record)
+{
+    if (!c->writer || !ttf_writer_broken(c->writer) || c->pending)
+        return;
+    for (unsigned i = 0; i < record->n_images; i++)
+        if (record->images[i].n_files > 0)
+            return;
+    if (ttf_committer_reopen(c) < 0)
+        return; /* the files' own tries go on from there */
+}
+
 static void do_image(struct ttf_committer *c, struct ttf_job *job)
 {
     if (c->busy_since_ns == TTF_NS_UNKNOWN)
         c->busy_since_ns = ttf_clock_now_ns(c->box->clock);
+    open_for_slot(c, &job->slot->record);
     ttf_clock_charge(c->box->clock, TTF_WORK_DEVELOP, 1);
     if (!ttf_committer_power_lost(c)) {
         if (!c->writer)

@@ -306,6 +306,11 @@ static void settle(struct ttf_writer *writer)
         (void)io->ops->sync_dir(io, writer->path);
 }
 
+bool ttf_writer_broken(const struct ttf_writer *writer)
+{
+    return writer->records.broken != 0 || writer->events.broken != 0;
+}
+
 void ttf_writer_close(struct ttf_writer *writer)
 {
     if (!writer)

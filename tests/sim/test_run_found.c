@@ -4,9 +4,11 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "sim_run.h"
+#include "ttf/dataset/reader.h"
 
 /* Runs it again from the first power-on, into another folder: the same instants. */
 static void again(struct sim_run *run)
@@ -287,6 +289,55 @@ static void a_disk_that_stays_full_is_called_full_for_each_slot(void **state)
     sim_run_finish(&run);
 }
 
+/* Where the first event of a kind stands in events.jsonl. */
+static const char *event_in(const char *all, const char *kind)
+{
+    char want[40];
+
+    snprintf(want, sizeof(want), "\"kind\":\"%s\"", kind);
+    return strstr(all, want);
+}
+
+/* The clock is set while nothing can be written; the door is opened when that is over, and before the next slot. */
+static void what_a_storage_that_was_away_missed_is_written_in_order(void **state)
+{
+    struct ttf_segment before, after;
+    struct ttf_reader *reader;
+    struct sim_run run;
+    char path[160];
+    char *all = NULL;
+    size_t bytes;
+    int64_t due;
+
+    (void)state;
+    sim_run_init(&run);
+    assert_int_equal(sim_run_boot(&run), 0);
+    due = sim_run_due_ns(&run, 2);
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), run.path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_segment(reader, 0, &before), 0);
+    ttf_reader_close(reader);
+    again(&run);
+    sim_run_fault(&run, TTF_FAULT_IO_ERROR, due + 10 * TTF_NS_PER_S)->duration_ns =
+        15 * TTF_NS_PER_S;
+    sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, due + 15 * TTF_NS_PER_S)->amount = 3600;
+    sim_run_fault(&run, TTF_FAULT_DOOR_OPEN, due + 35 * TTF_NS_PER_S)->duration_ns =
+        5 * TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "cccccc");
+    snprintf(path, sizeof(path), "%s/events.jsonl", run.path);
+    assert_int_equal(ttf_io_slurp(ttf_io_posix(), path, 1 << 24, &all, &bytes, NULL), 0);
+    assert_non_null(event_in(all, "clock-step"));
+    assert_non_null(event_in(all, "door"));
+    assert_true(event_in(all, "clock-step") < event_in(all, "door"));
+    free(all);
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), run.path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_segment(reader, 0, &after), 0);
+    ttf_reader_close(reader);
+    assert_true(after.origin_utc_ns - before.origin_utc_ns > 3599 * TTF_NS_PER_S);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -303,6 +354,7 @@ int main(void)
         cmocka_unit_test(a_clock_set_while_the_last_slots_are_written_is_no_outage_either),
         cmocka_unit_test(a_run_that_failed_is_brought_to_its_end_without_the_watchdog),
         cmocka_unit_test(a_disk_that_stays_full_is_called_full_for_each_slot),
+        cmocka_unit_test(what_a_storage_that_was_away_missed_is_written_in_order),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -413,6 +413,33 @@ static void a_log_that_cannot_be_synced_is_not_sealed(void **state)
     assert_int_equal(run("grep -q records.jsonl '%s/SHA256SUMS'", path), 1);
 }
 
+/* The next syncs of events.jsonl fail, `*ctx` of them, whatever name it has; the one after them would work. */
+static int next_syncs(void *ctx, const char *op, const char *path)
+{
+    int *left = ctx;
+
+    if (strcmp(op, "sync") != 0 || !strstr(path, "events.jsonl") || *left == 0)
+        return 0;
+    (*left)--;
+    return EIO;
+}
+
+static void a_log_whose_sync_failed_is_not_sealed_by_another_that_works(void **state)
+{
+    const char *path = in(*state, "d");
+    int left = 0;
+    struct ttf_io *io = ttf_io_faulty_create(quick_io(), next_syncs, &left);
+    struct ttf_writer *writer = small_create(io, path);
+
+    assert_int_equal(small_slot(writer, 0), 0);
+    left = 2; /* of the log, and of the new file that it is written as */
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), -EIO);
+    assert_int_equal(left, 0);
+    ttf_writer_close(writer);
+    ttf_io_faulty_destroy(io);
+    assert_int_equal(run("grep -q records.jsonl '%s/SHA256SUMS'", path), 1);
+}
+
 static void a_seal_that_cannot_be_written_is_told(void **state)
 {
     const char *path = in(*state, "d");
@@ -539,6 +566,7 @@ int main(void)
         T(a_piece_of_a_line_that_cannot_be_cut_off_stops_the_writer),
         T(a_newline_that_found_no_room_is_written_when_closing),
         T(a_log_that_cannot_be_synced_is_not_sealed),
+        T(a_log_whose_sync_failed_is_not_sealed_by_another_that_works),
         T(a_seal_that_cannot_be_written_is_told),
         T(sums_that_fell_behind_are_brought_up_when_closing),
         T(slots_after_a_seal_are_listed_anew),

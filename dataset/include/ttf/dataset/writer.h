@@ -117,6 +117,9 @@ TTF_MUST_USE int ttf_writer_event(struct ttf_writer *writer, const char *kind, i
 TTF_MUST_USE int ttf_writer_seal(struct ttf_writer *writer, const char *reason, char ret_digest[65],
                                  struct ttf_err *err);
 
+/* A write of its logs has failed for good: whatever is asked of it now is refused, and only opening anew helps. */
+bool ttf_writer_broken(const struct ttf_writer *writer);
+
 /* Bytes free where the dataset lies; and the folder's path. */
 TTF_MUST_USE int ttf_writer_space(struct ttf_writer *writer, struct ttf_io_space *ret);
 const char *ttf_writer_path(const struct ttf_writer *writer);
