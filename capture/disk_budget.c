@@ -192,8 +192,17 @@ int ttf_second_storage_check(struct ttf_io *io, const char *path, const struct t
     r = try_writing(io, second);
     if (r < 0)
         return ttf_err_set(err, r, field, "nothing can be written in %s", second);
-    if (ret_same && existing_folder(io, path, folder, sizeof(folder)) == 0 &&
-        io->ops->stat(io, folder, &of_first) == 0)
-        *ret_same = of_first.device != 0 && of_first.device == of_second.device;
+    if (path[0] == '\0' || existing_folder(io, path, folder, sizeof(folder)) < 0 ||
+        io->ops->stat(io, folder, &of_first) < 0 || of_first.device == 0 ||
+        of_first.device != of_second.device)
+        return 0;
+    if (of_first.inode == of_second.inode) {
+        ttf_err_set(err, -EINVAL, field, "%s is the folder that the dataset itself lies in",
+                    second);
+        ttf_err_hint(err, "name one on another disk");
+        return -EINVAL;
+    }
+    if (ret_same)
+        *ret_same = true;
     return 0;
 }

@@ -65,7 +65,11 @@ static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resu
         return;
     }
     if (in->utc.trust != TTF_TRUST_NONE && vouched(last)) {
-        int64_t last_utc = ttf_grid_due_ns(&before_utc, next - 1);
+        /*
+         * Slots that a resume gave up while its lamps settled were recorded before they were due: a clock that
+         * has not come to them yet is not wrong for that.
+         */
+        int64_t last_utc = ttf_grid_due_ns(&before_utc, next - 1 - in->state->lost_at_end);
         int64_t now_utc = in->utc.utc_ns + (in->now_ns - in->utc.boot_ns);
 
         if (now_utc >= last_utc - TTF_NS_PER_S || next == 0) {

@@ -294,6 +294,12 @@ int ttf_session_open_dataset(struct ttf_session *s, struct ttf_err *err)
         r = resolve(s, &found.state, &utc, err);
     if (r < 0)
         return r;
+    if (s->resume.continued && !found.state.sealed && found.state.next_index > s->plan.count) {
+        ttf_err_set(err, -EINVAL, "count", "%lld slots, and the dataset has %lld already",
+                    (long long)s->plan.count, (long long)found.state.next_index);
+        ttf_err_hint(err, "count: %lld ends it here", (long long)found.state.next_index);
+        return -EINVAL;
+    }
     if (s->resume.continued && found.state.next_index >= s->plan.count)
         /* Cut off before its seal: sealed now. */
         return s->from_first ? s->first_code : found.state.sealed ? expect_known_plan(s, err) : 0;

@@ -147,6 +147,7 @@ static int px_stat(struct ttf_io *io, const char *path, struct ttf_io_stat *ret)
     ret->is_regular = S_ISREG(st.st_mode);
     ret->bytes = st.st_size;
     ret->device = st.st_dev;
+    ret->inode = st.st_ino;
     return 0;
 }
 

@@ -222,9 +222,7 @@ int ttf_writer_commit(struct ttf_writer *writer, const struct ttf_slot_record *r
     if (r)
         return r;
     writer->ended = false;
-    state->next_index = record->index + 1;
-    state->last_due_ns = record->due_ns;
-    state->counts[record->result]++;
+    ttf_writer_count_slot(state, record->index, record->due_ns, record->result);
     list_files(writer, record);
     return 0;
 }

@@ -13,14 +13,27 @@
 
 #define SCRIPT_MAX_BYTES ((size_t)1 << 20)
 
+struct capture_script {
+    struct ttf_control *control;
+    const char *path; /* borrowed */
+    unsigned n;
+    struct {
+        int64_t ask; /* its number */
+        unsigned line;
+    } asked[TTF_ASKS_MAX];
+};
+
 /* The plan file that an ask borrows its words from, for as long as it is asked. */
 static int take_plan(const char *path, struct ttf_ask *ask, struct ttf_plan_file **ret,
                      struct ttf_err *err)
 {
     int r = ttf_plan_file_load(path, ret, err);
 
-    if (r < 0)
+    if (r < 0) {
+        if (err && !strchr(err->where, ':'))
+            (void)snprintf(err->where, sizeof err->where, "plan: %.200s", path);
         return r;
+    }
     ask->plan = *ttf_plan_file_plan(*ret);
     ask->plan_yaml = ttf_plan_file_text(*ret);
     return 0;
@@ -43,7 +56,13 @@ static int take_word(const char *word, const char *value, struct ttf_ask *ask,
         i++;
     if (i == TTF_COUNT_OF(WORDS) || (WORDS[i].needs_value > 0 && !*value) ||
         (WORDS[i].needs_value < 0 && *value)) {
-        ttf_err_set(err, -EINVAL, NULL, "'%.40s %.40s' asks for nothing", word, value);
+        if (i == TTF_COUNT_OF(WORDS) && *word)
+            ttf_err_set(err, -EINVAL, NULL, "there is no word '%.40s'", word);
+        else if (!*word)
+            ttf_err_set(err, -EINVAL, NULL, "a word is missing behind the slot");
+        else
+            ttf_err_set(err, -EINVAL, NULL, "%s %s", word,
+                        *value ? "takes nothing behind it" : "needs something behind it");
         ttf_err_hint(err, "SLOT and one of pause [REASON], continue, stop, count N, interval TIME, "
                           "plan FILE, note TEXT");
         return -EINVAL;
@@ -69,56 +88,133 @@ static int take_word(const char *word, const char *value, struct ttf_ask *ask,
 }
 
 /* One line, which is written into. */
-static int ask_line(char *line, int64_t next_index, struct ttf_control *control,
+static int ask_line(char *line, int64_t next_index, struct capture_script *script, unsigned number,
                     struct ttf_err *err)
 {
     struct ttf_plan_file *plan = NULL;
     struct ttf_ask *ask;
     char *rest = NULL;
-    char *slot = strtok_r(line, " \t", &rest);
-    char *word = strtok_r(NULL, " \t", &rest);
+    char *slot = strtok_r(line, " \t\r", &rest);
+    char *word = strtok_r(NULL, " \t\r", &rest);
+    bool heard;
     int r;
 
     if (!slot || slot[0] == '#')
         return 0;
+    if (rest)
+        rest[strcspn(rest, "\r")] = '\0';
     ask = calloc(1, sizeof *ask);
     if (!ask)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     r = ttf_integer_parse(slot, &ask->from_index, err);
+    if (r == 0 && ask->from_index < 0)
+        r = ttf_err_set(err, -EINVAL, NULL, "slots count from 0");
     if (r == 0)
         r = take_word(word ? word : "", rest ? rest + strspn(rest, " \t") : "", ask, &plan, err);
-    if (r == 0 && ask->from_index >= next_index && ttf_control_ask(control, ask) < 0)
-        r = ttf_err_set(err, -EINVAL, NULL, "more than %d lines", TTF_ASKS_MAX);
+    /* The slot that a stop was for is the first one of the run that goes on. */
+    heard = ask->from_index < next_index ||
+            (ask->kind == TTF_ASK_STOP && next_index > 0 && ask->from_index == next_index);
+    if (r == 0 && !heard) {
+        int64_t asked = script->n < TTF_ASKS_MAX ? ttf_control_ask(script->control, ask) : -EAGAIN;
+
+        if (asked > 0) {
+            script->asked[script->n].ask = asked;
+            script->asked[script->n++].line = number;
+        } else {
+            r = ttf_err_set(err, -EINVAL, NULL, "more than %d lines", TTF_ASKS_MAX);
+        }
+    }
     ttf_plan_file_free(plan);
     free(ask);
     return r;
 }
 
-int capture_script_ask(struct cli *cli, const char *path, int64_t next_index,
-                       struct ttf_control **ret)
+static int take_text(struct capture_script *script, char *text, int64_t next_index,
+                     struct ttf_err *err)
 {
-    struct ttf_control *control = ttf_control_create();
-    char *text = NULL;
-    char *next;
-    size_t bytes;
     unsigned number = 0;
-    int r = control ? ttf_io_slurp(cli->io, path, SCRIPT_MAX_BYTES, &text, &bytes, &cli->err)
-                    : ttf_err_set(&cli->err, -ENOMEM, path, "no memory");
+    char *next;
+    int r = 0;
 
     for (char *line = text; r == 0 && line; line = next) {
+        char where[sizeof err->where];
+
         next = strchr(line, '\n');
         if (next)
             *next++ = '\0';
         number++;
-        r = ask_line(line, next_index, control, &cli->err);
-        if (r < 0 && !strchr(cli->err.where, ':'))
-            (void)snprintf(cli->err.where, sizeof cli->err.where, "%.200s:%u", path, number);
+        r = ask_line(line, next_index, script, number, err);
+        if (r == 0)
+            continue;
+        (void)snprintf(where, sizeof where, "%.100s:%u%s%.100s", script->path, number,
+                       err->where[0] ? ": " : "", err->where);
+        memcpy(err->where, where, sizeof where);
     }
+    return r;
+}
+
+int capture_script_ask(struct cli *cli, const char *path, int64_t next_index,
+                       struct capture_script **ret)
+{
+    struct capture_script *script = calloc(1, sizeof *script);
+    char *text = NULL;
+    struct ttf_io_stat st;
+    size_t bytes;
+    int r = 0;
+
+    if (!script)
+        return ttf_err_set(&cli->err, -ENOMEM, path, "no memory");
+    script->path = path;
+    script->control = ttf_control_create();
+    if (!script->control)
+        r = ttf_err_set(&cli->err, -ENOMEM, path, "no memory");
+    if (r == 0 && cli->io->ops->stat(cli->io, path, &st) == 0 && !st.is_regular) {
+        r = ttf_err_set(&cli->err, -EINVAL, path, "is no plain file");
+        ttf_err_hint(&cli->err, "write the lines into a file");
+    }
+    if (r == 0)
+        r = ttf_io_slurp(cli->io, path, SCRIPT_MAX_BYTES, &text, &bytes, &cli->err);
+    if (r == 0)
+        r = take_text(script, text, next_index, &cli->err);
     free(text);
     if (r < 0) {
-        ttf_control_destroy(control);
+        capture_script_free(script);
         return r;
     }
-    *ret = control;
+    *ret = script;
     return 0;
+}
+
+struct ttf_control *capture_script_control(struct capture_script *script)
+{
+    return script->control;
+}
+
+unsigned capture_script_tell(struct capture_script *script)
+{
+    unsigned told = 0;
+
+    for (unsigned i = 0; i < script->n; i++) {
+        struct ttf_err err = {0};
+        int r = ttf_control_answer(script->control, script->asked[i].ask, &err);
+
+        if (r == 0)
+            continue;
+        told++;
+        if (r == -EAGAIN || r == -ECANCELED)
+            cli_warn("ttfbox capture: %s:%u: the run ended before it was heard", script->path,
+                     script->asked[i].line);
+        else
+            cli_warn("ttfbox capture: %s:%u: refused: %s%s%s", script->path, script->asked[i].line,
+                     err.what, err.hint[0] ? ": " : "", err.hint);
+    }
+    return told;
+}
+
+void capture_script_free(struct capture_script *script)
+{
+    if (!script)
+        return;
+    ttf_control_destroy(script->control);
+    free(script);
 }

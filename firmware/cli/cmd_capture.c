@@ -23,8 +23,9 @@ struct capture {
     struct ttf_plan_file *file;
     struct ttf_session_result result;
     struct cli_progress bar;
-    struct ttf_control *control; /* NULL: no script */
-    char path[4096];             /* of the dataset: as given, or in the second storage */
+    struct capture_script *script; /* NULL: none */
+    unsigned unheard;              /* of its lines */
+    char path[4096];               /* of the dataset: as given, or in the second storage */
     unsigned events, boots;
     bool resuming, exists;
     int64_t next_index; /* the first slot without a record */
@@ -96,7 +97,7 @@ static int one_boot(struct capture *c, int64_t *ret_back_ns)
         .progress = on_progress,
         .progress_ctx = c,
         .stop = cli_stop_flag(),
-        .control = c->control,
+        .control = c->script ? capture_script_control(c->script) : NULL,
         .plan_as_given = cli->opt.as_given,
         .rehearse = cli->opt.rehearse,
         .skip_speed_check = cli->opt.no_speed_check,
@@ -224,6 +225,7 @@ static void put_json(struct capture *c)
     ttf_json_kbool(j, "resumed", s->resumed || c->boots > 1);
     ttf_json_kbool(j, "already_complete", was_complete(c));
     ttf_json_kbool(j, "second_storage", s->second_storage);
+    ttf_json_kint(j, "script_lines_not_done", c->unheard);
     ttf_json_kbool(j, "sealed", s->sealed);
     if (s->sealed)
         ttf_json_kstring(j, "digest", s->digest);
@@ -280,22 +282,23 @@ int cmd_capture(struct cli *cli)
     if (r == 0)
         r = look_at_output(c);
     if (r == 0 && cli->opt.script)
-        r = capture_script_ask(cli, cli->opt.script, c->next_index, &c->control);
+        r = capture_script_ask(cli, cli->opt.script, c->next_index, &c->script);
     if (r == 0) {
         cli_stop_catch();
         cli_progress_begin(&c->bar, cli, c->resuming ? "going on" : "capturing");
         r = all_boots(c);
         cli_progress_end(&c->bar);
+        c->unheard = c->script ? capture_script_tell(c->script) : 0;
     }
     if (r == 0) {
         say(c);
         put_json(c);
-        if (!c->result.sealed && !cli->opt.rehearse)
-            r = CLI_FAILED; /* stopped before it was done */
+        if ((!c->result.sealed && !cli->opt.rehearse) || c->unheard > 0)
+            r = CLI_FAILED; /* stopped before it was done, or not done as asked */
     }
     if (c) {
         ttf_plan_file_free(c->file);
-        ttf_control_destroy(c->control);
+        capture_script_free(c->script);
     }
     free(c);
     return r;

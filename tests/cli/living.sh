@@ -24,6 +24,31 @@ echo "3 dance" >wrong
 expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other --script wrong
 said err "wrong:1"
 
+printf '2 dance' >wrong
+expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other --script wrong
+said err "no word 'dance'"
+expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other --script <(echo "2 stop")
+said err "no plain file"
+[ ! -e other ] || fail "a refused capture left something"
+
+# ---- what is refused while it runs, or never heard, is told ----
+printf '2 count 1\r\n99 note late\n' >refused
+expect 1 "$TTFBOX" capture p.yaml "${TINY[@]}" -o refused.d --script refused --json
+said err "refused:1: refused: 2 slots have their records already"
+said err "refused:2: the run ended before it was heard"
+is sealed true
+is script_lines_not_done 2
+
+# ---- a stop is for once; a plan cannot end before what there is ----
+echo "4 stop" >stop
+expect 1 "$TTFBOX" capture p.yaml "${TINY[@]}" -o stops --script stop
+plan shorter.yaml "interval: 1min" "count: 2" "lamps: {mode: capture-only, settle: 5s}" \
+    "shot: {lamps: {left: 100%}}" "storage: {second: $WORK/second}"
+expect 2 "$TTFBOX" capture shorter.yaml "${TINY[@]}" -o stops
+said err "the dataset has 4 already"
+expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" -o stops --script stop --json
+is slots 8
+
 # ---- notes, outside the seal ----
 expect 0 "$TTFBOX" note grass "all \"well\"" --slots 2-3,5 --tag exclude,mine --author Jo
 tail -n 1 grass/notes.jsonl | "$PYTHON" -c 'import json, sys
@@ -45,6 +70,13 @@ expect 0 "$TTFBOX" verify second/moved
 expect 0 "$TTFBOX" verify moved
 expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" "${READ_ONLY[@]}" -o moved --json
 is already_complete true
+mv second second.away
+expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o moved
+said err "may have gone on in it"
+mv second.away second
+expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o second/beside
+said err "the folder that the dataset itself lies in"
+[ ! -e second/beside ] || fail "a refused capture left something"
 rm -r second
 expect 2 "$TTFBOX" plan check p.yaml "${TINY[@]}"
 said err "p.yaml:5:"

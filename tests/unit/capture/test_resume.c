@@ -145,6 +145,25 @@ static void a_clock_behind_the_last_slot_is_not_believed(void **state)
     assert_int_equal(r.lost_until, 10);
 }
 
+/* A resume gave up slots 4 to 9, five minutes ahead, and the power went again after two. */
+static void slots_given_up_ahead_of_time_do_not_make_the_clock_wrong(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in = boot(&done, UTC0 + 6 * TTF_NS_PER_MIN, TTF_TRUST_RTC);
+    struct ttf_resume r;
+
+    (void)state;
+    done.lost_at_end = 6;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_false(r.clock_implausible);
+    assert_true(r.on_grid);
+    assert_int_equal(r.lost_until, 10); /* nothing more is lost: slot 10 is to come */
+    /* Before the last one that was taken it still is. */
+    in.utc.utc_ns = UTC0 + 2 * TTF_NS_PER_MIN;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_true(r.clock_implausible);
+}
+
 static void an_outage_past_the_end_leaves_no_slot_unnamed(void **state)
 {
     struct ttf_writer_state done = ten_slots_done();
@@ -177,6 +196,7 @@ int main(void)
         cmocka_unit_test(the_same_boot_needs_no_utc),
         cmocka_unit_test(an_untrusted_clock_goes_on_at_once_with_the_gap_unknown),
         cmocka_unit_test(a_clock_behind_the_last_slot_is_not_believed),
+        cmocka_unit_test(slots_given_up_ahead_of_time_do_not_make_the_clock_wrong),
         cmocka_unit_test(an_outage_past_the_end_leaves_no_slot_unnamed),
         cmocka_unit_test(the_gap_is_known_once_utc_is),
     };

@@ -28,6 +28,7 @@ struct ttf_io_stat {
     bool is_regular;
     int64_t bytes;
     uint64_t device; /* of the file system it lies on; 0: not known */
+    uint64_t inode;  /* its number there: with device, whether two names are of one folder */
 };
 
 struct ttf_io_space {

@@ -25,6 +25,8 @@ struct ttf_writer_state {
     int n_segments;
     struct ttf_segment last_segment; /* valid if n_segments > 0 */
     int64_t last_due_ns; /* of the last slot record, on its segment's boot clock; TTF_NS_UNKNOWN */
+    int64_t
+        lost_at_end; /* slots at the end that are `power` or `missed`: recorded perhaps before they were due */
     int n_plans;
     bool sealed; /* it is, and nothing was added since (the first write removes the seal) */
     int64_t counts[TTF_RESULT_COUNT];
