@@ -339,12 +339,12 @@ static void another_interval_does_not_move_the_day(void **state)
 
 static long long phase_in(const struct sim_run *run, const char *name)
 {
+    static const char key[] = "\"phase_ns\":";
     char *text = text_of(run, name);
-    const char *at = text ? strstr(text, "\"phase_ns\"") : NULL;
-    long long phase;
+    const char *at = text ? strstr(text, key) : NULL;
+    long long phase = at ? strtoll(at + strlen(key), NULL, 10) : 0;
 
     assert_non_null(at);
-    phase = strtoll(strchr(at, ':') + 1, NULL, 10);
     free(text);
     return phase;
 }
