@@ -52,7 +52,8 @@ static int expect_known_plan(const struct ttf_session *s, struct ttf_err *err)
     if (s->known_plan >= 0)
         return 0;
     ttf_err_set(err, -EINVAL, s->path, "is complete, and was captured by another plan");
-    return ttf_err_hint(err, "name another folder, or a plan with more slots to go on with it");
+    ttf_err_hint(err, "name another folder, or a plan with more slots to go on with it");
+    return -EINVAL;
 }
 
 /* The run's own time, from the segments so far and the grid it goes on with. */
