@@ -137,6 +137,7 @@ static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int p
     segment->zone_offset_s = s->plan.zone_offset_s;
     if (s->from_first)
         segment->run_ns = ttf_timeline_run_ns(segment, s->slot0_ns);
+    snprintf(segment->box, sizeof(segment->box), "%s", s->box->description);
     segment->gap_ns = s->resume.gap_ns;
     if (segment->gap_ns == TTF_NS_UNKNOWN && s->pulse.has_before)
         segment->gap_ns = ttf_resume_gap_ns(&s->pulse.before, segment->first_index,
