@@ -13,14 +13,14 @@
 #include "ttf/dataset/io.h"
 
 /* Makes what the works begin with, in memory; the folder is there, and borrowed. */
-void format_works_begin(struct ttf_io *io, const char *folder);
+void format_works_begin(struct ttf_io *on, const char *in_folder);
 void format_works_end(void);
 
 /* And in files of the folder. */
 void format_works_files(void);
 
 /* From now on in the folder of that name of another table. */
-void format_works_on(struct ttf_io *io);
+void format_works_on(struct ttf_io *on);
 
 /* A file in the folder; good until the next call. */
 const char *format_in(const char *name);
