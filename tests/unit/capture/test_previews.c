@@ -133,7 +133,7 @@ static void of_one_slot_they_go_by_name(void **state)
         snprintf(name, sizeof(name), "%s/000005.jpg", streams[i]);
         make(name);
     }
-    for (char c = 'a'; c <= 'h'; c++) {
+    for (int c = 'a'; c <= 'h'; c++) {
         snprintf(name, sizeof(name), "%c/000005.jpg", c);
         assert_true(there(name));
         assert_int_equal(ttf_previews_remove(&io, folder, c - 'a' + 1), 1);
