@@ -69,8 +69,8 @@ struct ttf_committer {
     int64_t first_strike_ns;
     bool disk_full;
     bool power_lost;
-    int64_t busy_since_ns; /* first image of the slot under way; TTF_NS_UNKNOWN */
-    pthread_mutex_t progress_mutex;
+    int64_t busy_since_ns;          /* first image of the slot under way; TTF_NS_UNKNOWN */
+    pthread_mutex_t progress_mutex; /* the session's: it tells before begin and after end, too */
     pthread_t thread;
     bool running;
 };
