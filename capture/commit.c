@@ -38,12 +38,17 @@ void ttf_committer_alarm(struct ttf_committer *committer, const char *text)
 
 /* ---- room on the disk ---- */
 
+static bool full(int r)
+{
+    return r == -ENOSPC || r == -EDQUOT;
+}
+
 static const char *storage_reason(int r)
 {
     if (r == -EROFS)
         return TTF_REASON_READ_ONLY;
-    return r == -ENOSPC ? TTF_REASON_DISK_FULL
-                        : (r == -ENOMEM ? TTF_REASON_NO_MEMORY : TTF_REASON_IO_ERROR);
+    return full(r) ? TTF_REASON_DISK_FULL
+                   : (r == -ENOMEM ? TTF_REASON_NO_MEMORY : TTF_REASON_IO_ERROR);
 }
 
 static void note_disk(struct ttf_committer *c, bool full)
@@ -94,7 +99,7 @@ static int try_file(struct ttf_committer *c, struct ttf_darkroom *room, const ch
     if (!c->writer)
         return c->away < 0 ? c->away : -EIO;
     r = ttf_darkroom_print(room, c->writer, role, print, &err);
-    if (r == 0 || r == -ENOSPC || r == -EROFS || ttf_committer_power_lost(c))
+    if (r == 0 || full(r) || r == -EROFS || ttf_committer_power_lost(c))
         return r;
     ttf_events_emit(c->events, "retry", "%s file of slot %lld is written again: %s", role,
                     (long long)print->index, err.what);
@@ -109,7 +114,7 @@ static int print_file(struct ttf_committer *c, struct ttf_darkroom *room, const 
 
     if (r == 0 || r == -ENOMEM || ttf_committer_power_lost(c))
         return r;
-    if (r == -ENOSPC && drop_previews(c, c->reserve_bytes + PREVIEW_SLOTS * c->slot_bytes))
+    if (full(r) && drop_previews(c, c->reserve_bytes + PREVIEW_SLOTS * c->slot_bytes))
         r = try_file(c, room, role, print);
     if (r < 0 && ttf_committer_move(c, storage_reason(r), work) == 0)
         r = try_file(c, room, role, print);
@@ -186,7 +191,7 @@ static void do_image(struct ttf_committer *c, struct ttf_job *job)
 /* Nothing more can be recorded: an event where the storage takes one, and the watcher is told. */
 static void give_up(struct ttf_committer *c, int code, const struct ttf_err *err)
 {
-    int told = code == -ENOSPC || code == -EROFS || code == -TTF_EDAMAGED ? code : -EIO;
+    int told = full(code) || code == -EROFS || code == -TTF_EDAMAGED ? code : -EIO;
     char text[256];
 
     if (ttf_queue_fatal(c->queue) < 0)
@@ -218,7 +223,7 @@ static int flush(struct ttf_committer *c, struct ttf_err *err)
 {
     int r = ttf_committer_flush(c, err);
 
-    if (r == -ENOSPC && drop_previews(c, c->reserve_bytes))
+    if (full(r) && drop_previews(c, c->reserve_bytes))
         r = ttf_committer_flush(c, err);
     if (r == 0 || r == -ENOMEM || r == -EINVAL || ttf_committer_power_lost(c))
         return r;
@@ -233,7 +238,6 @@ static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
     struct ttf_err err = {0};
     int r;
 
-    ttf_ledger_judge(&work->record); /* nothing to judge of a change */
     if (work->record.n_images > 0)
         ttf_clock_charge(c->box->clock, TTF_WORK_COMMIT, 1);
     if (ttf_committer_power_lost(c) || ttf_queue_fatal(c->queue) < 0) {
@@ -346,7 +350,7 @@ static void last_chance(struct ttf_committer *c)
     if (r < 0 && r != -ENOMEM && r != -EINVAL &&
         ttf_committer_move(c, storage_reason(r), NULL) != -ENOENT)
         r = ttf_committer_catch_up(c, &err); /* there, or here once more */
-    while ((r == -EIO || r == -ENOSPC) && ttf_queue_fatal(c->queue) == 0 &&
+    while (ttf_storage_may_pass(r) && ttf_queue_fatal(c->queue) == 0 &&
            ttf_clock_now_ns(clock) < until) {
         (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + TTF_NS_PER_S);
         if (ttf_committer_power_lost(c))

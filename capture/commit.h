@@ -24,6 +24,9 @@
 /* Records that wait for a storage that is away: a minute's at ten a second, and some. */
 #define TTF_COMMIT_PENDING 1024
 
+/* Whether what a storage answers is worth waiting for: an error, no room (or quota), no memory. */
+bool ttf_storage_may_pass(int code);
+
 struct ttf_committer {
     /* set before begin, borrowed */
     struct ttf_box *box;
@@ -49,7 +52,7 @@ struct ttf_committer {
     struct ttf_ledger ledger;
     /* the plan and segment in force on the disk, by the session's numbers; NULL before there is one; owned */
     struct ttf_plan_change *in_force;
-    /* what the session's numbers are ahead of the dataset's, once it goes on in a second one */
+    /* what the session's numbers are ahead of the dataset's, once it goes on in a second one; of plans perhaps behind */
     int segment_base, plan_base;
     int64_t slot0_ns; /* set before begin: where the run's slot 0 was, or would have been, due */
     int n_plans;      /* by the session's numbers, written so far */

@@ -13,7 +13,9 @@ int ttf_committer_segment_number(const struct ttf_committer *c, int segment)
 
 int ttf_committer_plan_number(const struct ttf_committer *c, int plan)
 {
-    return plan > c->plan_base ? plan - c->plan_base : (c->moved ? 0 : plan);
+    int number = plan - c->plan_base;
+
+    return c->has_continued && number < c->continued.plan ? c->continued.plan : number;
 }
 
 /*

@@ -85,7 +85,6 @@ static struct ttf_segment continued(const struct ttf_committer *c)
     struct ttf_grid grid = {segment.first_index, segment.origin_ns, segment.interval_ns};
 
     segment.segment = 0;
-    segment.plan = 0;
     segment.first_index = c->ledger.next_index;
     segment.origin_ns = ttf_grid_due_ns(&grid, segment.first_index);
     if (segment.origin_utc_ns != TTF_NS_UNKNOWN)
@@ -96,6 +95,7 @@ static struct ttf_segment continued(const struct ttf_committer *c)
     return segment;
 }
 
+/* Once the run goes on there for certain: what else fails leaves the first dataset's calibration as it is. */
 static void bring_calibration(struct ttf_committer *c, struct ttf_writer *writer)
 {
     struct ttf_err err = {0};
@@ -111,6 +111,21 @@ static void bring_calibration(struct ttf_committer *c, struct ttf_writer *writer
     ttf_events_emit(c->events, "storage", "the calibration did not come along: %s", err.what);
 }
 
+/*
+ * A segment that was refused may be on the disk all the same, and would be gone on with by the next run: so it is
+ * looked at. 0: it is there.
+ */
+static int begun_after_all(struct ttf_committer *c, struct ttf_writer **writer, int code)
+{
+    struct ttf_writer *old = *writer;
+    bool doubt = false;
+
+    *writer = NULL;
+    if (ttf_writer_open_anew(c->io, c->second_path, old, &doubt, writer, NULL) < 0)
+        return code;
+    return ttf_writer_state(*writer)->n_segments > 0 ? 0 : code;
+}
+
 static int make_second(struct ttf_committer *c, struct ttf_writer **ret, struct ttf_err *err)
 {
     struct ttf_segment segment = continued(c);
@@ -123,12 +138,15 @@ static int make_second(struct ttf_committer *c, struct ttf_writer **ret, struct 
                             &writer, err);
     if (r < 0)
         return r;
-    bring_calibration(c, writer);
+    segment.plan = r;
     r = ttf_writer_segment(writer, &segment, err);
+    if (r < 0)
+        r = begun_after_all(c, &writer, r);
     if (r < 0) {
         ttf_writer_abandon(writer);
         return r;
     }
+    bring_calibration(c, writer);
     c->continued = segment;
     c->has_continued = true;
     *ret = writer;
@@ -185,7 +203,7 @@ int ttf_committer_move(struct ttf_committer *c, const char *why, struct ttf_slot
     c->writer = writer;
     c->path = c->second_path;
     c->segment_base = c->in_force->segment.segment;
-    c->plan_base = c->n_plans - 1;
+    c->plan_base = c->n_plans - 1 - c->continued.plan; /* its newest plan is the one in force */
     c->moved = true;
     /* Before the first dataset is opened anew, which would clear them away. */
     for (struct ttf_slot_work *work = c->pending; work; work = work->next)

@@ -8,6 +8,11 @@
 #include "image_flags.h"
 #include "plan_change.h"
 
+bool ttf_storage_may_pass(int code)
+{
+    return code == -EIO || code == -ENOSPC || code == -EDQUOT || code == -ENOMEM;
+}
+
 bool ttf_committer_power_lost(struct ttf_committer *c)
 {
     if (!c->power_lost && c->box->power_lost)
@@ -24,6 +29,8 @@ void ttf_committer_drop_lost_files(struct ttf_committer *c, struct ttf_slot_reco
         struct ttf_image *image = &record->images[i];
         unsigned kept = 0;
 
+        if (image->n_files == 0) /* of a slot under way, it may be the loop's still */
+            continue;
         for (unsigned f = 0; f < image->n_files; f++) {
             struct ttf_io_stat st;
 
@@ -34,11 +41,10 @@ void ttf_committer_drop_lost_files(struct ttf_committer *c, struct ttf_slot_reco
                 ttf_image_flag(image, strcmp(image->files[f].role, "raw") == 0 ? "raw-lost"
                                                                                : "developed-lost");
         }
-        if (image->n_files > 0 && kept == 0)
+        if (kept == 0)
             snprintf(image->lacking, sizeof(image->lacking), "%s", TTF_REASON_IO_ERROR);
         image->n_files = kept;
     }
-    ttf_ledger_judge(record);
 }
 
 /* After a write that failed nobody knows what is on the disk: open it anew, which repairs what it must. */
@@ -88,16 +94,23 @@ static void acknowledge(struct ttf_committer *c, const struct ttf_slot_work *wor
     ttf_committer_tell(c, &p);
 }
 
+/* As it is now: its files may be others since it was handed over, and its dataset too. */
+static int commit(struct ttf_committer *c, struct ttf_slot_record *record, struct ttf_err *err)
+{
+    struct ttf_slot_record numbered;
+
+    ttf_ledger_judge(record);
+    numbered = *record;
+    numbered.segment = ttf_committer_segment_number(c, record->segment);
+    return c->writer ? ttf_writer_commit(c->writer, &numbered, err) : -EIO;
+}
+
 /* Writes one record. 0 once it is on the disk. */
-static int write_record(struct ttf_committer *c, const struct ttf_slot_record *of_session,
+static int write_record(struct ttf_committer *c, struct ttf_slot_record *record,
                         struct ttf_err *err)
 {
-    struct ttf_slot_record numbered = *of_session;
-    const struct ttf_slot_record *record = &numbered;
-    int r;
+    int r = commit(c, record, err);
 
-    numbered.segment = ttf_committer_segment_number(c, of_session->segment);
-    r = c->writer ? ttf_writer_commit(c->writer, record, err) : -EIO;
     if (r == 0 || ttf_committer_power_lost(c))
         return r;
     /* Two tries have failed by now; opening it anew would clear away the slot's files, which can still be fetched. */
@@ -108,7 +121,7 @@ static int write_record(struct ttf_committer *c, const struct ttf_slot_record *o
         return ttf_err_set(err, r, c->path, "the dataset cannot be opened anew");
     if (ttf_writer_state(c->writer)->next_index > record->index)
         return 0; /* it had got there after all */
-    r = ttf_writer_commit(c->writer, record, err);
+    r = commit(c, record, err);
     if (r == 0)
         ttf_events_emit(c->events, "retry", "record of slot %lld needed a second try",
                         (long long)record->index);

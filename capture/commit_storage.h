@@ -42,7 +42,7 @@ TTF_MUST_USE int ttf_committer_reopen(struct ttf_committer *c);
 TTF_MUST_USE int ttf_committer_move(struct ttf_committer *c, const char *why,
                                     struct ttf_slot_work *under_way);
 
-/* Image files of a record not yet written that are not there any more are taken from it. */
+/* Image files of a record not yet written that are not there any more are taken from it; it is judged when it is written. */
 void ttf_committer_drop_lost_files(struct ttf_committer *c, struct ttf_slot_record *record);
 
 /* One event, now; negative errno. */

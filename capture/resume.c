@@ -108,6 +108,11 @@ int ttf_resume_resolve(const struct ttf_resume_input *in, struct ttf_resume *ret
         r.lost_until = in->count;
     if (r.lost_until < r.grid.first_index)
         r.lost_until = r.grid.first_index;
+    r.unready_from = r.continued ? ttf_grid_index_at(&r.grid, in->now_ns) : r.lost_until;
+    if (r.unready_from > r.lost_until)
+        r.unready_from = r.lost_until;
+    if (r.unready_from < r.grid.first_index)
+        r.unready_from = r.grid.first_index;
     *ret = r;
     return 0;
 }

@@ -18,14 +18,16 @@ struct ttf_resume_input {
     const char *boot_id;
     struct ttf_utc utc;
     int64_t now_ns;
-    int64_t ready_ns; /* earliest due time that can still be met */
+    int64_t ready_ns; /* earliest due time that can still be met; not before now_ns */
     int64_t interval_ns, count, start_utc_ns;
 };
 
 struct ttf_resume {
     struct ttf_grid grid; /* of the new segment: its first_index is the first without a record */
     int64_t lost_until;   /* slots first_index .. lost_until-1 cannot be captured any more */
-    enum ttf_result lost_result;
+    int64_t
+        unready_from; /* those from here on are not due yet, but sooner than the box is ready (lamps settle): missed */
+    enum ttf_result lost_result; /* of those before */
     const char *lost_reason;
     int64_t gap_ns;         /* of the segment: time that no index stands for; TTF_NS_UNKNOWN */
     bool continued;         /* not a new dataset */

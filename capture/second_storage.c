@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "ttf/base/time.h"
@@ -128,12 +129,28 @@ int ttf_second_manifest(const struct ttf_manifest *first, struct ttf_manifest *r
     return 0;
 }
 
+/* Whether its newest plan is this one, to the letter. */
+static bool has_plan(struct ttf_io *io, const char *path, int n_plans, const char *json)
+{
+    char name[4096 + 32];
+    char *text = NULL;
+    size_t bytes;
+    bool same;
+
+    snprintf(name, sizeof(name), "%s/plans/%d.json", path, n_plans - 1);
+    same = n_plans > 0 && ttf_io_slurp(io, name, 1 << 20, &text, &bytes, NULL) == 0 &&
+           strcmp(text, json) == 0;
+    free(text);
+    return same;
+}
+
 int ttf_second_open(struct ttf_io *io, const char *path, const struct ttf_manifest *manifest,
                     const char *yaml, const char *json, struct ttf_writer **ret,
                     struct ttf_err *err)
 {
     struct ttf_writer *writer;
     struct ttf_manifest there;
+    int plan;
     int r;
 
     if (ttf_manifest_load(io, path, &there, NULL) < 0)
@@ -146,8 +163,16 @@ int ttf_second_open(struct ttf_io *io, const char *path, const struct ttf_manife
         ttf_writer_abandon(writer);
         return foreign(path, err);
     }
+    /* The plan may have changed since it was made. */
+    plan = ttf_writer_state(writer)->n_plans - 1;
+    if (!has_plan(io, path, plan + 1, json))
+        plan = ttf_writer_plan(writer, yaml, json, err);
+    if (plan < 0) {
+        ttf_writer_abandon(writer);
+        return plan;
+    }
     *ret = writer;
-    return 0;
+    return plan;
 }
 
 int ttf_second_state_of(struct ttf_io *io, const char *first, struct ttf_writer_state *ret,

@@ -31,7 +31,10 @@ TTF_MUST_USE int ttf_second_find(struct ttf_io *io, const char *first, const cha
 TTF_MUST_USE int ttf_second_manifest(const struct ttf_manifest *first, struct ttf_manifest *ret,
                                      struct ttf_err *err);
 
-/* Makes it with this plan, or opens one that was made and never begun. */
+/*
+ * Makes it with this plan, or opens one that was made and never begun; its plan may be another one by now: then this
+ * one is added. The plan's number there; negative errno.
+ */
 TTF_MUST_USE int ttf_second_open(struct ttf_io *io, const char *path,
                                  const struct ttf_manifest *manifest, const char *yaml,
                                  const char *json, struct ttf_writer **ret, struct ttf_err *err);

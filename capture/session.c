@@ -235,7 +235,8 @@ static int set_up_committer(struct ttf_session *s, struct ttf_err *err)
 static void tell_resumed(struct ttf_session *s)
 {
     const struct ttf_resume *r = &s->resume;
-    int64_t lost = r->lost_until - r->grid.first_index;
+    int64_t lost = r->unready_from - r->grid.first_index;
+    int64_t unready = r->lost_until - r->unready_from;
 
     if (!r->continued)
         return;
@@ -249,6 +250,9 @@ static void tell_resumed(struct ttf_session *s)
                         (long long)r->grid.first_index,
                         r->clock_implausible ? "UTC lies before the last slot"
                                              : "how long the outage was is not known");
+    if (unready > 0)
+        ttf_events_emit(&s->events, "resume", "%lld slots lost: %s", (long long)unready,
+                        TTF_REASON_NOT_READY);
 }
 
 static void tell_armed(struct ttf_session *s)
@@ -272,8 +276,10 @@ static int run_slots(struct ttf_session *s)
     for (; k < s->resume.lost_until && r == 0; k++) {
         /* Weeks of lost slots are many records; beats keep lamps and watchdog informed. */
         r = ttf_pulse_beat(&s->pulse, ttf_clock_now_ns(s->box->clock) + TTF_TICK_NS);
-        if (r == 0)
+        if (r == 0 && k < s->resume.unready_from)
             r = ttf_session_no_slot(s, k, s->resume.lost_result, s->resume.lost_reason);
+        else if (r == 0)
+            r = ttf_session_no_slot(s, k, TTF_RESULT_MISSED, TTF_REASON_NOT_READY);
     }
     for (; k < s->plan.count && r == 0; k++)
         r = ttf_session_slot(s, k);
@@ -377,7 +383,7 @@ static int seal(struct ttf_session *s, char ret_digest[65], struct ttf_err *err)
     struct ttf_writer *old;
     int r = ttf_writer_seal(*writer, "count", ret_digest, err);
 
-    while ((r == -EIO || r == -ENOSPC) && !power_lost(s) && ttf_clock_now_ns(clock) < until) {
+    while (ttf_storage_may_pass(r) && !power_lost(s) && ttf_clock_now_ns(clock) < until) {
         (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + TTF_TICK_NS);
         if (power_lost(s))
             break;

@@ -98,6 +98,9 @@ static void check_slot(struct month *m, const struct ttf_slot_record *record)
     if (record->result == TTF_RESULT_CAPTURED)
         return;
     f->lost++;
+    if (f->fault.kind == TTF_FAULT_POWER_CUT &&
+        strcmp(record->reason, "the box was getting ready") == 0)
+        return;
     if (!reason || strcmp(record->reason, reason) != 0)
         print_error("slot %d: %s, %s, of a %s\n", (int)record->index,
                     ttf_result_name(record->result), record->reason, month_kind_name(f->kind));

@@ -164,6 +164,32 @@ static void slots_given_up_ahead_of_time_do_not_make_the_clock_wrong(void **stat
     assert_true(r.clock_implausible);
 }
 
+/* The power is back at 14:30 into the run; lamps settle until 17:00: slots 15 and 16 were not lost to the power. */
+static void slots_that_pass_while_the_box_gets_ready_are_told_from_those_of_the_outage(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in =
+        boot(&done, UTC0 + 14 * TTF_NS_PER_MIN + 30 * TTF_NS_PER_S, TTF_TRUST_RTC);
+    struct ttf_resume r;
+
+    (void)state;
+    in.ready_ns = in.now_ns + 150 * TTF_NS_PER_S;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.grid.first_index, 10);
+    assert_int_equal(r.unready_from, 15);
+    assert_int_equal(r.lost_until, 17);
+    assert_int_equal(r.lost_result, TTF_RESULT_POWER);
+    /* None, if it is ready at once; all of them, if there was no outage to speak of. */
+    in.ready_ns = in.now_ns;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.unready_from, r.lost_until);
+    in.utc.utc_ns = UTC0 + 9 * TTF_NS_PER_MIN + 30 * TTF_NS_PER_S;
+    in.ready_ns = in.now_ns + 150 * TTF_NS_PER_S;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.unready_from, 10);
+    assert_int_equal(r.lost_until, 12);
+}
+
 static void an_outage_past_the_end_leaves_no_slot_unnamed(void **state)
 {
     struct ttf_writer_state done = ten_slots_done();
@@ -197,6 +223,8 @@ int main(void)
         cmocka_unit_test(an_untrusted_clock_goes_on_at_once_with_the_gap_unknown),
         cmocka_unit_test(a_clock_behind_the_last_slot_is_not_believed),
         cmocka_unit_test(slots_given_up_ahead_of_time_do_not_make_the_clock_wrong),
+        cmocka_unit_test(
+            slots_that_pass_while_the_box_gets_ready_are_told_from_those_of_the_outage),
         cmocka_unit_test(an_outage_past_the_end_leaves_no_slot_unnamed),
         cmocka_unit_test(the_gap_is_known_once_utc_is),
     };

@@ -1,0 +1,408 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Moves to the second storage that do not go as smoothly as those of test_run_storage: half-way, or with more to bring. */
+#include "cmocka_includes.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "sim_run.h"
+#include "ttf/capture/guided_calibration.h"
+
+static int64_t committed; /* slots told */
+static unsigned alarms;
+static unsigned failed; /* operations */
+
+static void watch(struct sim_run *run, const struct ttf_progress *progress)
+{
+    (void)run;
+    if (progress->kind == TTF_PROGRESS_SLOT)
+        committed = progress->index + 1;
+    alarms += progress->kind == TTF_PROGRESS_ALARM;
+}
+
+static void with_second(struct sim_run *run)
+{
+    char path[96];
+
+    sim_run_init(run);
+    snprintf(path, sizeof(path), "%s/second", run->folder);
+    assert_int_equal(mkdir(path, 0755), 0);
+    snprintf(run->plan.second_storage, sizeof(run->plan.second_storage), "%s", path);
+    run->on_progress = watch;
+    committed = 0;
+    alarms = 0;
+    failed = 0;
+}
+
+/* The run as it stands in the second storage. */
+static struct sim_run second_of(const struct sim_run *run)
+{
+    struct sim_run second = *run;
+
+    snprintf(second.path, sizeof(second.path), "%s/second/dataset", run->folder);
+    return second;
+}
+
+static bool in_second(const char *path)
+{
+    return strstr(path, "/second") != NULL;
+}
+
+static bool ends_in(const char *path, const char *end)
+{
+    size_t n = strlen(path), m = strlen(end);
+
+    return n >= m && strcmp(path + n - m, end) == 0;
+}
+
+/* Letters of the slots from `from` on, all of which the second dataset has. */
+static void expect_second(const struct sim_run *run, int64_t from, const char *letters)
+{
+    struct sim_run second = second_of(run);
+    struct ttf_slot_record record;
+
+    for (int64_t i = 0; letters[i]; i++) {
+        sim_run_record(&second, from + i, &record);
+        assert_int_equal("cpmfzw"[record.result], letters[i]);
+        ttf_slot_record_free(&record);
+    }
+}
+
+/* ---- a second dataset that was made and never begun ---- */
+
+/* The first one can only be read; the second can be made, but takes no line. */
+static int neither_takes_a_line(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    if (in_second(path))
+        return strcmp(op, "append") == 0 && ends_in(path, "records.jsonl") ? EROFS : 0;
+    return committed >= 2 ? EROFS : 0;
+}
+
+static int first_can_only_be_read(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    (void)op;
+    return !in_second(path) && committed >= 4 ? EROFS : 0;
+}
+
+static void the_plan_in_force_is_that_of_a_second_dataset_made_under_an_older_one(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    run.fault = neither_takes_a_line;
+    assert_int_equal(sim_run_boot(&run), -EROFS);
+    sim_run_expect(&run, "cc");
+    /* Mended, gone on with for longer; then it fails again, and the second one is well. */
+    run.plan.count = 9;
+    run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
+    run.fault = first_can_only_be_read;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_true(run.result.second_storage);
+    assert_true(run.result.sealed);
+    expect_second(&run, 4, "ccccc");
+    /* The same plan finds nothing to do: it is the one in force there. */
+    run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(run.result.total, 9);
+    sim_run_finish(&run);
+}
+
+static void change_at_6(struct sim_run *run)
+{
+    run->control = ttf_control_create();
+    assert_non_null(run->control);
+    assert_true(
+        ttf_control_ask(run->control,
+                        &(struct ttf_ask){.kind = TTF_ASK_COUNT, .from_index = 6, .count = 8}) > 0);
+}
+
+/* As above, and then the plan changes again: its number there is the next one there. */
+static void plans_that_come_later_are_counted_as_they_stand_there(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+    struct ttf_reader *reader = NULL;
+    struct ttf_segment last;
+
+    (void)state;
+    with_second(&run);
+    run.fault = neither_takes_a_line;
+    assert_int_equal(sim_run_boot(&run), -EROFS);
+    run.plan.count = 9;
+    run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
+    run.fault = first_can_only_be_read;
+    change_at_6(&run);
+    assert_int_equal(sim_run_boot(&run), 0);
+    expect_second(&run, 4, "cccc");
+    second = second_of(&run);
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), second.path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_summary(reader)->n_plans, 3);
+    assert_int_equal(ttf_reader_summary(reader)->n_segments, 2);
+    assert_int_equal(ttf_reader_segment(reader, 0, &last), 0);
+    assert_int_equal(last.plan, 1);
+    assert_int_equal(ttf_reader_segment(reader, 1, &last), 0);
+    assert_int_equal(last.plan, 2);
+    ttf_reader_close(reader);
+    sim_run_expect_undamaged(&second, true);
+    ttf_control_destroy(run.control);
+    sim_run_finish(&run);
+}
+
+/* ---- a move that fails ---- */
+
+/* Dark and flat of this box. */
+static void calibrate(struct sim_run *run, char *folder, size_t size)
+{
+    struct ttf_calibration calibration;
+    struct ttf_scene white;
+    struct ttf_box box;
+    struct ttf_guided_config config = {
+        .box = &box, .shot = &run->plan.shots[0], .mains_hz = 50, .frames = 4, .reflectance = 0.9};
+
+    ttf_calibration_init(&calibration);
+    assert_int_equal(ttf_scene_procedural("white", 1, TTF_NS_PER_DAY, &white, NULL), 0);
+    assert_int_equal(ttf_sim_box_create(&run->config, &white, &box, NULL), 0);
+    assert_int_equal(ttf_guided_dark(&config, &calibration, NULL), 0);
+    ttf_box_destroy(&box);
+    snprintf(folder, size, "%s/calibration", run->folder);
+    assert_int_equal(ttf_calibration_save(&calibration, ttf_io_posix(), folder, NULL), 0);
+    ttf_calibration_free(&calibration);
+    run->calibration = folder;
+}
+
+/* Slot 2's files find no way into the first; the second takes neither the calibration nor a line. */
+static int slot_2_and_the_whole_second(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    if (in_second(path))
+        return strstr(path, "/calibration") ||
+                       (strcmp(op, "append") == 0 && ends_in(path, "/records.jsonl"))
+                   ? EROFS
+                   : 0;
+    return committed == 2 && strstr(path, "/frames/") ? EIO : 0;
+}
+
+static void a_move_that_failed_leaves_the_first_its_calibration(void **state)
+{
+    struct sim_run run;
+    struct ttf_slot_record record;
+    char folder[96];
+    char id[64];
+
+    (void)state;
+    with_second(&run);
+    calibrate(&run, folder, sizeof(folder));
+    run.fault = slot_2_and_the_whole_second;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_false(run.result.second_storage);
+    sim_run_record(&run, 1, &record);
+    snprintf(id, sizeof(id), "%.63s", record.images[0].calibration);
+    assert_true(id[0] != '\0');
+    ttf_slot_record_free(&record);
+    for (int64_t k = 3; k < 6; k++) {
+        sim_run_record(&run, k, &record);
+        assert_int_equal(record.result, TTF_RESULT_CAPTURED);
+        assert_string_equal(record.images[0].calibration, id);
+        ttf_slot_record_free(&record);
+    }
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+/* As above, but the second takes lines. */
+static int no_calibration_there(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    (void)op;
+    if (in_second(path))
+        return strstr(path, "/calibration") ? EIO : 0;
+    return committed >= 2 ? EROFS : 0;
+}
+
+static void images_name_no_calibration_that_did_not_come_along(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+    struct ttf_slot_record record;
+    char folder[96];
+
+    (void)state;
+    with_second(&run);
+    calibrate(&run, folder, sizeof(folder));
+    run.fault = no_calibration_there;
+    assert_int_equal(sim_run_boot(&run), 0);
+    second = second_of(&run);
+    expect_second(&run, 2, "cccc");
+    sim_run_record(&second, 2, &record);
+    assert_string_equal(record.images[0].calibration, "");
+    ttf_slot_record_free(&record);
+    assert_int_equal(sim_run_events(&second, "storage", "the calibration did not come along"), 1);
+    sim_run_expect_undamaged(&second, true);
+    sim_run_finish(&run);
+}
+
+/* Slot 2's files fail here once more; there the segment's line is written, and neither acknowledged nor taken back. */
+static int a_segment_in_doubt(struct sim_run *run, const char *op, const char *path)
+{
+    bool lines = ends_in(path, "records.jsonl");
+
+    (void)run;
+    if (!in_second(path))
+        return committed == 2 && strstr(path, "/frames/") ? EIO : 0;
+    if ((lines && strcmp(op, "sync") == 0 && failed == 0) ||
+        (ends_in(path, "records.jsonl.tmp") && strcmp(op, "open") == 0 && failed == 1) ||
+        (lines && strcmp(op, "truncate") == 0 && failed == 2)) {
+        failed++;
+        return EIO;
+    }
+    return 0;
+}
+
+static void a_second_dataset_that_was_begun_after_all_is_gone_on_with(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    run.fault = a_segment_in_doubt;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(failed, 3);
+    /* The next run would go on there: slots that came into the first meanwhile would be given up. */
+    assert_true(run.result.second_storage);
+    sim_run_expect(&run, "cc");
+    expect_second(&run, 2, "cccc");
+    sim_run_finish(&run);
+}
+
+/* ---- what comes along ---- */
+
+/* From slot 2's record on the first takes nothing more; its files are there, one of them no more as it was. */
+static int spoils_a_file(struct sim_run *run, const char *op, const char *path)
+{
+    char name[160];
+    FILE *f;
+
+    if (in_second(path) || committed < 2 || strcmp(op, "append") != 0)
+        return 0;
+    if (failed++ == 0) {
+        snprintf(name, sizeof(name), "%s/frames/main/000002.tif", run->path);
+        f = fopen(name, "r+");
+        assert_non_null(f);
+        assert_int_equal(fputc('X', f), 'X');
+        assert_int_equal(fclose(f), 0);
+    }
+    return EROFS;
+}
+
+static void a_file_that_changed_on_the_failing_disk_is_not_brought_as_if_it_were_good(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+    struct ttf_slot_record record;
+
+    (void)state;
+    with_second(&run);
+    run.fault = spoils_a_file;
+    assert_int_equal(sim_run_boot(&run), 0);
+    second = second_of(&run);
+    expect_second(&run, 2, "cccc");
+    sim_run_record(&second, 2, &record);
+    assert_int_equal(record.images[0].n_files, 1);
+    assert_string_equal(record.images[0].files[0].role, "raw");
+    assert_non_null(strstr(record.images[0].flags, "developed-lost"));
+    ttf_slot_record_free(&record);
+    sim_run_expect_undamaged(&second, true);
+    sim_run_finish(&run);
+}
+
+/* The files of slot 2 cannot be read back either. */
+static int takes_the_files_away(struct sim_run *run, const char *op, const char *path)
+{
+    char name[160];
+
+    if (in_second(path) || committed < 2 || strcmp(op, "append") != 0)
+        return 0;
+    if (failed++ == 0) {
+        snprintf(name, sizeof(name), "%s/frames/main/000002.tif", run->path);
+        assert_int_equal(remove(name), 0);
+        snprintf(name, sizeof(name), "%s/raw/main/000002.dng", run->path);
+        assert_int_equal(remove(name), 0);
+    }
+    return EROFS;
+}
+
+static void a_slot_whose_files_are_lost_on_the_way_says_so(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+
+    (void)state;
+    with_second(&run);
+    run.fault = takes_the_files_away;
+    assert_int_equal(sim_run_boot(&run), 0);
+    second = second_of(&run);
+    expect_second(&run, 2, "fccc");
+    sim_run_expect_reason(&second, 2, "storage error");
+    sim_run_expect_undamaged(&second, true);
+    sim_run_finish(&run);
+}
+
+/* The first fails when the first of two images is in it: what is there is fetched, the other is written there. */
+static int fails_at_the_second_image(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    if (in_second(path) || committed < 2)
+        return 0;
+    failed += strstr(path, "/frames/raking/000002") != NULL;
+    return failed > 0 && strcmp(op, "rename") != 0 ? EIO : 0;
+}
+
+static void a_slot_of_two_images_is_moved_in_its_middle(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+    struct ttf_slot_record record;
+
+    (void)state;
+    with_second(&run);
+    run.plan.n_shots = 2;
+    run.plan.shots[1] = run.plan.shots[0];
+    strcpy(run.plan.shots[1].stream, "raking");
+    strcpy(run.plan.shots[1].channel, "right");
+    strcpy(run.plan.shots[1].levels[0].lamp, "right");
+    run.fault = fails_at_the_second_image;
+    assert_int_equal(sim_run_boot(&run), 0);
+    second = second_of(&run);
+    sim_run_expect(&run, "cc");
+    expect_second(&run, 2, "cccc");
+    sim_run_record(&second, 2, &record);
+    assert_int_equal(record.n_images, 2);
+    assert_int_equal(record.images[0].n_files, 2);
+    assert_int_equal(record.images[1].n_files, 2);
+    assert_string_equal(record.images[0].flags, "");
+    ttf_slot_record_free(&record);
+    sim_run_expect_undamaged(&second, true);
+    sim_run_finish(&run);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_plan_in_force_is_that_of_a_second_dataset_made_under_an_older_one),
+        cmocka_unit_test(plans_that_come_later_are_counted_as_they_stand_there),
+        cmocka_unit_test(a_move_that_failed_leaves_the_first_its_calibration),
+        cmocka_unit_test(images_name_no_calibration_that_did_not_come_along),
+        cmocka_unit_test(a_second_dataset_that_was_begun_after_all_is_gone_on_with),
+        cmocka_unit_test(a_file_that_changed_on_the_failing_disk_is_not_brought_as_if_it_were_good),
+        cmocka_unit_test(a_slot_whose_files_are_lost_on_the_way_says_so),
+        cmocka_unit_test(a_slot_of_two_images_is_moved_in_its_middle),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Records, events and the seal on a storage that fails for a moment: each once, in order, and none without power. */
+#include "cmocka_includes.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "sim_run.h"
+
+static int64_t committed; /* slots told */
+static unsigned failed;   /* operations */
+static int fails_with;
+static unsigned dark; /* operations of a box without power */
+
+static void watch(struct sim_run *run, const struct ttf_progress *progress)
+{
+    (void)run;
+    if (progress->kind == TTF_PROGRESS_SLOT)
+        committed = progress->index + 1;
+}
+
+static void watched(struct sim_run *run, int (*fault)(struct sim_run *, const char *, const char *))
+{
+    sim_run_init(run);
+    run->on_progress = watch;
+    run->fault = fault;
+    committed = 0;
+    failed = 0;
+    fails_with = EIO;
+    dark = 0;
+}
+
+static bool ends_in(const char *path, const char *end)
+{
+    size_t n = strlen(path), m = strlen(end);
+
+    return n >= m && strcmp(path + n - m, end) == 0;
+}
+
+static int64_t now_ns(const struct sim_run *run)
+{
+    return ttf_sim_elapsed_ns(run->box, ttf_clock_now_ns(run->box->clock));
+}
+
+/* ---- once ---- */
+
+/* The record of slot 2 is written, its sync fails, and so does all that would take it back. */
+static int a_record_in_doubt(struct sim_run *run, const char *op, const char *path)
+{
+    bool lines = ends_in(path, "/records.jsonl");
+
+    (void)run;
+    if (committed != 2)
+        return 0;
+    if ((lines && strcmp(op, "sync") == 0 && failed == 0) ||
+        (ends_in(path, "records.jsonl.tmp") && strcmp(op, "open") == 0 && failed == 1) ||
+        (lines && strcmp(op, "truncate") == 0 && failed == 2)) {
+        failed++;
+        return EIO;
+    }
+    return 0;
+}
+
+static void a_record_that_got_there_after_all_is_not_written_again(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    watched(&run, a_record_in_doubt);
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(failed, 3);
+    assert_int_equal(run.slots_told, 6);
+    sim_run_expect(&run, "cccccc");
+    sim_run_expect_flag(&run, 2, "");
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+/* ---- as it was written ---- */
+
+/*
+ * Slot 2's record cannot be written at first. Somebody has put a frame of a later slot beside its own, so opening
+ * anew clears nothing away; and slot 2's developed frame is shorter by now.
+ */
+static int a_file_shrinks(struct sim_run *run, const char *op, const char *path)
+{
+    char name[160];
+
+    if (committed != 2 || strcmp(op, "append") != 0 || !ends_in(path, "records.jsonl") || failed)
+        return 0;
+    failed++;
+    snprintf(name, sizeof(name), "%s/frames/main/000002.tif", run->path);
+    assert_int_equal(truncate(name, 100), 0);
+    snprintf(name, sizeof(name), "%s/frames/main/000005.tif", run->path);
+    fclose(fopen(name, "w"));
+    return ENOSPC;
+}
+
+static void a_file_that_is_no_more_as_it_was_written_is_not_recorded(void **state)
+{
+    struct sim_run run;
+    struct ttf_slot_record record;
+
+    (void)state;
+    watched(&run, a_file_shrinks);
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "cccccc");
+    sim_run_expect_flag(&run, 2, "developed-lost");
+    sim_run_record(&run, 2, &record);
+    assert_int_equal(record.images[0].n_files, 1);
+    ttf_slot_record_free(&record);
+    sim_run_expect_undamaged(&run, true);
+    sim_run_finish(&run);
+}
+
+/* Its record's first writing fails, and opening anew clears its files away: the record says so at once. */
+static int a_record_fails_once(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    if (committed != 5 || strcmp(op, "append") != 0 || !ends_in(path, "records.jsonl") || failed)
+        return 0;
+    failed++;
+    return ENOSPC;
+}
+
+static void
+a_slot_whose_files_were_cleared_away_is_recorded_as_failed_at_the_second_try(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    watched(&run, a_record_fails_once);
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "cccccf");
+    sim_run_expect_reason(&run, 5, "storage error");
+    assert_int_equal(sim_run_events(&run, "retry", "record of slot 5 needed a second try"), 1);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+/* ---- in order ---- */
+
+#define OPENED_NS (140 * TTF_NS_PER_S)
+
+/* For a second there is no room, not even for an event. */
+static int no_room_when_the_door_opens(struct sim_run *run, const char *op, const char *path)
+{
+    if (!ends_in(path, "events.jsonl") && !ends_in(path, ".events-reserve"))
+        return 0;
+    if (now_ns(run) < OPENED_NS || now_ns(run) > OPENED_NS + 3 * TTF_NS_PER_S)
+        return 0;
+    failed++;
+    return ENOSPC;
+}
+
+static long where_is(const char *text, const char *what)
+{
+    const char *at = strstr(text, what);
+
+    assert_non_null(at);
+    return at ? at - text : -1;
+}
+
+static void events_are_written_in_the_order_they_came_in(void **state)
+{
+    struct sim_run run;
+    char path[128];
+    char *text = NULL;
+    size_t bytes;
+
+    (void)state;
+    watched(&run, no_room_when_the_door_opens);
+    sim_run_fault(&run, TTF_FAULT_DOOR_OPEN, OPENED_NS)->duration_ns = 10 * TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_true(failed > 0);
+    snprintf(path, sizeof(path), "%s/events.jsonl", run.path);
+    assert_int_equal(ttf_io_slurp(ttf_io_posix(), path, 1 << 20, &text, &bytes, NULL), 0);
+    assert_true(where_is(text, "\"opened\"") < where_is(text, "\"closed\""));
+    free(text);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+/* ---- not without power ---- */
+
+static void count_dark(struct sim_run *run)
+{
+    dark += run->box->power_lost(run->box->box_private) != 0;
+}
+
+/* A record takes ten seconds; the door opens meanwhile, and then the power goes. */
+static void a_box_without_power_writes_nothing_that_waited(void **state)
+{
+    struct sim_run run;
+    int64_t due;
+
+    (void)state;
+    watched(&run, NULL);
+    assert_int_equal(sim_run_boot(&run), 0);
+    due = sim_run_due_ns(&run, 2);
+    sim_run_finish(&run);
+    watched(&run, NULL);
+    run.on_file = count_dark;
+    run.config.cost_commit_ns = 10 * TTF_NS_PER_S;
+    sim_run_fault(&run, TTF_FAULT_DOOR_OPEN, due + 3 * TTF_NS_PER_S)->duration_ns = TTF_NS_PER_MIN;
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, due + 8 * TTF_NS_PER_S);
+    assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
+    assert_int_equal(dark, 0);
+    assert_int_equal(sim_run_events(&run, "door", NULL), 0);
+    sim_run_expect(&run, "cc");
+    sim_run_expect_undamaged(&run, false);
+    sim_run_finish(&run);
+}
+
+/* ---- the end ---- */
+
+/* From the last record's first try on, for twenty seconds. */
+static int the_last_record_fails(struct sim_run *run, const char *op, const char *path)
+{
+    static int64_t since;
+
+    (void)op;
+    (void)path;
+    if (committed != run->plan.count - 1 || now_ns(run) < sim_run_due_ns(run, committed))
+        return 0;
+    if (failed++ == 0)
+        since = now_ns(run);
+    return now_ns(run) < since + 20 * TTF_NS_PER_S ? fails_with : 0;
+}
+
+static int the_seal_fails(struct sim_run *run, const char *op, const char *path)
+{
+    static int64_t since;
+
+    (void)op;
+    (void)path;
+    if (committed != run->plan.count)
+        return 0;
+    if (failed++ == 0)
+        since = now_ns(run);
+    return now_ns(run) < since + 20 * TTF_NS_PER_S ? fails_with : 0;
+}
+
+static const int passing[] = {EIO, ENOSPC, EDQUOT, ENOMEM};
+
+static void a_last_record_waits_for_whatever_may_pass(void **state)
+{
+    (void)state;
+    for (unsigned i = 0; i < sizeof(passing) / sizeof(passing[0]); i++) {
+        struct sim_run run;
+
+        watched(&run, the_last_record_fails);
+        fails_with = passing[i];
+        assert_int_equal(sim_run_boot(&run), 0);
+        assert_true(failed > 0);
+        assert_true(run.result.sealed);
+        assert_int_equal(run.result.slots, 6);
+        sim_run_expect_whole(&run, true);
+        sim_run_finish(&run);
+    }
+}
+
+static void a_seal_waits_for_whatever_may_pass(void **state)
+{
+    (void)state;
+    for (unsigned i = 0; i < sizeof(passing) / sizeof(passing[0]); i++) {
+        struct sim_run run;
+
+        watched(&run, the_seal_fails);
+        fails_with = passing[i];
+        assert_int_equal(sim_run_boot(&run), 0);
+        assert_true(failed > 0);
+        assert_true(run.result.sealed);
+        sim_run_expect(&run, "cccccc");
+        sim_run_expect_whole(&run, true);
+        sim_run_finish(&run);
+    }
+}
+
+/* A disk quota that is used up is a full disk to whoever reads the records. */
+static int no_quota_for_slot_2(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    if (committed != 2 || strcmp(op, "pwrite") != 0 || !strstr(path, "/main/"))
+        return 0;
+    failed++;
+    return EDQUOT;
+}
+
+static void a_quota_that_is_used_up_is_called_full(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    watched(&run, no_quota_for_slot_2);
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "ccfccc");
+    sim_run_expect_reason(&run, 2, "disk full");
+    assert_int_equal(failed, 2); /* each file once: another name would not help */
+    sim_run_finish(&run);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_record_that_got_there_after_all_is_not_written_again),
+        cmocka_unit_test(a_file_that_is_no_more_as_it_was_written_is_not_recorded),
+        cmocka_unit_test(
+            a_slot_whose_files_were_cleared_away_is_recorded_as_failed_at_the_second_try),
+        cmocka_unit_test(events_are_written_in_the_order_they_came_in),
+        cmocka_unit_test(a_box_without_power_writes_nothing_that_waited),
+        cmocka_unit_test(a_last_record_waits_for_whatever_may_pass),
+        cmocka_unit_test(a_seal_waits_for_whatever_may_pass),
+        cmocka_unit_test(a_quota_that_is_used_up_is_called_full),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
