@@ -30,8 +30,9 @@ struct session_slot {
 struct session_promise {
     bool armed; /* dataset and segment are there */
     bool sealed;
-    bool troubled;   /* the disk has failed: files of no record may stay, and slots be lacking */
-    int64_t n_slots; /* acknowledged: 0..n_slots-1 */
+    bool maybe_sealed; /* it was, by a plan with fewer slots */
+    bool troubled;     /* the disk has failed: files of no record may stay, and slots be lacking */
+    int64_t n_slots;   /* acknowledged: 0..n_slots-1 */
     unsigned n_events;
     struct session_slot slots[SESSION_SLOTS_MAX];
 };
