@@ -342,6 +342,7 @@ static void fill_result(const struct ttf_session *s, struct ttf_session_result *
     ret->wakeup_max_ns = ledger->wakeup.max_ns;
     ret->resumed = s->resume.continued;
     ret->second_storage = s->committer.moved;
+    ret->moved_on_from = s->moved_on_from;
     ret->total = s->plan.count;
     if (s->config->rehearse > 0) {
         int64_t slowest = h->expose_ns > h->commit_ns ? h->expose_ns : h->commit_ns;
@@ -508,6 +509,7 @@ int ttf_session_run(const struct ttf_session_config *config, struct ttf_session_
     int r;
 
     memset(ret, 0, sizeof(*ret));
+    ret->moved_on_from = -1;
     if (!s)
         return ttf_err_set(err, -ENOMEM, NULL, "out of memory");
     s->config = config;

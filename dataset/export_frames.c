@@ -111,16 +111,22 @@ static int make_tables(struct export_job *job)
 int export_frames_buffers(struct export_job *job, struct ttf_err *err)
 {
     const struct ttf_sequence *s = job->sequence;
-    int code = make_tables(job);
+    enum ttf_export_kind kind = job->config->kind;
+    enum ttf_sample format;
+    int code;
+
+    job->values = s->ops->read_values && (kind == TTF_EXPORT_NPY || kind == TTF_EXPORT_TIFF);
+    format = job->values ? TTF_SAMPLE_F32 : TTF_SAMPLE_U16;
+    code = job->values ? 0 : make_tables(job);
 
     fit_size(job);
     job->source_t[0] = job->source_t[1] = -1;
     for (int i = 0; i < 2 && !code; i++)
-        code = ttf_pixbuf_alloc(&job->source[i], s->width, s->height, 3, TTF_SAMPLE_U16);
+        code = ttf_pixbuf_alloc(&job->source[i], s->width, s->height, 3, format);
     if (!code)
-        code = ttf_pixbuf_alloc(&job->mixed, s->width, s->height, 3, TTF_SAMPLE_U16);
+        code = ttf_pixbuf_alloc(&job->mixed, s->width, s->height, 3, format);
     if (!code)
-        code = ttf_pixbuf_alloc(&job->sized, job->width, job->height, 3, TTF_SAMPLE_U16);
+        code = ttf_pixbuf_alloc(&job->sized, job->width, job->height, 3, format);
     if (code)
         return ttf_err_set(err, code, NULL, "no memory for frames of %u x %u", s->width, s->height);
     return 0;
@@ -139,8 +145,10 @@ static int load(struct export_job *job, uint32_t t, int kept, int *ret_place, st
     }
     place = kept == 0 ? 1 : 0;
     job->source_t[place] = -1;
-    code = ttf_sequence_read_rows(job->sequence, t, 0, job->sequence->height,
-                                  job->source[place].data, err);
+    code = job->values ? ttf_sequence_read_values(job->sequence, t, 0, job->sequence->height,
+                                                  job->source[place].data, err)
+                       : ttf_sequence_read_rows(job->sequence, t, 0, job->sequence->height,
+                                                job->source[place].data, err);
     if (code)
         return code;
     job->source_t[place] = t;
@@ -149,18 +157,38 @@ static int load(struct export_job *job, uint32_t t, int kept, int *ret_place, st
 }
 
 /* Codes are proportional to light but for the pedestal, so mixing them mixes light. */
-static void mix(const uint16_t *a, const uint16_t *b, int64_t num, int64_t den, uint16_t *ret,
-                size_t n)
+static void mix_codes(const uint16_t *a, const uint16_t *b, int64_t num, int64_t den, uint16_t *ret,
+                      size_t n)
 {
     for (size_t i = 0; i < n; i++)
         ret[i] = (uint16_t)((a[i] * (den - num) + b[i] * num + den / 2) / den);
+}
+
+static void mix_values(const float *a, const float *b, int64_t num, int64_t den, float *ret,
+                       size_t n)
+{
+    float weight = (float)((double)num / (double)den);
+
+    for (size_t i = 0; i < n; i++)
+        ret[i] = a[i] + (b[i] - a[i]) * weight;
+}
+
+static void mix(struct export_job *job, int a, int b, const struct export_frame *frame)
+{
+    size_t n = (size_t)job->sequence->width * job->sequence->height * 3;
+
+    if (job->values)
+        mix_values(job->source[a].data, job->source[b].data, frame->num, frame->den,
+                   job->mixed.data, n);
+    else
+        mix_codes(job->source[a].data, job->source[b].data, frame->num, frame->den, job->mixed.data,
+                  n);
 }
 
 int export_frames_read(struct export_job *job, uint32_t k, struct ttf_pixbuf **ret,
                        struct ttf_err *err)
 {
     const struct export_frame *frame = &job->frame[k];
-    size_t n = (size_t)job->sequence->width * job->sequence->height * 3;
     const struct ttf_pixbuf *codes;
     uint16_t *light;
     int a, b, code = load(job, frame->a, -1, &a, err);
@@ -172,7 +200,7 @@ int export_frames_read(struct export_job *job, uint32_t k, struct ttf_pixbuf **r
         code = load(job, frame->b, a, &b, err);
         if (code)
             return code;
-        mix(job->source[a].data, job->source[b].data, frame->num, frame->den, job->mixed.data, n);
+        mix(job, a, b, frame);
         codes = &job->mixed;
     }
     /* Resampled before the pedestal goes: clipped noise would not average out. */
@@ -180,7 +208,7 @@ int export_frames_read(struct export_job *job, uint32_t k, struct ttf_pixbuf **r
     if (code)
         return ttf_err_set(err, code, NULL, "no memory to resample frames");
     light = job->sized.data;
-    for (size_t i = 0; i < (size_t)job->width * job->height * 3; i++)
+    for (size_t i = 0; !job->values && i < (size_t)job->width * job->height * 3; i++)
         light[i] = job->linear[light[i]];
     *ret = &job->sized;
     return 0;

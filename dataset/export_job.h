@@ -29,6 +29,7 @@ struct export_job {
     struct export_frame *frame;
     uint32_t n;
     uint32_t width, height; /* as written */
+    bool values;            /* floats as they are: npy and tiff of a stream of floats */
     double white, black;    /* values that become codes 65535 and 0 */
     uint16_t *linear;       /* the sequence's codes to 0..65535 of light, 65536 entries */
     uint8_t *display;       /* 0..65535 of light to 8-bit sRGB, 65536 entries */
@@ -38,7 +39,7 @@ struct export_job {
     char *side_file; /* of the kind's own, removed at the end; NULL: none */
 };
 
-/* export_frames.c: which frames, and each of them as linear 16-bit RGB, 65535 = white. */
+/* export_frames.c: which frames, and each of them as linear 16-bit RGB, 65535 = white; or as floats, if job.values. */
 TTF_MUST_USE int export_frames_make(struct export_job *job, struct ttf_err *err);
 TTF_MUST_USE int export_frames_buffers(struct export_job *job, struct ttf_err *err);
 /* *ret is the job's own, and may be written to, until the next call. */
@@ -49,7 +50,7 @@ void export_frames_free(struct export_job *job);
 /* What takes the frames, in order. */
 struct export_sink;
 struct export_sink_ops {
-    int (*frame)(struct export_sink *sink, uint32_t k, const struct ttf_pixbuf *rgb16,
+    int (*frame)(struct export_sink *sink, uint32_t k, const struct ttf_pixbuf *rgb,
                  struct ttf_err *err);
     int (*finish)(struct export_sink *sink, struct ttf_err *err); /* completes; does not free */
     void (*destroy)(struct export_sink *sink);

@@ -24,8 +24,8 @@ struct produce_ctx {
 static int produce(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
 {
     const struct produce_ctx *p = ctx;
-    struct ttf_tiff_spec spec = {.icc =
-                                     p->job->config->camera_colours ? TTF_ICC_NONE : TTF_ICC_LINEAR,
+    bool colours = !p->job->config->camera_colours && !p->job->values;
+    struct ttf_tiff_spec spec = {.icc = colours ? TTF_ICC_LINEAR : TTF_ICC_NONE,
                                  .times = {.start_utc_ns = TTF_NS_UNKNOWN},
                                  .description = export_mark(p->job)};
 

@@ -38,6 +38,16 @@ static void put_invented(struct ttf_json *json, const struct export_job *job)
     ttf_json_array_end(json);
 }
 
+/* Slots that have an image which a note tags "exclude". */
+static void put_excluded(struct ttf_json *json, const struct export_job *job)
+{
+    ttf_json_key(json, "excluded_slots");
+    ttf_json_array(json);
+    for (uint32_t i = 0; i < job->sequence->n_excluded; i++)
+        ttf_json_int(json, job->sequence->excluded[i]);
+    ttf_json_array_end(json);
+}
+
 static void put_frames(struct ttf_json *json, const struct export_job *job)
 {
     ttf_json_key(json, "slots");
@@ -74,10 +84,14 @@ int export_sidecar(const struct export_job *job, char **ret_text, size_t *ret_by
     } else if (config->kind != TTF_EXPORT_NPY) {
         ttf_json_kdouble(&json, "fps", (double)config->fps_num / config->fps_den);
     }
-    ttf_json_kdouble(&json, "white", job->white);
-    ttf_json_kdouble(&json, "black", job->black);
+    ttf_json_kstring(&json, "samples", job->values ? "values as float32" : "light");
+    if (!job->values) {
+        ttf_json_kdouble(&json, "white", job->white);
+        ttf_json_kdouble(&json, "black", job->black);
+    }
     ttf_json_kstring(&json, "gaps", ttf_gaps_name(config->gaps));
     put_invented(&json, job);
+    put_excluded(&json, job);
     put_frames(&json, job);
     ttf_json_object_end(&json);
     code = ttf_json_finish(&json, &text, &n);

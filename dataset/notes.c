@@ -22,8 +22,10 @@ int ttf_note_check(const struct ttf_note *note, struct ttf_err *err)
             return ttf_err_set(err, -EINVAL, "slots", "%lld-%lld is no range of slots",
                                (long long)note->slots[i][0], (long long)note->slots[i][1]);
     for (unsigned i = 0; i < note->n_tags; i++)
-        if (note->tags[i][0] == '\0')
-            return ttf_err_set(err, -EINVAL, "tags", "a tag is empty");
+        if (note->tags[i][0] == '\0' || strpbrk(note->tags[i], " \t\r\n,\"\\"))
+            return ttf_err_set(err, -EINVAL, "tags",
+                               "'%s' is no word: neither empty nor with blanks, commas or quotes",
+                               note->tags[i]);
     return 0;
 }
 

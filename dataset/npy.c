@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* npy.c: one array n x h x w x 3 of uint16, NumPy's format 1.0 (numpy.lib.format). */
+/* npy.c: one array n x h x w x 3 of uint16, or of floats, NumPy's format 1.0 (numpy.lib.format). */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,8 +24,8 @@ static int put_header(struct npy_sink *sink, struct ttf_err *err)
     memset(header, ' ', sizeof(header));
     memcpy(header, magic, sizeof(magic));
     n = snprintf(header + 10, sizeof(header) - 10,
-                 "{'descr': '<u2', 'fortran_order': False, 'shape': (%u, %u, %u, 3), }", job->n,
-                 job->height, job->width);
+                 "{'descr': '<%s', 'fortran_order': False, 'shape': (%u, %u, %u, 3), }",
+                 job->values ? "f4" : "u2", job->n, job->height, job->width);
     header[10 + n] = ' ';
     n = (10 + n + 1 + 63) / 64 * 64;
     header[n - 1] = '\n';
@@ -34,21 +34,38 @@ static int put_header(struct npy_sink *sink, struct ttf_err *err)
     return export_file_put(&sink->file, header, (size_t)n, err);
 }
 
-static int npy_frame(struct export_sink *base, uint32_t k, const struct ttf_pixbuf *rgb16,
+static void put_codes(const uint16_t *row, size_t n, uint8_t *ret)
+{
+    for (size_t i = 0; i < n; i++) {
+        ret[2 * i] = (uint8_t)row[i];
+        ret[2 * i + 1] = (uint8_t)(row[i] >> 8);
+    }
+}
+
+static void put_values(const float *row, size_t n, uint8_t *ret)
+{
+    for (size_t i = 0; i < n; i++) {
+        uint32_t bits;
+
+        memcpy(&bits, &row[i], sizeof(bits));
+        for (unsigned k = 0; k < 4; k++)
+            ret[4 * i + k] = (uint8_t)(bits >> (8 * k));
+    }
+}
+
+static int npy_frame(struct export_sink *base, uint32_t k, const struct ttf_pixbuf *rgb,
                      struct ttf_err *err)
 {
     struct npy_sink *sink = (struct npy_sink *)base;
-    size_t n = (size_t)rgb16->width * 3;
+    size_t n = (size_t)rgb->width * 3;
     int code = 0;
 
-    for (uint32_t y = 0; y < rgb16->height && !code; y++) {
-        const uint16_t *row = ttf_pixbuf_row(rgb16, y);
-
-        for (size_t i = 0; i < n; i++) {
-            sink->row[2 * i] = (uint8_t)row[i];
-            sink->row[2 * i + 1] = (uint8_t)(row[i] >> 8);
-        }
-        code = export_file_put(&sink->file, sink->row, 2 * n, err);
+    for (uint32_t y = 0; y < rgb->height && !code; y++) {
+        if (base->job->values)
+            put_values(ttf_pixbuf_row(rgb, y), n, sink->row);
+        else
+            put_codes(ttf_pixbuf_row(rgb, y), n, sink->row);
+        code = export_file_put(&sink->file, sink->row, (base->job->values ? 4 : 2) * n, err);
     }
     return code;
 }
@@ -83,7 +100,7 @@ int export_npy_open(struct export_job *job, unsigned pass, struct export_sink **
         return ttf_err_set(err, -ENOMEM, NULL, "no memory to write an array");
     sink->base = (struct export_sink){.ops = &npy_ops, .job = job};
     sink->file.handle = -1;
-    sink->row = malloc((size_t)job->width * 6);
+    sink->row = malloc((size_t)job->width * 3 * (job->values ? 4 : 2));
     code = sink->row ? export_file_open(&sink->file, job, err)
                      : ttf_err_set(err, -ENOMEM, NULL, "no memory to write an array");
     if (!code)

@@ -25,9 +25,10 @@ struct dataset_sequence {
     struct ttf_sequence base; /* first: downcast by address */
     struct ttf_io *io;
     struct sequence_frames frames;
-    uint32_t samples; /* of the files */
-    enum ttf_sample format;
-    pthread_mutex_t lock; /* guards what follows */
+    uint32_t samples;             /* of the files */
+    enum ttf_sample format;       /* of rows as they are read: F32 also of F16 files */
+    struct ttf_encoding encoding; /* of the files */
+    pthread_mutex_t lock;         /* guards what follows */
     uint64_t uses;
     struct open_file open[OPEN_MAX];
 };
@@ -129,10 +130,11 @@ static void widen(const struct dataset_sequence *dataset, uint16_t *dst, size_t 
     }
 }
 
-static int dataset_read_rows(struct ttf_sequence *sequence, uint32_t t, uint32_t y0, uint32_t rows,
-                             uint16_t *dst, struct ttf_err *err)
+/* Rows as the file has them. */
+static int read_samples(struct dataset_sequence *dataset, uint32_t t, uint32_t y0, uint32_t rows,
+                        void *dst, struct ttf_err *err)
 {
-    struct dataset_sequence *dataset = (struct dataset_sequence *)sequence;
+    const struct ttf_sequence *sequence = &dataset->base;
     size_t stride = (size_t)sequence->width * dataset->samples * ttf_sample_bytes(dataset->format);
     struct ttf_tiff_reader *tiff;
     int code;
@@ -150,11 +152,64 @@ static int dataset_read_rows(struct ttf_sequence *sequence, uint32_t t, uint32_t
     }
     code = ttf_tiff_reader_rows(tiff, y0, rows, dst, stride, err);
     give_back(dataset, t, tiff, code != 0);
+    return code;
+}
+
+static int dataset_read_rows(struct ttf_sequence *sequence, uint32_t t, uint32_t y0, uint32_t rows,
+                             uint16_t *dst, struct ttf_err *err)
+{
+    struct dataset_sequence *dataset = (struct dataset_sequence *)sequence;
+    int code = read_samples(dataset, t, y0, rows, dst, err);
+
     if (code)
         return code;
     if (dataset->samples != 3 || dataset->format != TTF_SAMPLE_U16)
         widen(dataset, dst, (size_t)rows * sequence->width);
     return 0;
+}
+
+static int dataset_read_values(struct ttf_sequence *sequence, uint32_t t, uint32_t y0,
+                               uint32_t rows, float *dst, struct ttf_err *err)
+{
+    struct dataset_sequence *dataset = (struct dataset_sequence *)sequence;
+    const struct ttf_encoding *e = &dataset->encoding;
+    size_t pixels = (size_t)rows * sequence->width;
+    int code = read_samples(dataset, t, y0, rows, dst, err);
+
+    /* From the end, as grey becomes three. */
+    for (size_t i = code ? 0 : pixels; i-- > 0;) {
+        float rgb[3];
+
+        for (size_t c = 0; c < 3; c++) {
+            float sample = dst[i * dataset->samples + (dataset->samples == 3 ? c : 0)];
+
+            rgb[c] = (float)(((double)sample - e->pedestal) / e->scale);
+        }
+        memcpy(dst + i * 3, rgb, sizeof(rgb));
+    }
+    return code;
+}
+
+/* Values spread over 16 bits, a row at a time: three floats are twice the room of three codes. */
+static int float_read_rows(struct ttf_sequence *sequence, uint32_t t, uint32_t y0, uint32_t rows,
+                           uint16_t *dst, struct ttf_err *err)
+{
+    size_t n = (size_t)sequence->width * 3;
+    float *row = malloc(n * sizeof(*row));
+    int code = 0;
+
+    if (!row)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory for a row");
+    for (uint32_t y = 0; y < rows && !code; y++) {
+        code = dataset_read_values(sequence, t, y0 + y, 1, row, err);
+        for (size_t i = 0; i < n && !code; i++) {
+            double c = row[i] * sequence->encoding.scale + sequence->encoding.pedestal + 0.5;
+
+            dst[y * n + i] = !(c > 0) ? 0 : (c >= 65535 ? 65535 : (uint16_t)c);
+        }
+    }
+    free(row);
+    return code;
 }
 
 static void dataset_destroy(struct ttf_sequence *sequence)
@@ -168,18 +223,61 @@ static void dataset_destroy(struct ttf_sequence *sequence)
     free(dataset);
 }
 
+/* Their codes are all there is to say. */
 static const struct ttf_sequence_ops dataset_ops = {
     .read_rows = dataset_read_rows,
     .destroy = dataset_destroy,
 };
 
-/* A sequence hands out 16-bit grey or RGB; anything else is a quantity that is read by other ways. */
+static const struct ttf_sequence_ops float_ops = {
+    .read_rows = float_read_rows,
+    .read_values = dataset_read_values,
+    .destroy = dataset_destroy,
+};
+
+/* The least and the greatest finite value of all frames. */
+static int find_range(struct dataset_sequence *dataset, float ret[2], struct ttf_err *err)
+{
+    size_t n = (size_t)dataset->base.width * 3;
+    float *row = malloc(n * sizeof(*row));
+    bool any = false;
+    int code = 0;
+
+    ret[0] = ret[1] = 0;
+    if (!row)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory for a row");
+    for (uint32_t t = 0; t < dataset->base.n && !code; t++) {
+        for (uint32_t y = 0; y < dataset->base.height && !code; y++) {
+            code = dataset_read_values(&dataset->base, t, y, 1, row, err);
+            for (size_t i = 0; i < n && !code; i++) {
+                if (!isfinite(row[i]))
+                    continue;
+                ret[0] = any && ret[0] < row[i] ? ret[0] : row[i];
+                ret[1] = any && ret[1] > row[i] ? ret[1] : row[i];
+                any = true;
+            }
+        }
+    }
+    free(row);
+    return code;
+}
+
+/* Floats have no codes of their own: what they reach becomes the range. */
+static int spread_floats(struct dataset_sequence *dataset, struct ttf_err *err)
+{
+    float range[2];
+    int code = find_range(dataset, range, err);
+    double span = range[1] > range[0] ? (double)range[1] - range[0] : 1.0;
+
+    dataset->base.encoding = (struct ttf_encoding){
+        .pedestal = -range[0] * (65535.0 / span),
+        .scale = 65535.0 / span,
+    };
+    return code;
+}
+
 static int check_stream(const struct ttf_stream *stream, const char *path, struct ttf_err *err)
 {
-    if (stream->format != TTF_SAMPLE_U8 && stream->format != TTF_SAMPLE_U16)
-        return ttf_err_set(err, -ENOTSUP, path,
-                           "stream '%s' holds %s samples and is not read as images", stream->id,
-                           ttf_sample_name(stream->format));
     if (stream->samples != 1 && stream->samples != 3)
         return ttf_err_set(err, -ENOTSUP, path, "stream '%s' has %u samples a pixel, not 1 or 3",
                            stream->id, stream->samples);
@@ -188,45 +286,67 @@ static int check_stream(const struct ttf_stream *stream, const char *path, struc
     return 0;
 }
 
-int ttf_sequence_of_dataset(struct ttf_reader *reader, const char *stream_id,
+static struct dataset_sequence *make(struct ttf_reader *reader, const struct ttf_stream *stream,
+                                     struct sequence_frames *frames)
+{
+    struct dataset_sequence *dataset = calloc(1, sizeof(*dataset));
+    double factor = stream->format == TTF_SAMPLE_U8 ? 257.0 : 1.0;
+    bool floats = stream->format == TTF_SAMPLE_F16 || stream->format == TTF_SAMPLE_F32;
+
+    if (!dataset)
+        return NULL;
+    pthread_mutex_init(&dataset->lock, NULL);
+    dataset->io = ttf_reader_io(reader);
+    dataset->frames = *frames;
+    dataset->samples = stream->samples;
+    dataset->format = floats ? TTF_SAMPLE_F32 : stream->format;
+    dataset->encoding = stream->encoding;
+    dataset->base = (struct ttf_sequence){
+        .ops = floats ? &float_ops : &dataset_ops,
+        .width = stream->width,
+        .height = stream->height,
+        .n = frames->n,
+        .encoding = {stream->encoding.pedestal * factor, stream->encoding.scale * factor},
+        .index = frames->index,
+        .time_ns = frames->time_ns,
+        .excluded = frames->excluded,
+        .n_excluded = frames->n_excluded,
+    };
+    return dataset;
+}
+
+int ttf_sequence_of_dataset(struct ttf_reader *reader, const struct ttf_sequence_choice *choice,
                             struct ttf_sequence **ret, struct ttf_err *err)
 {
+    static const struct ttf_sequence_choice plain = {0};
     const struct ttf_manifest *manifest = ttf_reader_manifest(reader);
-    const struct ttf_stream *stream =
-        stream_id ? ttf_manifest_stream(manifest, stream_id) : ttf_manifest_primary(manifest);
+    const struct ttf_stream *stream = choice && choice->stream
+                                          ? ttf_manifest_stream(manifest, choice->stream)
+                                          : ttf_manifest_primary(manifest);
     const char *path = ttf_reader_path(reader);
     struct dataset_sequence *dataset;
-    double factor;
+    struct sequence_frames frames;
     int code;
 
     if (!stream)
         return ttf_err_set(err, -ENODATA, path, "there is no stream '%s'",
-                           stream_id ? stream_id : "primary");
+                           choice && choice->stream ? choice->stream : "primary");
     code = check_stream(stream, path, err);
+    if (!code)
+        code = sequence_frames_collect(reader, stream, choice ? choice : &plain, &frames, err);
     if (code)
         return code;
-    dataset = calloc(1, sizeof(*dataset));
-    if (!dataset)
+    dataset = make(reader, stream, &frames);
+    if (!dataset) {
+        sequence_frames_free(&frames);
         return ttf_err_set(err, -ENOMEM, path, "no memory for a sequence");
-    code = sequence_frames_collect(reader, stream, &dataset->frames, err);
+    }
+    if (dataset->base.ops == &float_ops)
+        code = spread_floats(dataset, err);
     if (code) {
-        free(dataset);
+        dataset_destroy(&dataset->base);
         return code;
     }
-    pthread_mutex_init(&dataset->lock, NULL);
-    dataset->io = ttf_reader_io(reader);
-    dataset->samples = stream->samples;
-    dataset->format = stream->format;
-    factor = stream->format == TTF_SAMPLE_U8 ? 257.0 : 1.0;
-    dataset->base = (struct ttf_sequence){
-        .ops = &dataset_ops,
-        .width = stream->width,
-        .height = stream->height,
-        .n = dataset->frames.n,
-        .encoding = {stream->encoding.pedestal * factor, stream->encoding.scale * factor},
-        .index = dataset->frames.index,
-        .time_ns = dataset->frames.time_ns,
-    };
     *ret = &dataset->base;
     return 0;
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "io_path.h"
+#include "ttf/dataset/notes.h"
 
 void sequence_frames_free(struct sequence_frames *frames)
 {
@@ -15,6 +16,7 @@ void sequence_frames_free(struct sequence_frames *frames)
     free(frames->path);
     free(frames->index);
     free(frames->time_ns);
+    free(frames->excluded);
     memset(frames, 0, sizeof(*frames));
 }
 
@@ -60,8 +62,9 @@ static double stops_away(const struct ttf_image *image)
     return image->relative_exposure > 0.0 ? fabs(log2(image->relative_exposure)) : 1e6;
 }
 
-static const struct ttf_file_ref *reference_image(const struct ttf_slot_record *record,
-                                                  const char *stream)
+static const struct ttf_file_ref *chosen_image(const struct ttf_slot_record *record,
+                                               const char *stream,
+                                               const struct ttf_sequence_choice *choice)
 {
     const struct ttf_file_ref *best = NULL;
     double best_stops = 0.0;
@@ -71,6 +74,8 @@ static const struct ttf_file_ref *reference_image(const struct ttf_slot_record *
         const struct ttf_file_ref *file = developed_of(image);
 
         if (!file || image->lacking[0] || strcmp(image->stream, stream) != 0)
+            continue;
+        if (choice->one_bracket && image->bracket != choice->bracket)
             continue;
         if (!best || stops_away(image) < best_stops) {
             best = file;
@@ -159,14 +164,90 @@ static int add_slot(struct sequence_frames *frames, struct time_line *line,
     return 0;
 }
 
+/* Notes that exclude slots. */
+struct exclusions {
+    struct ttf_note *note;
+    unsigned n, room;
+    int failed;
+};
+
+static void keep_exclusion(void *ctx, const struct ttf_note *note)
+{
+    struct exclusions *x = ctx;
+
+    if (!ttf_note_has_tag(note, "exclude") || x->failed)
+        return;
+    if (x->n == x->room) {
+        unsigned room = x->room ? x->room * 2 : 8;
+        struct ttf_note *more = realloc(x->note, room * sizeof(*more));
+
+        if (!more) {
+            x->failed = -ENOMEM;
+            return;
+        }
+        x->note = more;
+        x->room = room;
+    }
+    x->note[x->n++] = *note;
+}
+
+static bool is_excluded(const struct exclusions *x, int64_t index)
+{
+    for (unsigned i = 0; i < x->n; i++)
+        if (ttf_note_is_of(&x->note[i], index))
+            return true;
+    return false;
+}
+
+static int leave_out(struct sequence_frames *frames, int64_t index)
+{
+    if (frames->n_excluded == frames->excluded_room) {
+        uint32_t room = frames->excluded_room ? frames->excluded_room * 2 : 16;
+        int64_t *more = realloc(frames->excluded, room * sizeof(*more));
+
+        if (!more)
+            return -ENOMEM;
+        frames->excluded = more;
+        frames->excluded_room = room;
+    }
+    frames->excluded[frames->n_excluded++] = index;
+    return 0;
+}
+
+static int no_image(const struct sequence_frames *frames, const char *path,
+                    const struct ttf_stream *stream, const struct ttf_sequence_choice *choice,
+                    struct ttf_err *err)
+{
+    if (frames->n_excluded) {
+        ttf_err_set(err, -ENODATA, path, "notes exclude all %u images of stream '%s'",
+                    frames->n_excluded, stream->id);
+        ttf_err_hint(err, "ask for them with the excluded ones");
+    } else if (choice->one_bracket) {
+        ttf_err_set(err, -ENODATA, path, "stream '%s' has no developed image of bracket %d",
+                    stream->id, choice->bracket);
+    } else {
+        ttf_err_set(err, -ENODATA, path, "stream '%s' has no developed image", stream->id);
+        ttf_err_hint(err, "if only raw frames were kept, develop the dataset first");
+    }
+    return -ENODATA;
+}
+
 int sequence_frames_collect(struct ttf_reader *reader, const struct ttf_stream *stream,
-                            struct sequence_frames *ret, struct ttf_err *err)
+                            const struct ttf_sequence_choice *choice, struct sequence_frames *ret,
+                            struct ttf_err *err)
 {
     struct sequence_frames frames = {0};
     struct time_line line = {.reader = reader};
+    const char *path = ttf_reader_path(reader);
+    struct exclusions excluded = {0};
+    const struct ttf_note_visitor visitor = {.note = keep_exclusion, .ctx = &excluded};
     int64_t slots = ttf_reader_summary(reader)->slots;
     int code = 0;
 
+    if (!choice->with_excluded)
+        code = ttf_notes_read(ttf_reader_io(reader), path, &visitor, err);
+    if (!code && excluded.failed)
+        code = ttf_err_set(err, excluded.failed, path, "no memory for notes");
     for (int64_t i = 0; i < slots && !code; i++) {
         struct ttf_slot_record record;
         const struct ttf_file_ref *file;
@@ -174,16 +255,16 @@ int sequence_frames_collect(struct ttf_reader *reader, const struct ttf_stream *
         code = ttf_reader_slot(reader, i, &record, err);
         if (code)
             break;
-        file = reference_image(&record, stream->id);
-        if (file)
+        file = chosen_image(&record, stream->id, choice);
+        if (file && is_excluded(&excluded, record.index))
+            code = leave_out(&frames, record.index);
+        else if (file)
             code = add_slot(&frames, &line, &record, file, err);
         ttf_slot_record_free(&record);
     }
-    if (!code && frames.n == 0) {
-        code = ttf_err_set(err, -ENODATA, ttf_reader_path(reader),
-                           "stream '%s' has no developed image", stream->id);
-        ttf_err_hint(err, "if only raw frames were kept, develop the dataset first");
-    }
+    free(excluded.note);
+    if (!code && frames.n == 0)
+        code = no_image(&frames, path, stream, choice, err);
     if (code) {
         sequence_frames_free(&frames);
         return code;

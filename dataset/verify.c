@@ -197,6 +197,7 @@ static int check_all(struct ttf_verify_run *run, struct ttf_err *err)
     ttf_named_files_sort(&run->named);
     ttf_verify_sums(run);
     ttf_verify_flush(run);
+    ttf_verify_people(run);
     ttf_verify_name_slots(run);
     r = check_refusal(run, err);
     if (r)

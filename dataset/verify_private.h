@@ -79,6 +79,9 @@ void ttf_verify_next_slot(struct ttf_verify_run *run, int64_t index);
 /* When all is found: calibrations and plans get the slots that used them. */
 void ttf_verify_name_slots(struct ttf_verify_run *run);
 
+/* notes.jsonl and samples.json. */
+void ttf_verify_people(struct ttf_verify_run *run);
+
 /* SHA256SUMS and the files of the folder, after the records. */
 void ttf_verify_sums(struct ttf_verify_run *run);
 

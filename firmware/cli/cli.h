@@ -17,6 +17,7 @@
 #include "ttf/base/err.h"
 #include "ttf/dataset/io.h"
 #include "ttf/dataset/json_writer.h"
+#include "ttf/dataset/sequence.h"
 
 enum {
     CLI_DONE = 0,
@@ -71,6 +72,9 @@ int cli_exit_code(int error);
 
 /* -EINVAL with the hint if the option was not given. */
 int cli_need(struct cli *cli, const char *value, const char *option, const char *hint);
+
+/* Which images --stream, --bracket and --with-excluded ask for. */
+struct ttf_sequence_choice cli_choice(const struct cli *cli);
 
 /* -EEXIST if there is something at path (other than an empty folder): it is never overwritten. */
 int cli_refuse_existing(struct cli *cli, const char *path);

@@ -10,6 +10,7 @@
 #include "capture_script.h"
 #include "commands.h"
 #include "sim_boot.h"
+#include "ttf/capture/disk_budget.h"
 #include "ttf/capture/session.h"
 #include "ttf/config/plan_file.h"
 #include "ttf/dataset/reader.h"
@@ -104,6 +105,8 @@ static int one_boot(struct capture *c, int64_t *ret_back_ns)
     };
 
     r = ttf_session_run(&config, &c->result, &cli->err);
+    if (r < 0 && strcmp(cli->err.where, "storage.second") == 0)
+        r = -EINVAL; /* whatever is the matter with the folder: the plan names it */
     if (r == -EINVAL)
         ttf_plan_file_place(c->file, &cli->err);
     if (r == -ESHUTDOWN)
@@ -112,6 +115,19 @@ out:
     box_disk_destroy(&disk);
     ttf_box_destroy(&box);
     return r;
+}
+
+/* Two storages on one disk are worth a word before a week begins. */
+static void warn_of_same_disk(struct capture *c)
+{
+    bool same = false;
+
+    if (ttf_second_storage_check(c->cli->io, c->cli->opt.output, ttf_plan_file_plan(c->file), &same,
+                                 NULL) == 0 &&
+        same)
+        cli_warn("ttfbox capture: warning: the second storage lies on the same file system as %s: "
+                 "what fills or breaks one does so to the other",
+                 c->cli->opt.output);
 }
 
 /* New, or unfinished and to be gone on with. */
@@ -175,6 +191,15 @@ static bool was_complete(const struct capture *c)
     return c->result.sealed && strcmp(c->digest, c->result.digest) == 0;
 }
 
+/* Of the dataset that the run went on in. */
+static const char *second_path(struct capture *c)
+{
+    if (ttf_session_find(c->cli->io, c->cli->opt.output, ttf_plan_file_plan(c->file), c->path,
+                         sizeof c->path, NULL) < 0)
+        return ttf_plan_file_plan(c->file)->second_storage;
+    return c->path;
+}
+
 static void say(struct capture *c)
 {
     const struct ttf_session_result *s = &c->result;
@@ -187,8 +212,12 @@ static void say(struct capture *c)
             " missed, %" PRId64 " failed, %" PRId64 " paused, %" PRId64 " without power",
             s->slots, s->captured, s->partial, s->missed, s->failed, s->paused, s->power);
     if (s->second_storage)
-        cli_say(cli, "second storage    the run went on in %s; slots are counted there",
-                ttf_plan_file_plan(c->file)->second_storage);
+        cli_say(cli, "goes on in        %s: slots are counted there", second_path(c));
+    if (s->moved_on_from >= 0)
+        cli_say(cli,
+                "plan              the one given is plans/%d of the dataset, which has moved on "
+                "from it: left alone (--plan-as-given goes back to it)",
+                s->moved_on_from);
     if (s->error_max_ns) /* 0: this run captured nothing */
         cli_say(cli, "timing            middle of exposure within %.3f ms (p99), %.3f ms at most",
                 (double)s->error_p99_ns / 1e6, (double)s->error_max_ns / 1e6);
@@ -225,6 +254,9 @@ static void put_json(struct capture *c)
     ttf_json_kbool(j, "resumed", s->resumed || c->boots > 1);
     ttf_json_kbool(j, "already_complete", was_complete(c));
     ttf_json_kbool(j, "second_storage", s->second_storage);
+    if (s->second_storage)
+        ttf_json_kstring(j, "goes_on_in", second_path(c));
+    ttf_json_kbool(j, "plan_left_alone", s->moved_on_from >= 0);
     ttf_json_kint(j, "script_lines_not_done", c->unheard);
     ttf_json_kbool(j, "sealed", s->sealed);
     if (s->sealed)
@@ -284,6 +316,8 @@ int cmd_capture(struct cli *cli)
     if (r == 0 && cli->opt.script)
         r = capture_script_ask(cli, cli->opt.script, c->next_index, &c->script);
     if (r == 0) {
+        if (!c->exists)
+            warn_of_same_disk(c);
         cli_stop_catch();
         cli_progress_begin(&c->bar, cli, c->resuming ? "going on" : "capturing");
         r = all_boots(c);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "elsewhere.h"
 #include "ttf/dataset/export.h"
 #include "ttf/dataset/reader.h"
 
@@ -71,12 +72,16 @@ static int choose(struct cli *cli, struct ttf_export_config *config)
 }
 
 static void say(struct cli *cli, const struct ttf_export_config *config,
-                const struct ttf_export_result *result, bool simulated)
+                const struct ttf_export_result *result, uint32_t excluded, bool simulated)
 {
     cli_say(cli, "%s%-17s %s", simulated ? "SIMULATED\n" : "", ttf_export_kind_name(config->kind),
             config->output);
     cli_say(cli, "frames            %" PRId64 " of %u x %u, %" PRId64 " of them invented",
             result->frames, result->width, result->height, result->invented);
+    if (excluded)
+        cli_say(cli, "excluded          %u slot%s, as notes say (--with-excluded takes them too)",
+                excluded, excluded == 1 ? "" : "s");
+    ttf_json_kint(&cli->out, "excluded", excluded);
     ttf_json_kstring(&cli->out, "kind", ttf_export_kind_name(config->kind));
     ttf_json_kstring(&cli->out, "output", config->output);
     ttf_json_kbool(&cli->out, "simulated", simulated);
@@ -100,6 +105,7 @@ int cmd_export(struct cli *cli)
     struct cli_progress bar;
     struct ttf_export_config config = {.progress = on_progress, .progress_ctx = &bar};
     struct ttf_export_result result;
+    const struct ttf_sequence_choice choice = cli_choice(cli);
     struct ttf_reader *reader = NULL;
     struct ttf_sequence *sequence = NULL;
     int r = cli_need(cli, cli->opt.output, "-o", "say where it goes, as -o grass.mp4");
@@ -111,7 +117,7 @@ int cmd_export(struct cli *cli)
     if (r == 0)
         r = ttf_reader_open(cli->io, cli->opt.args[0], &reader, &cli->err);
     if (r == 0)
-        r = ttf_sequence_of_dataset(reader, cli->opt.stream, &sequence, &cli->err);
+        r = ttf_sequence_of_dataset(reader, &choice, &sequence, &cli->err);
     if (r == 0) {
         const struct ttf_stream *stream = stream_of(cli, reader);
 
@@ -122,8 +128,10 @@ int cmd_export(struct cli *cli)
         r = ttf_export(sequence, cli->io, &config, &result, &cli->err);
         cli_progress_end(&bar);
     }
-    if (r == 0)
-        say(cli, &config, &result, ttf_reader_manifest(reader)->simulated);
+    if (r == 0) {
+        say(cli, &config, &result, sequence->n_excluded, ttf_reader_manifest(reader)->simulated);
+        cli_say_elsewhere(cli, reader);
+    }
     ttf_sequence_destroy(sequence);
     ttf_reader_close(reader);
     return r;

@@ -5,6 +5,8 @@
 #include <stdio.h>
 
 #include "commands.h"
+#include "elsewhere.h"
+#include "info_people.h"
 #include "ttf/config/units.h"
 #include "ttf/dataset/reader.h"
 
@@ -121,11 +123,33 @@ static void put_origin(struct cli *cli, const struct ttf_manifest *m)
     }
 }
 
+/* One line, and one more for each change of the interval. */
+static void put_intervals(struct cli *cli, struct ttf_reader *reader)
+{
+    int n = ttf_reader_summary(reader)->n_segments;
+    struct ttf_segment segment;
+    int64_t before_ns = 0;
+    char text[64], from[48];
+
+    for (int i = 0; i < n && ttf_reader_segment(reader, i, &segment) == 0; i++) {
+        if (segment.interval_ns == before_ns)
+            continue;
+        before_ns = segment.interval_ns;
+        if (i == 0)
+            ttf_json_kint(&cli->out, "interval_ns", segment.interval_ns);
+        (void)snprintf(from, sizeof from, " from slot %" PRId64 " on", segment.first_index);
+        cli_say(cli, "interval          %s%s",
+                ttf_unit_format(TTF_UNIT_TIME, segment.interval_ns, text, sizeof text),
+                i ? from : "");
+    }
+    if (n > 1)
+        cli_say(cli, "segments          %d: boots, and changes of the plan or the clock", n);
+}
+
 static void put_slots(struct cli *cli, struct ttf_reader *reader)
 {
     const struct ttf_reader_summary *s = ttf_reader_summary(reader);
     struct ttf_json *j = &cli->out;
-    struct ttf_segment segment;
     char text[256];
     int n = snprintf(text, sizeof text, "%" PRId64, s->slots);
 
@@ -141,12 +165,7 @@ static void put_slots(struct cli *cli, struct ttf_reader *reader)
     cli_say(cli, "slots             %s", text);
     ttf_json_kint(j, "segments", s->n_segments);
     ttf_json_kint(j, "calibrations", s->n_calibrations);
-    if (ttf_reader_segment(reader, 0, &segment) == 0) {
-        ttf_json_kint(j, "interval_ns", segment.interval_ns);
-        cli_say(cli, "interval          %s, %d segment%s",
-                ttf_unit_format(TTF_UNIT_TIME, segment.interval_ns, text, sizeof text),
-                s->n_segments, s->n_segments == 1 ? "" : "s");
-    }
+    put_intervals(cli, reader);
 }
 
 static void put_walk(struct cli *cli, const struct walk *w)
@@ -207,6 +226,8 @@ int cmd_info(struct cli *cli)
     ttf_json_kbool(&cli->out, "unterminated", s->unterminated);
     if (*digest)
         ttf_json_kstring(&cli->out, "digest", digest);
+    cli_say_elsewhere(cli, reader);
+    r = cli_say_people(cli, cli->opt.args[0]);
 out:
     ttf_reader_close(reader);
     return r;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_note.c: `ttfbox note`: a line in a dataset's notes.jsonl, while it is captured or after. */
 #include <errno.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -8,6 +9,7 @@
 #include "ttf/base/time.h"
 #include "ttf/config/units.h"
 #include "ttf/dataset/notes.h"
+#include "ttf/dataset/reader.h"
 #include "ttf/hal/clock.h"
 
 /* "12-20", "12"; several with commas. */
@@ -52,6 +54,27 @@ static int take_tags(const char *text, struct ttf_note *note, struct ttf_err *er
     return 0;
 }
 
+/* Slots that a finished dataset will never have are a slip of the pen. */
+static int check_slots(struct cli *cli, const char *path, const struct ttf_note *note)
+{
+    struct ttf_reader *reader;
+    const struct ttf_reader_summary *summary;
+    int64_t last;
+    bool sealed;
+
+    if (note->n_slots == 0 || ttf_reader_open(cli->io, path, &reader, NULL) < 0)
+        return 0; /* what is damaged may be noted on too */
+    summary = ttf_reader_summary(reader);
+    last = summary->slots ? summary->last_index : -1;
+    sealed = summary->sealed;
+    ttf_reader_close(reader);
+    for (unsigned i = 0; sealed && i < note->n_slots; i++)
+        if (note->slots[i][1] > last)
+            return ttf_err_set(&cli->err, -EINVAL, "--slots",
+                               "the dataset is complete and its last slot is %" PRId64, last);
+    return 0;
+}
+
 static int64_t now_utc_ns(void)
 {
     struct ttf_clock *clock = ttf_clock_real_create();
@@ -83,6 +106,8 @@ int cmd_note(struct cli *cli)
         r = take_slots(cli->opt.slots, &note, &cli->err);
     if (r == 0 && cli->opt.tag)
         r = take_tags(cli->opt.tag, &note, &cli->err);
+    if (r == 0)
+        r = check_slots(cli, path, &note);
     if (r == 0)
         r = ttf_note_append(cli->io, path, &note, &cli->err);
     if (r == 0) {

@@ -18,6 +18,7 @@ struct check {
     struct ttf_plan_figures figures;
     struct ttf_disk_figures disk;
     int64_t now_utc_ns;
+    bool same_disk; /* the second storage lies on the first one's */
 };
 
 /* A duration for people: "7d 3h", "12min 30s". */
@@ -105,6 +106,9 @@ static void say(const struct cli *cli, const struct check *c)
         cli_say(cli, "write speed       %s/s, sustains a slot every %s",
                 size_text(c->disk.bytes_per_s, a, sizeof a),
                 span(c->disk.shortest_interval_ns, b, sizeof b));
+    if (*plan->second_storage)
+        cli_say(cli, "second storage    %s%s", plan->second_storage,
+                c->same_disk ? ", on the same file system" : "");
     cli_say(cli, "The plan fits.");
 }
 
@@ -122,6 +126,8 @@ static void put_json(struct ttf_json *j, const struct check *c)
     ttf_json_kint(j, "slot_bytes", f->slot_bytes);
     ttf_json_kint(j, "slot_busy_ns", f->slot_busy_ns);
     ttf_json_kint(j, "memory_bytes", f->memory_bytes);
+    if (*plan->second_storage)
+        ttf_json_kstring(j, "second_storage", plan->second_storage);
     ttf_json_key(j, "lamps");
     ttf_json_array(j);
     for (unsigned i = 0; c->box.lamps && i < ttf_lamps_count(c->box.lamps); i++) {
@@ -142,16 +148,15 @@ static void put_json(struct ttf_json *j, const struct check *c)
 }
 
 /* The second storage, and against the first one's disk if a folder is named. */
-static int check_second(struct cli *cli, const struct ttf_plan *plan)
+static int check_second(struct cli *cli, struct check *c, const struct ttf_plan *plan)
 {
     const char *path = cli->opt.output;
-    bool same = false;
-    int r =
-        ttf_second_storage_check(cli->io, path ? path : "", plan, path ? &same : NULL, &cli->err);
+    int r = ttf_second_storage_check(cli->io, path ? path : "", plan, path ? &c->same_disk : NULL,
+                                     &cli->err);
 
     if (r < 0)
         return -EINVAL; /* wrong input, at its line */
-    if (same)
+    if (c->same_disk)
         cli_warn("ttfbox plan check: warning: the second storage lies on the same file system as "
                  "%s: what fills or breaks one does so to the other",
                  path);
@@ -189,7 +194,7 @@ static int check(struct cli *cli, struct check *c, const struct ttf_board *board
         }
     }
     if (r == 0)
-        r = check_second(cli, plan);
+        r = check_second(cli, c, plan);
     if (r < 0)
         ttf_plan_file_place(c->file, &cli->err);
     return r;

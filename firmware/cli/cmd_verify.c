@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "commands.h"
+#include "elsewhere.h"
 #include "ttf/dataset/manifest.h"
 #include "ttf/dataset/reader.h"
 #include "ttf/dataset/verify.h"
@@ -72,16 +73,20 @@ static void say(struct cli *cli, const struct ttf_verify_report *report)
         cli_say(cli, "digest %s", report->digest);
 }
 
-/* SIMULATED is said of every dataset that is; one that cannot be read says so below. */
-static void say_simulated(struct cli *cli)
+/* SIMULATED is said of every dataset that is; one that cannot be read says so above. */
+static void say_whose(struct cli *cli, bool before)
 {
     struct ttf_reader *reader = NULL;
 
     if (ttf_reader_open(cli->io, cli->opt.args[0], &reader, NULL) < 0)
         return;
-    ttf_json_kbool(&cli->out, "simulated", ttf_reader_manifest(reader)->simulated);
-    if (ttf_reader_manifest(reader)->simulated)
-        cli_say(cli, "SIMULATED");
+    if (!before) {
+        cli_say_elsewhere(cli, reader);
+    } else {
+        ttf_json_kbool(&cli->out, "simulated", ttf_reader_manifest(reader)->simulated);
+        if (ttf_reader_manifest(reader)->simulated)
+            cli_say(cli, "SIMULATED");
+    }
     ttf_reader_close(reader);
 }
 
@@ -103,8 +108,9 @@ int cmd_verify(struct cli *cli)
     ttf_pool_destroy(pool);
     if (r < 0)
         return r;
-    say_simulated(cli);
+    say_whose(cli, true);
     say(cli, &report);
+    say_whose(cli, false);
     r = report.damaged ? CLI_DAMAGED : CLI_DONE;
     ttf_verify_report_free(&report);
     return r;

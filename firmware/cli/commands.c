@@ -152,7 +152,12 @@ static const struct cli_command COMMANDS[] = {
                     {OPT_END, NULL}},
         .examples = {{"ttfbox capture week.yaml --rehearse 3 -o try", "three slots at once"},
                      {"ttfbox capture week.yaml -c cal -o grass", "the week itself"},
-                     {"ttfbox capture week.yaml -c cal -o grass", "the same again: goes on"}},
+                     {"ttfbox capture week.yaml -c cal -o grass", "the same again: goes on"},
+                     {"printf '40 pause watering\\n41 continue\\n' >asks; "
+                      "ttfbox capture week.yaml -o grass --script asks",
+                      "what is asked meanwhile"},
+                     {"ttfbox capture week.yaml -o grass --plan-as-given",
+                      "back to this plan, after others came"}},
     },
     {
         .name = "note",
@@ -249,9 +254,12 @@ static const struct cli_command COMMANDS[] = {
         .text =
             "mp4, gif and y4m videos; png and tiff folders of pictures numbered without holes; "
             "npy, "
-            "one array n x h x w x 3 of linear 16-bit values; sheet, one picture of frames spread "
-            "over the time. Slots without an image are filled as --gaps says, and a .json beside "
-            "the output names every frame that was invented.",
+            "one array n x h x w x 3 of linear 16-bit values (of a stream of floats, of its "
+            "floats, as "
+            "are tiffs); sheet, one picture of frames spread "
+            "over the time. Slots without an image, and those that a note tags 'exclude', are "
+            "filled "
+            "as --gaps says, and a .json beside the output names every frame that was invented.",
         .min_args = 1,
         .max_args = 1,
         .run = cmd_export,
@@ -267,6 +275,8 @@ static const struct cli_command COMMANDS[] = {
                     {OPT_WHITE, NULL},
                     {OPT_NAME, NULL},
                     {OPT_STREAM, NULL},
+                    {OPT_BRACKET, NULL},
+                    {OPT_WITH_EXCLUDED, NULL},
                     {OPT_JSON, NULL},
                     {OPT_QUIET, NULL},
                     {OPT_END, NULL}},
@@ -304,6 +314,8 @@ static const struct cli_command COMMANDS[] = {
                     {OPT_GROUP, "Input:"},
                     {OPT_FRAMES, "the first N frames only"},
                     {OPT_STREAM, NULL},
+                    {OPT_BRACKET, NULL},
+                    {OPT_WITH_EXCLUDED, NULL},
                     {OPT_SOURCE, NULL},
                     PREPARE_OPTIONS,
                     {OPT_GROUP, "Blocks:"},
@@ -370,6 +382,8 @@ static const struct cli_command COMMANDS[] = {
                     {OPT_GROUP, "Input:"},
                     {OPT_FRAMES, "the first N frames only"},
                     {OPT_STREAM, NULL},
+                    {OPT_BRACKET, NULL},
+                    {OPT_WITH_EXCLUDED, NULL},
                     {OPT_SOURCE, NULL},
                     PREPARE_OPTIONS,
                     {OPT_GROUP, "Blocks:"},
@@ -406,6 +420,8 @@ static const struct cli_command COMMANDS[] = {
                     {OPT_METRIC, NULL},
                     {OPT_FRAMES, "the first N frames only"},
                     {OPT_STREAM, NULL},
+                    {OPT_BRACKET, NULL},
+                    {OPT_WITH_EXCLUDED, NULL},
                     {OPT_THREADS, NULL},
                     {OPT_JSON, NULL},
                     {OPT_QUIET, NULL},

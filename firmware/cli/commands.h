@@ -9,7 +9,7 @@
 #include "cli.h"
 
 #define CLI_COMMAND_OPTIONS_MAX 80
-#define CLI_EXAMPLES_MAX        4
+#define CLI_EXAMPLES_MAX        5
 
 /* An option a command takes; text NULL: the option's own. OPT_GROUP: a head over those that follow. */
 struct cli_command_option {

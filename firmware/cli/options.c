@@ -79,6 +79,10 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
                   "name of numbered files (default: frame)"},
     [OPT_STREAM] = {"stream", 0, "ID", CLI_TEXT, O(stream), 0, 0,
                     "the stream to read (default: the primary one)"},
+    [OPT_BRACKET] = {"bracket", 0, "N", CLI_WHOLE, O(bracket), 0, 99,
+                     "of each bracket the image of this number, from 0 (default: the reference)"},
+    [OPT_WITH_EXCLUDED] = {"with-excluded", 0, NULL, CLI_FLAG, O(with_excluded), 0, 0,
+                           "also slots that a note tags 'exclude'; they are left out otherwise"},
     [OPT_SIZE] = {"size", 's', "WxH", CLI_SIZE, O(size), 0, 0,
                   "the output's size in pixels (default: twice the input's)"},
     [OPT_BLOCK] = {"block", 0, "WxH", CLI_BLOCK, O(block), 0, 0,
@@ -207,6 +211,7 @@ void cli_options_defaults(struct cli_options *options)
     options->tolerance = 0.1;
     options->rank = 15;
     options->jitter_every = 16;
+    options->bracket = -1;
     options->deflicker_window = 9;
     options->height_scale = 0.1;
     options->rate_gain = 1;

@@ -53,6 +53,8 @@ enum cli_option {
     OPT_WHITE,
     OPT_NAME,
     OPT_STREAM,
+    OPT_BRACKET,
+    OPT_WITH_EXCLUDED,
     OPT_SIZE,
     OPT_BLOCK,
     OPT_OVERLAP,
@@ -112,8 +114,9 @@ struct cli_options {
     const char *board, *scene, *output, *calibration, *plan, *shot, *to, *gaps, *order, *transfer;
     const char *script, *slots, *tag, *author;
     const char *compress, *sink, *stream, *title, *name, *metric;
-    bool json, quiet, per_frame, no_speed_check, as_given, check, man;
+    bool json, quiet, per_frame, no_speed_check, as_given, with_excluded, check, man;
     int64_t threads, rehearse, frames, every, start, fps, feather, columns, width_max;
+    int64_t bracket; /* -1: of each bracket the reference */
     int64_t seed;
     bool has_seed;
     int64_t interval_ns, exposure_ns;

@@ -57,6 +57,7 @@ static int take_first(struct cli *cli, struct quilt_input *input)
 
 int quilt_input_open(struct cli *cli, const char *path, struct quilt_input *ret)
 {
+    const struct ttf_sequence_choice choice = cli_choice(cli);
     struct ttf_sequence *whole = NULL;
     struct ttf_io_stat st;
     int r = cli->io->ops->stat(cli->io, path, &st);
@@ -66,10 +67,13 @@ int quilt_input_open(struct cli *cli, const char *path, struct quilt_input *ret)
     if (st.is_dir) {
         r = ttf_reader_open(cli->io, path, &ret->reader, &cli->err);
         if (r == 0)
-            r = ttf_sequence_of_dataset(ret->reader, cli->opt.stream, &whole, &cli->err);
+            r = ttf_sequence_of_dataset(ret->reader, &choice, &whole, &cli->err);
     } else {
         r = ttf_sequence_of_image(cli->io, path, &whole, &cli->err);
     }
+    if (r == 0 && whole->n_excluded > 0)
+        cli_warn("%s: %u slots are left out, as notes say (--with-excluded takes them too)", path,
+                 whole->n_excluded);
     if (r == 0) {
         push(ret, whole);
         r = take_first(cli, ret);

@@ -93,6 +93,16 @@ int cli_need(struct cli *cli, const char *value, const char *option, const char 
     return -EINVAL;
 }
 
+struct ttf_sequence_choice cli_choice(const struct cli *cli)
+{
+    return (struct ttf_sequence_choice){
+        .stream = cli->opt.stream,
+        .one_bracket = cli->opt.bracket >= 0,
+        .bracket = (int)cli->opt.bracket,
+        .with_excluded = cli->opt.with_excluded,
+    };
+}
+
 int cli_by_option(struct cli *cli, int code, const char *option, const char *path)
 {
     struct ttf_err *err = &cli->err;

@@ -35,8 +35,8 @@ static int check_name(const struct yaml_node *node, const char *name, struct ttf
 
 static const struct cfg_field SCENE[] = {
     {"name", cfg_name32, C(name), 0, 0, "a procedural sample, as grass", 0, 0},
-    {"images", cfg_text512, C(images), 0, 0, "a folder of pictures", 0, 0},
-    {"dataset", cfg_text512, C(dataset), 0, 0, "a dataset's folder", 0, 0},
+    {"images", cfg_path512, C(images), 0, 0, "a folder of pictures", 0, 0},
+    {"dataset", cfg_path512, C(dataset), 0, 0, "a dataset's folder", 0, 0},
     {"span", cfg_i64_time, C(span_ns), 1e6, 36600.0 * (double)TTF_NS_PER_DAY,
      "the time from its first to its last state, as 7d", 0, 0},
     {0}};

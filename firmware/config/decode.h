@@ -83,7 +83,8 @@ cfg_read_fn cfg_section; /* a map; extra: struct cfg_field[], offsets from the s
 
 /* Texts of a given room: char[32], char[64], char[128], char[512]. name: only [a-z0-9-]. */
 cfg_read_fn cfg_name32;
-cfg_read_fn cfg_text32, cfg_text64, cfg_text128, cfg_text512;
+cfg_read_fn cfg_text32, cfg_text64, cfg_text128;
+cfg_read_fn cfg_path512; /* not empty */
 
 /* 3 numbers: double[3]. */
 cfg_read_fn cfg_double3;

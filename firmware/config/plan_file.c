@@ -115,7 +115,7 @@ static int read_day_levels(const struct cfg_field *field, struct yaml_node *node
     return cfg_lamp_levels(field, node, plan->day_levels, &plan->n_day_levels, err);
 }
 
-static const struct cfg_field STORAGE[] = {{"second", cfg_text512,
+static const struct cfg_field STORAGE[] = {{"second", cfg_path512,
                                             offsetof(struct ttf_plan, second_storage), 0, 0,
                                             "a folder on another disk, as /mnt/usb", 0, 0},
                                            {0}};

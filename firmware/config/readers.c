@@ -297,10 +297,12 @@ int cfg_text128(const struct cfg_field *field, struct yaml_node *node, void *at,
     return read_text(field, node, at, 128, err);
 }
 
-int cfg_text512(const struct cfg_field *field, struct yaml_node *node, void *at,
+int cfg_path512(const struct cfg_field *field, struct yaml_node *node, void *at,
                 struct ttf_err *err)
 {
-    return read_text(field, node, at, 512, err);
+    int r = read_text(field, node, at, 512, err);
+
+    return r == 0 && *(char *)at == '\0' ? cfg_error(node, err, field->meant, "is empty") : r;
 }
 
 int cfg_name32(const struct cfg_field *field, struct yaml_node *node, void *at, struct ttf_err *err)

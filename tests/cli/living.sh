@@ -16,6 +16,7 @@ is paused 1
 is sealed false
 expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" -o grass --json
 is slots 10
+is plan_left_alone true
 is sealed true
 is second_storage false
 grep -q '"text":"faster now"' grass/notes.jsonl || fail "the note is not there"
@@ -56,12 +57,21 @@ v = json.load(sys.stdin)
 assert v["text"] == "all \"well\"" and v["slots"] == [[2, 3], [5, 5]], v
 assert v["tags"] == ["exclude", "mine"] and v["author"] == "Jo", v' || fail "the note is another one"
 expect 2 "$TTFBOX" note grass "wrong" --slots 5-2
+expect 2 "$TTFBOX" note grass "too far" --slots 9-10
+said err "its last slot is 9"
+expect 2 "$TTFBOX" note grass --tag "two words"
+expect 0 "$TTFBOX" info grass
+said out "note              slots 2-3,5: all"
+said out "interval          30s from slot 4 on"
+expect 0 "$TTFBOX" export grass -o grass.y4m
+said out "excluded          2 slots"
 expect 2 "$TTFBOX" note grass
 expect 0 "$TTFBOX" verify grass
 
 # ---- the second storage ----
 expect 0 "$TTFBOX" plan check p.yaml "${TINY[@]}" -o moved
 said err "same file system"
+said out "second storage    $WORK/second"
 READ_ONLY=(--set 'sim.faults=[{kind: read-only, at: 4min, target: first}]')
 expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" "${READ_ONLY[@]}" -o moved --json
 is second_storage true
@@ -70,7 +80,13 @@ expect 0 "$TTFBOX" verify second/moved
 expect 0 "$TTFBOX" verify moved
 expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" "${READ_ONLY[@]}" -o moved --json
 is already_complete true
+for word in info verify; do
+    expect 0 "$TTFBOX" "$word" moved
+    said out "goes on in        $WORK/second/moved"
+done
 mv second second.away
+expect 0 "$TTFBOX" info moved
+said out "may have gone on in it"
 expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o moved
 said err "may have gone on in it"
 mv second.away second

@@ -4,8 +4,8 @@
 
     agree.py TTFBOX FOLDER [DATASET...]
 
-Makes datasets in FOLDER (by make.py), damages copies of them in every way that FORMAT.md
-tells apart, and compares `ttfbox verify --json` and `info --json` with read.py. What is
+Makes datasets in FOLDER (by make.py, and by the program itself), damages copies of the former in
+every way that FORMAT.md tells apart, and compares `ttfbox verify --json` and `info --json` with read.py. What is
 given besides (a capture, an import) is compared as it is.
 """
 import json
@@ -181,8 +181,7 @@ def compare(box, dataset):
     if any(refused):
         return [] if all(refused) or (s == 1 and r == 3) else ["exit %d, %d" % (r, s)]
     a = findings_of(ours["findings"], "file", "severity")
-    b = {f for f in findings_of(theirs["findings"], "path", "class")
-         if f[1] not in ("notes.jsonl", "samples.json")}  # the program leaves them to people
+    b = findings_of(theirs["findings"], "path", "class")
     said = ["exit %d, %d" % (r, s)] if r != s else []
     said += ["only ours: %s" % (f,) for f in a - b] + ["only theirs: %s" % (f,) for f in b - a]
     if ours["sealed"] != theirs["sealed"] or ours.get("digest") != theirs.get("digest"):
@@ -219,7 +218,51 @@ def contents(info, theirs):
         said.append("streams")
     if info["segments"] != len(theirs["segments"]):
         said.append("segments")
+    said += ["note %r" % (n,) for n, o in zip(theirs["notes"], info["notes"]) if any(
+        o.get(k, d) != n.get(k, d) for k, d in NOTE)]
+    if len(theirs["notes"]) != len(info["notes"]):
+        said.append("notes")
+    if [[s["id"], *(s["region"][k] for k in REGION)] for s in theirs["samples"]] != [
+            [s["id"], *(s[k] for k in REGION)] for s in info["samples"]]:
+        said.append("samples")
     return said
+
+
+NOTE = (("utc_ns", None), ("author", None), ("slots", []), ("text", ""), ("tags", []))
+REGION = ("x", "y", "width", "height")
+PLAN = """interval: 1min
+count: 6
+lamps: {mode: capture-only, settle: 5s}
+shot: {lamps: {left: 100%}, brackets: [1, 4]}
+"""
+TINY = ["--board", "sim-small", "--set", "sim.sensor.width=96px", "--set", "sim.sensor.height=64px"]
+
+
+def by_the_box(box, folder):
+    """What the program itself makes: captures whole, cut short and noted on; imports, syntheses."""
+    def made(*command, code=0):
+        done = subprocess.run([box, *command], cwd=folder, stderr=subprocess.PIPE, check=False,
+                              stdout=subprocess.DEVNULL)
+        if done.returncode != code:
+            sys.exit("%s: exit %d\n%s" % (command, done.returncode, done.stderr.decode()))
+
+    os.makedirs(folder)
+    write(folder + "/p.yaml", PLAN.encode())
+    write(folder + "/asks", b"1 pause watering\n2 continue\n3 interval 30s\n4 note faster\n5 stop\n")
+    made("calibrate", "dark", "--plan", "p.yaml", *TINY, "-o", "cal")
+    made("capture", "p.yaml", *TINY, "-c", "cal", "-o", "whole")
+    made("capture", "p.yaml", *TINY, "--script", "asks", "-o", "cut", code=1)
+    made("capture", "p.yaml", *TINY, "-o", "faulty", "--set",
+         "sim.faults=[{kind: lamp-stuck, at: 150s, target: left}, "
+         "{kind: power-cut, at: 200s, for: 130s}]")
+    made("note", "whole", "a \"quoted\" one", "--slots", "2-3,5", "--tag", "exclude,mine")
+    write(folder + "/whole/samples.json", b'{"samples":[{"id":"a","region":'
+          b'{"x":1,"y":2,"width":30,"height":4},"title":"Lolium"}]}')
+    made("export", "whole", "--to", "png", "--with-excluded", "-o", "pictures")
+    made("import", *("pictures/frame.%d.png" % n for n in range(1001, 1007)), "--interval", "1min", "-o", "imported")
+    made("develop", "whole", "-c", "cal", "-o", "developed")
+    made("synth", "quilt", "imported", "--size", "80x70", "--block", "24x24", "-o", "grown")
+    return [folder + "/" + n for n in ("whole", "cut", "faulty", "imported", "developed", "grown")]
 
 
 def main():
@@ -232,7 +275,7 @@ def main():
         shutil.copytree(folder + "/made/" + of, copy)
         change(copy)
         datasets.append((of + ", " + name, copy))
-    datasets += [(os.path.basename(d), d) for d in sys.argv[3:]]
+    datasets += [(os.path.basename(d), d) for d in by_the_box(box, folder + "/box") + sys.argv[3:]]
     differ = 0
     for name, dataset in datasets:
         for text in compare(box, dataset):

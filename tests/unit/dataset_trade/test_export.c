@@ -29,7 +29,8 @@ static void holes_destroy(struct ttf_sequence *s)
     ttf_sequence_destroy(((struct holes *)s)->memory);
 }
 
-static const struct ttf_sequence_ops holes_ops = {holes_rows, holes_destroy};
+static const struct ttf_sequence_ops holes_ops = {.read_rows = holes_rows,
+                                                  .destroy = holes_destroy};
 static const struct ttf_encoding plain = {.pedestal = 0, .scale = 65535};
 
 /* n frames of 8-bit sRGB noise as light; frames is W x H x 3 each. */

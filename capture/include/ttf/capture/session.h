@@ -67,6 +67,8 @@ struct ttf_session_result {
     bool
         second_storage; /* it ended in the plan's second storage: counts and digest are of the dataset there */
     int64_t total; /* slots of the plan in force at the end */
+    /* The plan given is plans/N of the dataset, which has moved on from it, so that it was left alone; -1: no. */
+    int moved_on_from;
     char digest[65];
     /* rehearsal */
     int64_t busy_ns;       /* per slot, from the first lamp command to the commit */

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * notes.h: what people add to a dataset, during or after: notes.jsonl (FORMAT.md). Outside the seal,
- * and written without the dataset's lock, so that a note can be made while a capture runs.
+ * notes.h: what people add to a dataset, during or after: notes.jsonl and samples.json (FORMAT.md). Outside
+ * the seal, and written without the dataset's lock, so that a note can be made while a capture runs.
  */
 #ifndef TTF_DATASET_NOTES_H
 #define TTF_DATASET_NOTES_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "ttf/base/err.h"
 #include "ttf/dataset/io.h"
 
-#define TTF_NOTE_SLOTS_MAX 8
+#define TTF_NOTE_SLOTS_MAX 64
 #define TTF_NOTE_TAGS_MAX  8
 
 struct ttf_note {
@@ -21,7 +22,7 @@ struct ttf_note {
     unsigned n_slots;                     /* ranges of slots it is about; 0: the whole */
     int64_t slots[TTF_NOTE_SLOTS_MAX][2]; /* first, last; 0 <= first <= last */
     unsigned n_tags;
-    char tags[TTF_NOTE_TAGS_MAX][32]; /* "exclude", "reference", or people's own; not empty */
+    char tags[TTF_NOTE_TAGS_MAX][32]; /* "exclude", "reference", or people's own; a word */
 };
 
 /*
@@ -36,5 +37,39 @@ TTF_MUST_USE int ttf_note_check(const struct ttf_note *note, struct ttf_err *err
  */
 TTF_MUST_USE int ttf_note_append(struct ttf_io *io, const char *path, const struct ttf_note *note,
                                  struct ttf_err *err);
+
+/* A note is said of this slot, or of the whole. */
+bool ttf_note_is_of(const struct ttf_note *note, int64_t index);
+bool ttf_note_has_tag(const struct ttf_note *note, const char *tag);
+
+/* What is read. note: one more, texts longer than their room cut; wrong: a line that is none, and why. Either may be NULL. */
+struct ttf_note_visitor {
+    void (*note)(void *ctx, const struct ttf_note *note);
+    void (*wrong)(void *ctx, int64_t line, const char *what); /* line from 1 */
+    void *ctx;
+};
+
+/*
+ * All notes in the order of their lines; a last line that a crash left unfinished is passed over in silence.
+ * 0, also if there are none. Errors of the disk; -ENOMEM.
+ */
+TTF_MUST_USE int ttf_notes_read(struct ttf_io *io, const char *path,
+                                const struct ttf_note_visitor *visitor, struct ttf_err *err);
+
+/* A region of the picture with a name: what of it is which sample. */
+struct ttf_sample_region {
+    char id[64];
+    char title[128];             /* species or material; empty: absent */
+    char treatment[256];         /* empty: absent */
+    int64_t x, y, width, height; /* pixels of the primary stream */
+};
+
+/*
+ * samples.json; *ret has *ret_n of them, to be freed. 0 and none if there is no such file; -EINVAL naming what is
+ * wrong with it; -ENOMEM, errors of the disk.
+ */
+TTF_MUST_USE int ttf_samples_read(struct ttf_io *io, const char *path,
+                                  struct ttf_sample_region **ret, unsigned *ret_n,
+                                  struct ttf_err *err);
 
 #endif

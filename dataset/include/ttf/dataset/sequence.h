@@ -9,6 +9,8 @@
 #ifndef TTF_DATASET_SEQUENCE_H
 #define TTF_DATASET_SEQUENCE_H
 
+#include <errno.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "ttf/base/err.h"
@@ -25,6 +27,9 @@ struct ttf_sequence_ops {
      */
     int (*read_rows)(struct ttf_sequence *sequence, uint32_t t, uint32_t y0, uint32_t rows,
                      uint16_t *dst, struct ttf_err *err);
+    /* The same rows as values, of a stream of floats; NULL: its codes are all there is. */
+    int (*read_values)(struct ttf_sequence *sequence, uint32_t t, uint32_t y0, uint32_t rows,
+                       float *dst, struct ttf_err *err);
     void (*destroy)(struct ttf_sequence *sequence);
 };
 
@@ -37,15 +42,28 @@ struct ttf_sequence {
     /* Of each frame: the slot's index, and its due time from the first frame's. n entries each. */
     const int64_t *index;
     const int64_t *time_ns;
+    /* Slots that have an image but are left out, as a note says so: their indices. */
+    const int64_t *excluded;
+    uint32_t n_excluded;
+};
+
+/* Which images. Zero-initialised: the reference images of the primary stream, without those that notes exclude. */
+struct ttf_sequence_choice {
+    const char *stream; /* NULL: the primary one */
+    bool one_bracket;   /* those of `bracket` alone, instead of the reference ones */
+    int bracket;        /* its number, from 0 */
+    bool with_excluded; /* also slots that a note tags "exclude" */
 };
 
 /*
- * The developed images of a stream (NULL: the primary) in slot order. Of a
- * bracket or a stream with several images per slot, the reference one. Grey
- * streams are read as three equal samples, u8 as u16 through the encoding.
- * -ENODATA if the stream has no image. The reader must outlive it.
+ * The developed images of a stream in slot order; choice NULL: as if zero-initialised. Of a bracket or a
+ * stream with several images per slot, the reference one. Grey streams are read as three equal samples,
+ * u8 as u16 through the encoding. Floats are spread over the 16 bits from their least finite value to their
+ * greatest, which all files are read for at once; what is no number reads as the least.
+ * -ENODATA if there is no such stream or image. The reader must outlive it.
  */
-TTF_MUST_USE int ttf_sequence_of_dataset(struct ttf_reader *reader, const char *stream,
+TTF_MUST_USE int ttf_sequence_of_dataset(struct ttf_reader *reader,
+                                         const struct ttf_sequence_choice *choice,
                                          struct ttf_sequence **ret, struct ttf_err *err);
 
 /*
@@ -68,6 +86,16 @@ TTF_MUST_USE static inline int ttf_sequence_read_rows(struct ttf_sequence *s, ui
                                                       struct ttf_err *err)
 {
     return s->ops->read_rows(s, t, y0, rows, dst, err);
+}
+
+/* Values of a stream of floats, rows x width x 3. -ENOTSUP of any other. */
+TTF_MUST_USE static inline int ttf_sequence_read_values(struct ttf_sequence *s, uint32_t t,
+                                                        uint32_t y0, uint32_t rows, float *dst,
+                                                        struct ttf_err *err)
+{
+    if (!s->ops->read_values)
+        return ttf_err_set(err, -ENOTSUP, NULL, "the stream holds no floats");
+    return s->ops->read_values(s, t, y0, rows, dst, err);
 }
 
 static inline void ttf_sequence_destroy(struct ttf_sequence *s)
