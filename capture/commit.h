@@ -24,7 +24,7 @@
 /* Records that wait for a storage that is away: a minute's at ten a second, and some. */
 #define TTF_COMMIT_PENDING 1024
 
-/* Whether what a storage answers is worth waiting for: an error, no room (or quota), no memory. */
+/* Whether what a storage answers is worth waiting for: an error, no room (or quota), no memory, a signal. */
 bool ttf_storage_may_pass(int code);
 
 struct ttf_committer {
