@@ -20,26 +20,25 @@ int ttf_err_set(struct ttf_err *err, int code, const char *where, const char *fm
     return code;
 }
 
-int ttf_err_hint(struct ttf_err *err, const char *fmt, ...)
+void ttf_err_hint(struct ttf_err *err, const char *fmt, ...)
 {
     va_list ap;
 
     if (!err)
-        return 0;
+        return;
     va_start(ap, fmt);
     vsnprintf(err->hint, sizeof(err->hint), fmt, ap);
     va_end(ap);
-    return err->code;
 }
 
-int ttf_err_prefix(struct ttf_err *err, const char *fmt, ...)
+void ttf_err_prefix(struct ttf_err *err, const char *fmt, ...)
 {
     char old[sizeof(err->what)];
     va_list ap;
     int n;
 
     if (!err)
-        return 0;
+        return;
     memcpy(old, err->what, sizeof(old));
     va_start(ap, fmt);
     n = vsnprintf(err->what, sizeof(err->what), fmt, ap);
@@ -47,7 +46,6 @@ int ttf_err_prefix(struct ttf_err *err, const char *fmt, ...)
     if (n >= 0 && (size_t)n + 2 < sizeof(err->what))
         snprintf(err->what + n, sizeof(err->what) - (size_t)n, ": %.*s",
                  (int)(sizeof(err->what) - (size_t)n - 3), old); /* cut to what there is room for */
-    return err->code;
 }
 
 const char *ttf_err_text(const struct ttf_err *err, char *buf, unsigned size)

@@ -107,7 +107,8 @@ int ttf_manifest_takes_plan(const struct ttf_manifest *manifest, const struct tt
     if (manifest->rehearsal) {
         ttf_err_set(err, -EINVAL, "dataset.json",
                     "this is a rehearsal, not a capture to go on with");
-        return ttf_err_hint(err, "name another folder for the capture");
+        ttf_err_hint(err, "name another folder for the capture");
+        return -EINVAL;
     }
     for (unsigned i = 0; i < wanted->n_streams; i++) {
         const struct ttf_stream *w = &wanted->streams[i];
@@ -119,8 +120,9 @@ int ttf_manifest_takes_plan(const struct ttf_manifest *manifest, const struct tt
                         "the dataset has no stream '%s' of %u x %u pixels from camera '%s' with "
                         "quantity %s",
                         w->id, w->width, w->height, w->camera, w->quantity);
-            return ttf_err_hint(err, "resume with the plan and calibration it was begun with, or "
-                                     "begin a new dataset");
+            ttf_err_hint(err, "resume with the plan and calibration it was begun with, or "
+                              "begin a new dataset");
+            return -EINVAL;
         }
     }
     return 0;

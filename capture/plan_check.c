@@ -216,7 +216,8 @@ static int check_exposures(const struct ttf_plan *plan, unsigned i,
             if (seen[j].exposure_ns == e.exposure_ns) {
                 ttf_err_set(err, -EINVAL, where, "two brackets come to the same exposure, %.3f ms",
                             (double)e.exposure_ns / 1e6);
-                return ttf_err_hint(err, "exposures snap to whole half-periods of the mains");
+                ttf_err_hint(err, "exposures snap to whole half-periods of the mains");
+                return -EINVAL;
             }
         }
         seen[b] = e;

@@ -255,6 +255,23 @@ static void tell_resumed(struct ttf_session *s)
                         TTF_REASON_NOT_READY);
 }
 
+/* A run that goes on in a box of another board, or before another scene, captures something else from there on. */
+static void tell_box(struct ttf_session *s)
+{
+    const char *before = s->pulse.before.box;
+    const char *now = s->box->description;
+    size_t same = 0;
+
+    if (!s->pulse.has_before || strcmp(before, now) == 0 || before[0] == '\0' || now[0] == '\0')
+        return;
+    /* From the first of its parts on that differs. */
+    for (size_t i = 0; now[i] != '\0' && now[i] == before[i]; i++)
+        if (now[i] == ' ')
+            same = i + 1;
+    ttf_events_emit(&s->events, "box", "described otherwise: '%.100s' instead of '%.100s'",
+                    now + same, before + same);
+}
+
 static void tell_armed(struct ttf_session *s)
 {
     struct ttf_progress p = {.kind = TTF_PROGRESS_ARMED,
@@ -301,6 +318,7 @@ static int run(struct ttf_session *s, struct ttf_err *err)
                         "the plan given is plan %d, but plan %d has come since and is in force",
                         s->moved_on_from, s->known_plan);
     tell_resumed(s);
+    tell_box(s);
     tell_armed(s);
     ttf_pulse_led(&s->pulse, TTF_LED_CAPTURING);
     r = run_slots(s);

@@ -52,7 +52,8 @@ static int expect_known_plan(const struct ttf_session *s, struct ttf_err *err)
     if (s->known_plan >= 0)
         return 0;
     ttf_err_set(err, -EINVAL, s->path, "is complete, and was captured by another plan");
-    return ttf_err_hint(err, "name another folder, or a plan with more slots to go on with it");
+    ttf_err_hint(err, "name another folder, or a plan with more slots to go on with it");
+    return -EINVAL;
 }
 
 /* The run's own time, from the segments so far and the grid it goes on with. */
@@ -136,6 +137,7 @@ static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int p
     segment->zone_offset_s = s->plan.zone_offset_s;
     if (s->from_first)
         segment->run_ns = ttf_timeline_run_ns(segment, s->slot0_ns);
+    snprintf(segment->box, sizeof(segment->box), "%s", s->box->description);
     segment->gap_ns = s->resume.gap_ns;
     if (segment->gap_ns == TTF_NS_UNKNOWN && s->pulse.has_before)
         segment->gap_ns = ttf_resume_gap_ns(&s->pulse.before, segment->first_index,

@@ -82,7 +82,8 @@ int ttf_session_resolve_phase(struct ttf_plan *plan, int64_t slot0_utc_ns, struc
     if (slot0_utc_ns == TTF_NS_UNKNOWN) {
         ttf_err_set(err, -EINVAL, "lamps.day_start",
                     "nobody vouches for this box's clock, so a local time means nothing");
-        return ttf_err_hint(err, "use lamps.phase, or let the clock be set first");
+        ttf_err_hint(err, "use lamps.phase, or let the clock be set first");
+        return -EINVAL;
     }
     plan->phase_ns = ttf_photoperiod_phase_ns(slot0_utc_ns, plan->zone_offset_s, plan->day_start_s);
     return 0;

@@ -60,13 +60,14 @@ static void put_note(struct ttf_json *j, const struct ttf_note *note)
 }
 
 /* Whether the file's last line was ended: 1; 0; negative errno. */
-static int ends_in_newline(struct ttf_io *io, int file, int64_t *ret_bytes)
+static int ends_in_newline(struct ttf_io *io, int file)
 {
     char last = '\n';
-    int r = io->ops->size(io, file, ret_bytes);
+    int64_t bytes = 0;
+    int r = io->ops->size(io, file, &bytes);
 
-    if (r == 0 && *ret_bytes > 0) {
-        int64_t n = ttf_io_pread_all(io, file, &last, 1, *ret_bytes - 1);
+    if (r == 0 && bytes > 0) {
+        int64_t n = ttf_io_pread_all(io, file, &last, 1, bytes - 1);
 
         r = n < 0 ? (int)n : (n == 1 ? 0 : -EIO);
     }
@@ -77,13 +78,12 @@ static int ends_in_newline(struct ttf_io *io, int file, int64_t *ret_bytes)
 static int append_line(struct ttf_io *io, const char *path, const char *line)
 {
     int file = io->ops->open(io, path, TTF_IO_APPEND);
-    int64_t bytes = 0;
     char *whole;
     int r, ended;
 
     if (file < 0)
         return file;
-    ended = ends_in_newline(io, file, &bytes);
+    ended = ends_in_newline(io, file);
     whole = ended < 0 ? NULL : ttf_path_format("%s%s\n", ended ? "" : "\n", line);
     r = ended < 0 ? ended : (whole ? ttf_io_append_all(io, file, whole, strlen(whole)) : -ENOMEM);
     if (r == 0)

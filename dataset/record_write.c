@@ -227,6 +227,7 @@ void ttf_segment_put(struct ttf_json *json, const struct ttf_segment *s)
     put_text(json, "dataset_sha256", s->dataset_sha256);
     if (s->run_ns > 0)
         ttf_json_kint(json, "run_ns", s->run_ns);
+    put_text(json, "box", s->box);
 }
 
 void ttf_end_put(struct ttf_json *json, const struct ttf_end_record *e)

@@ -27,18 +27,6 @@ static int foreign_line(void *ctx, const struct ttf_line *line, struct ttf_err *
     return strcmp(line->type, "plan") == 0 ? 0 : 1;
 }
 
-/* Who made the folder may have been cut off, or told that it failed, before its name was synced. */
-static int sync_name(struct ttf_writer *writer, struct ttf_err *err)
-{
-    int r = ttf_io_sync_parent(writer->io, writer->path);
-
-    if (r == -EACCES || r == -EPERM) /* somebody else's folder, and their care */
-        return 0;
-    return r ? ttf_err_set(err, r, writer->path, "its folder cannot be synced to the disk: %s",
-                           strerrordesc_np(-r))
-             : 0;
-}
-
 static int check_folder(struct ttf_writer *writer, struct ttf_err *err)
 {
     struct ttf_io *io = writer->io;
@@ -68,9 +56,7 @@ static int check_folder(struct ttf_writer *writer, struct ttf_err *err)
         }
         free(records);
     }
-    if (r == 0)
-        return sync_name(writer, err);
-    if (r < 0 && r != -TTF_EDAMAGED)
+    if (r == 0 || (r < 0 && r != -TTF_EDAMAGED))
         return r;
     ttf_err_set(err, -EEXIST, writer->path, "is there already, and is not empty");
     ttf_err_hint(err, "choose another name, or go on with the dataset that is there");

@@ -94,15 +94,6 @@ static int open_events(struct ttf_writer *writer, struct ttf_lines_tail *tail, s
     return r;
 }
 
-/* Names that were put in place and not synced, by whoever wrote here before, are made durable. */
-static int make_sure(struct ttf_writer *writer, struct ttf_err *err)
-{
-    int r = writer->io->ops->sync_dir(writer->io, writer->path);
-    return r ? ttf_err_set(err, r, writer->path, "cannot be synced to the disk: %s",
-                           strerrordesc_np(-r))
-             : 0;
-}
-
 /* What the segments say of dataset.json is compared with this. */
 static int hash_manifest(struct ttf_writer *writer, struct ttf_err *err)
 {
@@ -150,8 +141,6 @@ static int open_all(struct ttf_writer *writer, bool doubt, struct ttf_err *err)
     if (r)
         return r;
     r = ttf_writer_repair(writer, &records, &events, sums, doubt, err);
-    if (r == 0)
-        r = make_sure(writer, err);
     if (r == 0)
         ttf_reserve_make(writer);
     return r;

@@ -97,6 +97,12 @@ const char *const *cli_board_folders(void);
 /* Reads the board that --board, --set, --scene and --seed describe. */
 int cli_load_board(struct cli *cli, struct ttf_board *ret);
 
+/*
+ * The same in words, for a box made from it: the board's name and the beginning of its file's sha256, then what
+ * was said otherwise. What is too long for ret is cut, with the beginning of the whole text's sha256 at its end.
+ */
+void cli_describe_board(struct cli *cli, const struct ttf_board *board, char ret[256]);
+
 /* Now on the clock given (a struct ttf_clock), in the shape that reports of times want. */
 int64_t cli_now_ns(void *clock);
 

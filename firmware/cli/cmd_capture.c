@@ -71,6 +71,7 @@ static int one_boot(struct capture *c, int64_t *ret_back_ns)
         r = box_configure(&c->board, &box, &cli->err);
     if (r < 0)
         goto out;
+    cli_describe_board(cli, &c->board, box.description);
     ttf_clock_utc(box.clock, &utc);
     r = ttf_plan_file_resolve(c->file, utc.utc_ns, &cli->err);
     /* What has begun may go on long after its start, and a rehearsal does not wait for it. */

@@ -140,7 +140,8 @@ static int unknown_name(const char *name, struct ttf_err *err)
     for (unsigned i = 0; i < TTF_COUNT_OF(kinds) && n < sizeof(names); i++)
         n += (size_t)snprintf(names + n, sizeof(names) - n, "%s%s", i ? ", " : "", kinds[i]->name);
     ttf_err_set(err, -ENOENT, NULL, "there is no scene '%s'", name);
-    return err ? ttf_err_hint(err, "the scenes are %s", names) : -ENOENT;
+    ttf_err_hint(err, "the scenes are %s", names);
+    return -ENOENT;
 }
 
 int ttf_scene_procedural(const char *name, uint64_t seed, int64_t span_ns, struct ttf_scene *ret,

@@ -62,10 +62,12 @@ said out "run the same command again"
 expect 0 "$TTFBOX" verify stopped --json
 is leftover 0
 is damage 0
-expect 0 "$TTFBOX" capture week.yaml "${SMALL[@]}" -o stopped --json
+# Before another scene: it is gone on with, and says so.
+expect 0 "$TTFBOX" capture week.yaml "${SMALL[@]}" --scene copper -o stopped --json
 is sealed true
 is resumed true
 is slots $slots
+grep -q '"kind":"box".*scene copper' stopped/events.jsonl || fail "another scene leaves no event"
 
 # ---- a power cut is part of a simulated run: the box comes back by itself ----
 expect 0 "$TTFBOX" capture week.yaml "${SMALL[@]}" -o cut --json \

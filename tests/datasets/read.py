@@ -318,6 +318,7 @@ class Reader:
             uncertainty_ns=get(o, "uncertainty_ns", "int", False, 0),
             interval_ns=get(o, "interval_ns", "int", True, 0), plan=plan,
             zone=text_of(o, "zone", 63), zone_offset_s=get(o, "zone_offset_s", "int"))
+        text_of(o, "box", 255)
         sha = get(o, "dataset_sha256", "text")
         if sha is not None:
             if not HEX64.fullmatch(sha):

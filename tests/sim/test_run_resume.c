@@ -201,6 +201,57 @@ static void slots_due_while_lamps_settle_are_not_called_without_power(void **sta
     sim_run_finish(&run);
 }
 
+static const char *described;
+
+static void describe(struct sim_run *run)
+{
+    snprintf(run->box->description, sizeof(run->box->description), "%s", described);
+}
+
+static void cut_and_gone_on_with(struct sim_run *run, const char *now)
+{
+    sim_run_init(run);
+    run->on_box = describe;
+    described = "sim, scene grass, sim.optics.blur=1px";
+    sim_run_fault(run, TTF_FAULT_POWER_CUT, 3 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S);
+    assert_int_equal(sim_run_boot(run), -ESHUTDOWN);
+    described = now;
+    run->config.power_on_ns = run->back_ns;
+    assert_int_equal(sim_run_boot(run), 0);
+}
+
+/* Somebody went on with a simulated run before another scene. */
+static void a_run_gone_on_with_in_another_box_says_what_changed(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    cut_and_gone_on_with(&run, "sim, scene copper, sim.optics.blur=1px");
+    assert_int_equal(sim_run_events(&run, "box",
+                                    "'copper, sim.optics.blur=1px' instead of 'grass, "
+                                    "sim.optics.blur=1px'"),
+                     1);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+    cut_and_gone_on_with(&run, "sim, scene grass");
+    assert_int_equal(sim_run_events(&run, "box", "'grass' instead of 'grass, sim.optics.blur=1px'"),
+                     1);
+    sim_run_finish(&run);
+}
+
+static void the_same_box_and_one_that_does_not_say_leave_no_event(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    cut_and_gone_on_with(&run, "sim, scene grass, sim.optics.blur=1px");
+    assert_int_equal(sim_run_events(&run, "box", NULL), 0);
+    sim_run_finish(&run);
+    cut_and_gone_on_with(&run, "");
+    assert_int_equal(sim_run_events(&run, "box", NULL), 0);
+    sim_run_finish(&run);
+}
+
 static void cuts_in_a_row_are_survived(void **state)
 {
     struct sim_run run;
@@ -239,6 +290,8 @@ int main(void)
         cmocka_unit_test(a_cut_while_arming_leaves_nothing_that_hinders),
         cmocka_unit_test(thousands_of_lost_slots_have_their_records),
         cmocka_unit_test(cuts_in_a_row_are_survived),
+        cmocka_unit_test(a_run_gone_on_with_in_another_box_says_what_changed),
+        cmocka_unit_test(the_same_box_and_one_that_does_not_say_leave_no_event),
         cmocka_unit_test(slots_due_while_lamps_settle_are_not_called_without_power),
     };
 

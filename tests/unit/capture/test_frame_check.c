@@ -68,6 +68,43 @@ static void bad_data_are_worse_than_bad_settings(void **state)
     assert_string_equal(ttf_frame_refused(&f, &want.format, &locked), "wrong format");
 }
 
+static void any_field_of_the_format_counts(void **state)
+{
+    struct ttf_frame want = good_frame();
+
+    (void)state;
+    for (int field = 0; field < 6; field++) {
+        struct ttf_frame f = want;
+
+        f.format.height += field == 0;
+        f.format.packing = field == 1 ? TTF_PACKING_RAW16 + 1 : f.format.packing;
+        f.format.cfa = field == 2 ? TTF_CFA_NONE : f.format.cfa;
+        f.format.bits += field == 3;
+        f.format.black_level += field == 4;
+        f.format.white_level -= field == 5;
+        assert_string_equal(ttf_frame_refused(&f, &want.format, &locked), "wrong format");
+    }
+}
+
+static void a_frame_whose_bytes_are_not_all_there_is_short_whoever_says_so(void **state)
+{
+    struct ttf_frame want = good_frame();
+    struct ttf_frame f = want;
+
+    (void)state;
+    f.flags = TTF_FRAME_SHORT;
+    assert_string_equal(ttf_frame_refused(&f, &want.format, &locked), "short");
+    f = want;
+    f.data = NULL;
+    assert_string_equal(ttf_frame_refused(&f, &want.format, &locked), "short");
+    f = want;
+    f.settings.wb_b_milli++;
+    assert_string_equal(ttf_frame_refused(&f, &want.format, &locked), "wrong settings");
+    f.settings = want.settings;
+    f.settings.wb_r_milli++;
+    assert_string_equal(ttf_frame_refused(&f, &want.format, &locked), "wrong settings");
+}
+
 static void flags_are_words_said_once(void **state)
 {
     struct ttf_image image = {0};
@@ -87,6 +124,8 @@ int main(void)
         cmocka_unit_test(a_frame_as_ordered_is_taken),
         cmocka_unit_test(any_field_of_the_settings_counts),
         cmocka_unit_test(bad_data_are_worse_than_bad_settings),
+        cmocka_unit_test(any_field_of_the_format_counts),
+        cmocka_unit_test(a_frame_whose_bytes_are_not_all_there_is_short_whoever_says_so),
         cmocka_unit_test(flags_are_words_said_once),
     };
 

@@ -104,6 +104,61 @@ static void dataset_json_comes_last_when_creating(void **state)
     ttf_writer_close(writer);
 }
 
+/* They may have been made a moment ago, by a shell that syncs nothing. */
+static void folders_above_a_new_dataset_that_are_there_are_synced_too(void **state)
+{
+    struct watched *w = *state;
+    const char *of, *lines;
+    struct ttf_writer *writer;
+
+    assert_int_equal(mkdir(in(w->path, "of"), 0755), 0);
+    assert_int_equal(mkdir(in(w->path, "of/series"), 0755), 0);
+    watch(w);
+    writer = small_create(w->io, in(w->path, "of/series/d"));
+    assert_non_null(strstr(w->log, "sync_dir series\n"));
+    assert_non_null(strstr(w->log, "sync_dir ttf-store-"));
+    of = strstr(w->log, "sync_dir of\n");
+    lines = strstr(w->log, "open records.jsonl.tmp\n");
+    assert_true(of && lines && of < lines);
+    ttf_writer_close(writer);
+}
+
+struct not_ours {
+    const char *path;
+    int error;
+};
+
+static int refuse_to_sync(void *ctx, const char *op, const char *path)
+{
+    const struct not_ours *n = ctx;
+
+    return strcmp(op, "sync_dir") == 0 && strcmp(path, n->path) == 0 ? n->error : 0;
+}
+
+static void a_dataset_below_a_folder_that_is_not_ours_to_sync_is_written_all_the_same(void **state)
+{
+    static const int errors[] = {EACCES, EPERM, EROFS};
+    struct watched *w = *state;
+
+    for (unsigned i = 0; i < sizeof(errors) / sizeof(errors[0]); i++) {
+        struct not_ours n = {.path = w->path, .error = errors[i]};
+        struct ttf_io *io = ttf_io_faulty_create(quick_io(), refuse_to_sync, &n);
+        struct ttf_writer *writer;
+        char name[8];
+
+        assert_non_null(io);
+        snprintf(name, sizeof(name), "d%u", i);
+        assert_int_equal(mkdir(in(w->path, "%s", name), 0755), 0); /* by who may */
+        ttf_writer_close(small_create(io, in(w->path, "%s", name)));
+        assert_int_equal(ttf_writer_open(io, in(w->path, "%s", name), &writer, NULL), 0);
+        ttf_writer_close(writer);
+        /* An error of the disk is another matter. */
+        n.error = EIO;
+        assert_int_equal(ttf_writer_open(io, in(w->path, "%s", name), &writer, NULL), -EIO);
+        ttf_io_faulty_destroy(io);
+    }
+}
+
 static void the_first_image_brings_its_folders_to_the_disk(void **state)
 {
     struct watched *w = *state;
@@ -378,6 +433,8 @@ int main(void)
 #define T(f) cmocka_unit_test_setup_teardown(f, watched_setup, watched_teardown)
     const struct CMUnitTest tests[] = {
         T(dataset_json_comes_last_when_creating),
+        T(folders_above_a_new_dataset_that_are_there_are_synced_too),
+        T(a_dataset_below_a_folder_that_is_not_ours_to_sync_is_written_all_the_same),
         T(the_first_image_brings_its_folders_to_the_disk),
         T(lines_are_synced_before_their_newline),
         T(files_of_plans_and_calibrations_come_before_their_line),

@@ -34,11 +34,11 @@ struct ttf_err {
 int ttf_err_set(struct ttf_err *err, int code, const char *where, const char *fmt, ...)
     TTF_PRINTF(4, 5);
 
-/* Adds what the user can do. Does nothing if err is NULL. Returns err->code (0 if err is NULL). */
-int ttf_err_hint(struct ttf_err *err, const char *fmt, ...) TTF_PRINTF(2, 3);
+/* Adds what the user can do. Does nothing if err is NULL; returns nothing, so that nobody returns it as a code. */
+void ttf_err_hint(struct ttf_err *err, const char *fmt, ...) TTF_PRINTF(2, 3);
 
-/* Puts "prefix: " before `what` on the way up. Returns err->code (0 if err is NULL). */
-int ttf_err_prefix(struct ttf_err *err, const char *fmt, ...) TTF_PRINTF(2, 3);
+/* Puts "prefix: " before `what` on the way up. */
+void ttf_err_prefix(struct ttf_err *err, const char *fmt, ...) TTF_PRINTF(2, 3);
 
 /*
  * Writes "where: what; hint" (parts that exist) into buf, always terminated.

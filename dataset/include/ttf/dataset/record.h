@@ -116,6 +116,7 @@ struct ttf_segment {
         [65]; /* of dataset.json, hex; empty: of a writer of format 1.0. The writer fills it in */
     /* of a run's time since its slot 0, where that is not first_index * interval_ns; 0: it is */
     int64_t run_ns;
+    char box[256]; /* how the box was described to whoever captured; empty: not said */
 };
 
 struct ttf_end_record {

@@ -28,7 +28,9 @@ struct ttf_box_camera {
 struct ttf_box {
     char board[64];  /* the board's name */
     char serial[64]; /* of this box */
-    bool simulated;  /* everything it yields says so */
+    /* What it was made of, in words: where two boots differ in this, so may what they capture. Empty: not said. */
+    char description[256];
+    bool simulated; /* everything it yields says so */
     struct ttf_clock *clock;
     unsigned n_cameras; /* 1..TTF_BOX_CAMERAS_MAX */
     struct ttf_box_camera cameras[TTF_BOX_CAMERAS_MAX];

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cmocka_includes.h"
+
+#include <stdio.h>
+
+#include "quantile.h"
+#include "schedule.h"
+#include "timeline.h"
+#include "ttf/base/time.h"
+
+static struct ttf_segment segment(const char *boot, int64_t first, int64_t origin_s)
+{
+    struct ttf_segment s = {.first_index = first,
+                            .origin_ns = origin_s * TTF_NS_PER_S,
+                            .origin_utc_ns = TTF_NS_UNKNOWN,
+                            .interval_ns = TTF_NS_PER_MIN};
+
+    snprintf(s.boot_id, sizeof(s.boot_id), "%s", boot);
+    return s;
+}
+
+static void over_segments_of_a_boot_its_clock_counts_over_a_boot_the_slots(void **state)
+{
+    /* Ten slots; another interval, begun 30 s later than the grid would; then another boot. */
+    struct ttf_segment s[3] = {segment("a", 0, 100), segment("a", 10, 730), segment("b", 15, 20)};
+
+    (void)state;
+    assert_int_equal(ttf_timeline_elapsed_ns(s, 0), 0);
+    assert_int_equal(ttf_timeline_elapsed_ns(s, 1), 0);
+    assert_int_equal(ttf_timeline_elapsed_ns(s, 2), 630 * TTF_NS_PER_S);
+    assert_int_equal(ttf_timeline_elapsed_ns(s, 3), (630 + 300) * TTF_NS_PER_S);
+}
+
+static void a_dataset_that_a_run_moved_to_knows_what_came_before(void **state)
+{
+    struct ttf_segment s = segment("a", 10, 730);
+
+    (void)state;
+    /* Its own grid, or what the line says where that is not it. */
+    assert_int_equal(ttf_timeline_elapsed_ns(&s, 1), 600 * TTF_NS_PER_S);
+    s.run_ns = 630 * TTF_NS_PER_S;
+    assert_int_equal(ttf_timeline_elapsed_ns(&s, 1), 630 * TTF_NS_PER_S);
+}
+
+static void a_run_s_time_is_only_said_where_the_grid_does_not_say_it(void **state)
+{
+    struct ttf_segment s = segment("a", 10, 730);
+
+    (void)state;
+    assert_int_equal(ttf_timeline_run_ns(&s, 130 * TTF_NS_PER_S), 0);
+    assert_int_equal(ttf_timeline_run_ns(&s, 100 * TTF_NS_PER_S), 630 * TTF_NS_PER_S);
+    /* Before slot 0 there was no run. */
+    assert_int_equal(ttf_timeline_run_ns(&s, 800 * TTF_NS_PER_S), 0);
+}
+
+static void slot_0_is_where_the_last_segment_with_utc_says(void **state)
+{
+    struct ttf_segment s[2] = {segment("a", 0, 100), segment("b", 10, 20)};
+
+    (void)state;
+    assert_int_equal(ttf_timeline_slot0_utc_ns(s, 2), TTF_NS_UNKNOWN);
+    assert_int_equal(ttf_timeline_slot0_utc_ns(s, 0), TTF_NS_UNKNOWN);
+    s[0].origin_utc_ns = 1000 * TTF_NS_PER_S;
+    assert_int_equal(ttf_timeline_slot0_utc_ns(s, 2), 1000 * TTF_NS_PER_S);
+    s[1].origin_utc_ns = 1605 * TTF_NS_PER_S;
+    assert_int_equal(ttf_timeline_slot0_utc_ns(s, 2), 1005 * TTF_NS_PER_S);
+}
+
+static void a_due_time_beyond_all_time_is_never(void **state)
+{
+    struct ttf_grid grid = {0, INT64_MAX - 10, TTF_NS_PER_DAY};
+
+    (void)state;
+    assert_int_equal(ttf_grid_due_ns(&grid, 1), TTF_NS_NEVER);
+    assert_int_equal(ttf_grid_due_ns(&grid, INT64_MAX / 2), TTF_NS_NEVER);
+}
+
+static void quantiles_of_errors_hold_at_both_ends(void **state)
+{
+    static struct ttf_quantile q;
+
+    (void)state;
+    assert_int_equal(ttf_quantile_ns(&q, 0.99), 0);
+    ttf_quantile_add(&q, -5);
+    assert_int_equal(ttf_quantile_ns(&q, 0), 5);
+    assert_int_equal(ttf_quantile_ns(&q, 1), 5);
+    /* An error of years: the largest there is, and never more than was seen. */
+    ttf_quantile_add(&q, INT64_MAX);
+    assert_int_equal(ttf_quantile_ns(&q, 0.5), 5);
+    assert_true(ttf_quantile_ns(&q, 1) <= INT64_MAX && ttf_quantile_ns(&q, 1) > TTF_NS_PER_DAY);
+    assert_int_equal(q.max_ns, INT64_MAX);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(over_segments_of_a_boot_its_clock_counts_over_a_boot_the_slots),
+        cmocka_unit_test(a_dataset_that_a_run_moved_to_knows_what_came_before),
+        cmocka_unit_test(a_run_s_time_is_only_said_where_the_grid_does_not_say_it),
+        cmocka_unit_test(slot_0_is_where_the_last_segment_with_utc_says),
+        cmocka_unit_test(a_due_time_beyond_all_time_is_never),
+        cmocka_unit_test(quantiles_of_errors_hold_at_both_ends),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
