@@ -162,11 +162,14 @@ static int take_frames(const struct ttf_guided_config *config, bool lit, struct 
         return r;
     g = calloc(1, sizeof(*g));
     if (!g)
-        return -ENOMEM;
+        return ttf_err_set(err, -ENOMEM, config->shot->camera, "no memory to take frames");
     ttf_clock_join(config->box->clock);
     r = with_devices(g, config, lit, sum, err);
     ttf_clock_leave(config->box->clock);
     free(g);
+    if (r < 0 && err && err->code != r)
+        ttf_err_set(err, r, config->shot->camera, "frames cannot be taken: %s",
+                    strerrordesc_np(-r));
     return r;
 }
 

@@ -45,6 +45,7 @@ static int check_whole(const struct ttf_plan *plan, const struct ttf_plan *wante
                        struct ttf_err *err)
 {
     struct ttf_plan as = *wanted;
+    int r;
 
     for (unsigned i = 0; i < wanted->n_shots; i++) {
         if (shot_of(plan, wanted->shots[i].stream))
@@ -67,7 +68,10 @@ static int check_whole(const struct ttf_plan *plan, const struct ttf_plan *wante
     memcpy(as.day_levels, plan->day_levels, sizeof(as.day_levels));
     as.start_utc_ns = plan->start_utc_ns;
     as.reserve_bytes = plan->reserve_bytes;
-    if (ttf_plan_same(&as, plan))
+    r = ttf_plan_same(&as, plan);
+    if (r < 0)
+        return ttf_err_set(err, r, NULL, "the plan cannot be compared: %s", strerrordesc_np(-r));
+    if (r > 0)
         return 0;
     ttf_err_set(err, -EINVAL, "shots",
                 "only title, interval, length, photoperiod and reserve change while a run lives");

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A resolved plan read back (plan_json.c writes it), and whether two plans are the same. */
 #include <errno.h>
-#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "plan_names.h"
 #include "ttf/base/time.h"
 #include "ttf/capture/plan.h"
+#include "ttf/dataset/json_parse.h"
 
 /* The first field that is not as it must be sticks. */
 struct reading {
@@ -167,10 +167,14 @@ static void get_storage(struct reading *in, const json_t *root, struct ttf_plan 
 int ttf_plan_read(const char *text, size_t bytes, const char *where, struct ttf_plan *ret,
                   struct ttf_err *err)
 {
-    json_t *root = json_loadb(text, bytes, JSON_REJECT_DUPLICATES, NULL);
+    json_t *root = NULL;
     struct reading in = {NULL};
     struct ttf_plan plan;
+    int r;
 
+    r = ttf_json_parse(text, bytes, &root, NULL);
+    if (r == -ENOMEM)
+        return ttf_err_set(err, r, where, "no memory for the plan");
     if (!json_is_object(root)) {
         json_decref(root);
         return ttf_err_set(err, -EINVAL, where, "is no plan as JSON");
@@ -209,19 +213,22 @@ static void forget_resolved(struct ttf_plan *plan)
         plan->phase_ns = 0;
 }
 
-bool ttf_plan_same(const struct ttf_plan *a, const struct ttf_plan *b)
+int ttf_plan_same(const struct ttf_plan *a, const struct ttf_plan *b)
 {
     struct ttf_plan x = *a;
     struct ttf_plan y = *b;
     char *of_x = NULL;
     char *of_y = NULL;
-    bool same;
+    int r;
 
     forget_resolved(&x);
     forget_resolved(&y);
-    same = ttf_plan_json(&x, &of_x, NULL) == 0 && ttf_plan_json(&y, &of_y, NULL) == 0 &&
-           strcmp(of_x, of_y) == 0;
+    r = ttf_plan_json(&x, &of_x, NULL);
+    if (r == 0)
+        r = ttf_plan_json(&y, &of_y, NULL);
+    if (r == 0)
+        r = strcmp(of_x, of_y) == 0;
     free(of_x);
     free(of_y);
-    return same;
+    return r;
 }

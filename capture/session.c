@@ -86,18 +86,21 @@ static int find_dataset(struct ttf_session *s, struct ttf_err *err)
 }
 
 /* The words of the plan in force, for whoever reads plans/ of a second dataset. */
-static void find_yaml(struct ttf_session *s)
+static int find_yaml(struct ttf_session *s, struct ttf_err *err)
 {
     char path[4096 + 32];
     size_t bytes;
+    int r = 0;
 
     if (s->moved_on_from < 0) {
         s->given_yaml = s->config->plan_yaml ? strdup(s->config->plan_yaml) : NULL;
-        return;
+        r = s->config->plan_yaml && !s->given_yaml ? -ENOMEM : 0;
+    } else {
+        snprintf(path, sizeof(path), "%s/plans/%d.yaml", s->path, s->known_plan);
+        r = ttf_io_slurp(s->config->io, path, 1 << 20, &s->given_yaml, &bytes, NULL);
     }
-    snprintf(path, sizeof(path), "%s/plans/%d.yaml", s->path, s->known_plan);
-    if (ttf_io_slurp(s->config->io, path, 1 << 20, &s->given_yaml, &bytes, NULL) < 0)
-        s->given_yaml = NULL;
+    /* Without the words the plan is still whole. */
+    return r == -ENOMEM ? ttf_err_set(err, r, s->path, "no memory for the plan's words") : 0;
 }
 
 /* A rehearsal is the same plan, a few slots, as fast as the box can expose them. */
@@ -537,10 +540,10 @@ int ttf_session_run(const struct ttf_session_config *config, struct ttf_session_
     r = find_dataset(s, err);
     if (r == 0)
         r = ttf_session_plan_in_force(s, err);
-    if (r == 0) {
-        find_yaml(s);
+    if (r == 0)
+        r = find_yaml(s, err);
+    if (r == 0)
         r = use_cameras(s, err);
-    }
     if (r == 0)
         r = prepare_plan(s, err);
     if (r == 0)

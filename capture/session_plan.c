@@ -26,23 +26,32 @@ static int read_plan(struct ttf_session *s, int number, struct ttf_plan *ret)
     return r;
 }
 
-/* The newest stored plan that asks for the same as the one given; -1: none. */
-static int find_plan(struct ttf_session *s, int n_plans)
+/*
+ * The newest stored plan that asks for the same as the one given into *ret; -1: none. -ENOMEM: who took that for
+ * "none" would change the plan of a run that is only to be gone on with.
+ */
+static int find_plan(struct ttf_session *s, int n_plans, int *ret)
 {
-    for (int i = n_plans - 1; i >= 0; i--) {
+    for (*ret = n_plans - 1; *ret >= 0; --*ret) {
         struct ttf_plan stored;
+        int r = read_plan(s, *ret, &stored);
 
-        if (read_plan(s, i, &stored) == 0 && ttf_plan_same(&stored, &s->plan))
-            return i;
+        if (r == 0)
+            r = ttf_plan_same(&stored, &s->plan);
+        if (r == 1 || r == -ENOMEM)
+            return r == 1 ? 0 : r;
     }
-    return -1;
+    return 0;
 }
 
 /* Of a dataset with so many plans, of which this one is in force. */
 static int choose(struct ttf_session *s, int n_plans, int in_force, struct ttf_err *err)
 {
-    int given = find_plan(s, n_plans);
+    int given;
+    int r = find_plan(s, n_plans, &given);
 
+    if (r < 0)
+        return ttf_err_set(err, r, s->path, "no memory to look for the plan given");
     s->known_plan = given;
     if (given < 0)
         return 0; /* new: a change */
@@ -53,8 +62,10 @@ static int choose(struct ttf_session *s, int n_plans, int in_force, struct ttf_e
     if (given < in_force)
         s->known_plan = -1; /* an old one again: a change too, with a number of its own */
     /* What was resolved once stays: the phase of its day, the zone's offset. */
-    if (read_plan(s, given, &s->plan) < 0)
-        return ttf_err_set(err, -EINVAL, s->path, "plans/%d.json cannot be read", given);
+    r = read_plan(s, given, &s->plan);
+    if (r < 0)
+        return ttf_err_set(err, r == -ENOMEM ? r : -EINVAL, s->path, "plans/%d.json cannot be read",
+                           given);
     return 0;
 }
 
@@ -64,10 +75,19 @@ int ttf_session_plan_in_force(struct ttf_session *s, struct ttf_err *err)
     struct ttf_segment last;
     int in_force = -1;
     int n_plans;
+    int r;
 
     s->known_plan = s->moved_on_from = -1;
-    if (s->config->rehearse > 0 || ttf_reader_open(s->config->io, s->path, &reader, NULL) < 0)
-        return 0; /* new; or opening it for writing will say what is wrong with it */
+    if (s->config->rehearse > 0)
+        return 0;
+    r = ttf_reader_open(s->config->io, s->path, &reader, err);
+    if (r == -ENOMEM)
+        return r;
+    if (r < 0) { /* new; or opening it for writing will say what is wrong with it */
+        if (err)
+            *err = (struct ttf_err){0};
+        return 0;
+    }
     n_plans = ttf_reader_summary(reader)->n_plans;
     if (ttf_reader_segment(reader, ttf_reader_summary(reader)->n_segments - 1, &last) == 0)
         in_force = last.plan;

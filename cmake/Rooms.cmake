@@ -7,11 +7,12 @@
 set(TTF_MAY_USE_base "")
 set(TTF_MAY_USE_hal "base")
 set(TTF_MAY_USE_hal_sim "base;hal")
+set(TTF_MAY_USE_hal_gpiod "base;hal")
 set(TTF_MAY_USE_dataset "base")
 set(TTF_MAY_USE_capture "base;hal;dataset")
 set(TTF_MAY_USE_synth "base;dataset")
 set(TTF_MAY_USE_config "base;hal;hal_sim;dataset;capture;synth")
-set(TTF_MAY_USE_firmware "base;hal;hal_sim;dataset;capture;synth;config")
+set(TTF_MAY_USE_firmware "base;hal;hal_sim;hal_gpiod;dataset;capture;synth;config")
 
 function(ttf_check_arrows name)
     foreach(used IN LISTS ARGN)

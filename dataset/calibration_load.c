@@ -5,9 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <jansson.h>
-
 #include "calibration_private.h"
+#include "ttf/dataset/json_parse.h"
 #include "ttf/dataset/tiff.h"
 
 #define PATH_SIZE  4096
@@ -184,11 +183,15 @@ static int load_json(struct ttf_io *io, const char *folder, struct ttf_calibrati
     r = ttf_io_slurp(io, path, JSON_BYTES, &text, &bytes, err);
     if (r < 0)
         return r;
-    root = json_loadb(text, bytes, JSON_REJECT_DUPLICATES, &where);
+    r = ttf_json_parse(text, bytes, &root, &where);
     free(text);
+    if (r == -ENOMEM)
+        return ttf_err_set(err, r, path, "no memory");
+    if (r < 0)
+        return ttf_err_set(err, r, path, "line %d is no JSON: %s", where.line, where.text);
     if (!json_is_object(root)) {
         json_decref(root);
-        return ttf_err_set(err, -EINVAL, path, "line %d is no JSON: %s", where.line, where.text);
+        return ttf_err_set(err, -EINVAL, path, "is no calibration: there is no object in it");
     }
     get_all(&loader, root, ret);
     json_decref(root);

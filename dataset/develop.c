@@ -252,9 +252,9 @@ int ttf_develop_run(struct ttf_develop *develop, const struct ttf_raw_sum *raw,
         dst->height != develop->config.region.height || dst->samples != 3 ||
         dst->format != TTF_SAMPLE_U16)
         return ttf_err_set(err, -EINVAL, NULL, "the destination is not of the developed size");
-    space = develop_space_for(develop, pool, false, &own, err);
-    if (!space)
-        return -ENOMEM;
+    r = develop_space_for(develop, pool, false, &own, &space, err);
+    if (r < 0)
+        return r;
     job = (struct strips_job){.run = &run,
                               .scratch = space->scratch,
                               .scratch_each = space->scratch_each,
@@ -321,9 +321,9 @@ int ttf_develop_tiff(struct ttf_develop *develop, const struct ttf_raw_sum *raw,
 
     if (r < 0)
         return r;
-    space = develop_space_for(develop, pool, true, &own, err);
-    if (!space)
-        return -ENOMEM;
+    r = develop_space_for(develop, pool, true, &own, &space, err);
+    if (r < 0)
+        return r;
     r = ttf_tiff_writer_begin(space->writer, times ? times : &unknown, io, file, err);
     if (r == 0) {
         r = write_chunks(&run, space, pool, &sums, err);

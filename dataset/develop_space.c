@@ -72,14 +72,17 @@ void develop_space_free(struct develop_space *space)
     memset(space, 0, sizeof(*space));
 }
 
-struct develop_space *develop_space_for(struct ttf_develop *develop, const struct ttf_pool *pool,
-                                        bool tiff, struct develop_space *own, struct ttf_err *err)
+int develop_space_for(struct ttf_develop *develop, const struct ttf_pool *pool, bool tiff,
+                      struct develop_space *own, struct develop_space **ret, struct ttf_err *err)
 {
     unsigned threads = ttf_pool_threads(pool);
 
-    if (threads <= develop->space.threads && (!tiff || develop->space.writer))
-        return &develop->space;
-    return develop_space_init(own, develop, threads, tiff, err) < 0 ? NULL : own;
+    if (threads <= develop->space.threads && (!tiff || develop->space.writer)) {
+        *ret = &develop->space;
+        return 0;
+    }
+    *ret = own;
+    return develop_space_init(own, develop, threads, tiff, err);
 }
 
 int ttf_develop_reserve(struct ttf_develop *develop, const struct ttf_pool *pool, bool tiff,

@@ -10,16 +10,18 @@
 
 unsigned develop_strips(const struct ttf_develop *develop);
 
-/* For runs with so many threads; tiff: for ttf_develop_tiff, else for ttf_develop_run. -ENOMEM. */
+/* For runs with so many threads; tiff: for ttf_develop_tiff, else for ttf_develop_run. -ENOMEM; as
+ * ttf_tiff_writer_create. */
 TTF_MUST_USE int develop_space_init(struct develop_space *space, const struct ttf_develop *develop,
                                     unsigned threads, bool tiff, struct ttf_err *err);
 void develop_space_free(struct develop_space *space); /* a zeroed one is fine */
 
 /*
- * The developer's own space if it was reserved for such a run, else *own, made now. NULL with
- * err: no memory. Free *own (zeroed before) when the run is over, whichever it was.
+ * *ret: the developer's own space if it was reserved for such a run, else own, made now: its error.
+ * Free *own (zeroed before) when the run is over, whichever it was.
  */
-struct develop_space *develop_space_for(struct ttf_develop *develop, const struct ttf_pool *pool,
-                                        bool tiff, struct develop_space *own, struct ttf_err *err);
+TTF_MUST_USE int develop_space_for(struct ttf_develop *develop, const struct ttf_pool *pool,
+                                   bool tiff, struct develop_space *own, struct develop_space **ret,
+                                   struct ttf_err *err);
 
 #endif

@@ -300,6 +300,8 @@ int ttf_dng_read(struct ttf_io *io, const char *path, struct ttf_raw_sum *ret,
         r = make_sum(&image, &sum, path, err);
     if (r == 0)
         r = dng_read_codes(&client, &image, sum.sum, err);
+    if (r == 0)
+        r = tiff_client_done(&client, err, "reading a DNG file");
     if (r == 0) {
         level_black(&image, sum.format.black_level, sum.sum);
         sum.n = 1;

@@ -236,5 +236,5 @@ int ttf_dng_write_in(const struct ttf_raw_sum *raw, const struct ttf_dng_info *i
     }
     if (tiff_client_close(&client) < 0)
         return tiff_client_fail(&client, err, -EIO, "completing a DNG file");
-    return 0;
+    return tiff_client_done(&client, err, "completing a DNG file");
 }

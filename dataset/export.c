@@ -126,39 +126,31 @@ static int run_pass(struct export_job *job, unsigned pass, struct ttf_err *err)
     return code;
 }
 
-/* The sidecar of a folder lies inside of it, of a file beside it. */
-static int write_sidecar(struct export_job *job, const char *path, struct ttf_err *err)
-{
-    char *text;
-    size_t n;
-    int code = export_sidecar(job, &text, &n, err);
-
-    if (code)
-        return code;
-    code = ttf_io_write_file(job->io, path, text, n, err);
-    free(text);
-    return code;
-}
-
+/*
+ * The sidecar of a folder lies inside of it, of a file beside it; a sheet has none. Its text is made before anything is
+ * put in its place.
+ */
 static int complete(struct export_job *job, struct ttf_err *err)
 {
     bool folder = kinds[job->config->kind].folder;
-    char *sidecar = folder ? ttf_path_format("%s/%s.json", job->staging.temp, job->config->name)
-                           : ttf_path_format("%s.json", job->staging.final);
-    int code;
+    bool beside = !folder && job->config->kind != TTF_EXPORT_SHEET;
+    char *path = folder ? ttf_path_format("%s/%s.json", job->staging.temp, job->config->name)
+                        : ttf_path_format("%s.json", job->staging.final);
+    char *text = NULL;
+    size_t n = 0;
+    int code = path ? export_sidecar(job, &text, &n, err)
+                    : ttf_err_set(err, -ENOMEM, NULL, "no memory for a path");
 
-    if (!sidecar) {
-        staging_discard(&job->staging);
-        return ttf_err_set(err, -ENOMEM, NULL, "no memory for a path");
-    }
-    code = folder ? write_sidecar(job, sidecar, err) : 0;
+    if (!code && folder)
+        code = ttf_io_write_file(job->io, path, text, n, err);
     if (code)
         staging_discard(&job->staging);
     else
         code = staging_commit(&job->staging, err);
-    if (!code && !folder && job->config->kind != TTF_EXPORT_SHEET)
-        code = write_sidecar(job, sidecar, err);
-    free(sidecar);
+    if (!code && beside)
+        code = ttf_io_write_file(job->io, path, text, n, err);
+    free(text);
+    free(path);
     return code;
 }
 

@@ -15,66 +15,43 @@ const char *staging_base(const char *path)
     return slash ? slash + 1 : path;
 }
 
-struct names {
-    char **name;
-    size_t n;
-    bool lost; /* no memory for one */
+struct child {
+    const char *folder;
+    char path[TTF_PATH_MAX]; /* empty: none */
 };
 
-static int take_name(void *ctx, const char *name, bool is_dir)
+static int take_first(void *ctx, const char *name, bool is_dir)
 {
-    struct names *names = ctx;
-    char **more;
+    struct child *child = ctx;
+    int r;
 
     if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
         return 0;
-    more = realloc(names->name, (names->n + 1) * sizeof(*more));
-    if (more) {
-        names->name = more;
-        names->name[names->n] = strdup(name);
-    }
-    if (!more || !names->name[names->n]) {
-        names->lost = true;
-        return 1;
-    }
-    names->n++;
-    return 0;
+    r = ttf_path_put(child->path, "%s/%s", child->folder, name);
+    return r ? r : 1;
 }
 
-static void free_names(struct names *names)
-{
-    for (size_t i = 0; i < names->n; i++)
-        free(names->name[i]);
-    free(names->name);
-}
-
-/* As far as it goes: what cannot be removed stays under its temporary name. */
-static void remove_tree(struct ttf_io *io, const char *path)
+/* As far as it goes: what cannot be removed stays under its temporary name. Allocates nothing. */
+static int remove_tree(struct ttf_io *io, const char *path)
 {
     struct ttf_io_stat stat;
 
     if (io->ops->stat(io, path, &stat) == 0 && stat.is_dir) {
-        struct names names = {0};
+        struct child child = {.folder = path};
 
-        io->ops->list(io, path, take_name, &names);
-        for (size_t i = 0; i < names.n; i++) {
-            char *inner = ttf_path_format("%s/%s", path, names.name[i]);
-
-            if (inner)
-                remove_tree(io, inner);
-            free(inner);
-        }
-        free_names(&names);
+        while (io->ops->list(io, path, take_first, &child) > 0)
+            if (remove_tree(io, child.path) != 0)
+                break;
     }
-    io->ops->unlink(io, path);
+    return io->ops->unlink(io, path);
 }
 
 static int check_final(struct staging *staging, bool *ret_empty_folder, struct ttf_err *err)
 {
     struct ttf_io *io = staging->io;
-    struct names names = {0};
+    struct child child = {.folder = staging->final};
     struct ttf_io_stat stat;
-    size_t n;
+    int r;
 
     *ret_empty_folder = false;
     if (io->ops->stat(io, staging->final, &stat) < 0)
@@ -85,10 +62,11 @@ static int check_final(struct staging *staging, bool *ret_empty_folder, struct t
         return 0;
     if (!stat.is_dir)
         return ttf_err_set(err, -EEXIST, staging->final, "there is a file of that name");
-    io->ops->list(io, staging->final, take_name, &names);
-    n = names.n;
-    free_names(&names);
-    if (n > 0 || names.lost) {
+    r = io->ops->list(io, staging->final, take_first, &child);
+    if (r < 0)
+        return ttf_err_set(err, r, staging->final, "the folder cannot be listed: %s",
+                           strerrordesc_np(-r));
+    if (r > 0) {
         ttf_err_set(err, -EEXIST, staging->final, "the folder is there already and is not empty");
         ttf_err_hint(err, "choose another name or remove it");
         return -EEXIST;
@@ -125,7 +103,7 @@ static int prepare(struct staging *staging, struct ttf_err *err)
     code = check_final(staging, &empty, err);
     if (code)
         return code;
-    remove_tree(staging->io, staging->temp); /* of a process of the same number, long ago */
+    (void)remove_tree(staging->io, staging->temp); /* of a process of the same number, long ago */
     if (!staging->folder)
         return 0;
     code = staging->io->ops->mkdir(staging->io, staging->temp);
@@ -199,7 +177,7 @@ int staging_commit(struct staging *staging, struct ttf_err *err)
 void staging_discard(struct staging *staging)
 {
     if (staging->temp)
-        remove_tree(staging->io, staging->temp);
+        (void)remove_tree(staging->io, staging->temp);
     release(staging);
 }
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include <lcms2.h>
+#include <lcms2_plugin.h>
 
 /* In the header of a profile (ICC.1:2010, table 17). */
 #define DATE_OFFSET 24
@@ -14,6 +15,41 @@
 
 /* Twelve bytes: year, month, day, hour, minute, second. Fixed: a file's bits tell its picture, not its day. */
 static const uint8_t fixed_date[DATE_BYTES] = {0x07, 0xea, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0};
+
+/*
+ * Each context here is of one call and one thread. Without these, a profile gets a mutex, and
+ * lcms2 writes into it also where it got no memory for one.
+ */
+static void *create_no_mutex(cmsContext context)
+{
+    return context;
+}
+
+static void destroy_no_mutex(cmsContext context, void *mutex)
+{
+}
+
+static cmsBool lock_no_mutex(cmsContext context, void *mutex)
+{
+    return TRUE;
+}
+
+static void unlock_no_mutex(cmsContext context, void *mutex)
+{
+}
+
+/* NULL: no memory. */
+static cmsContext create_context(void)
+{
+    cmsPluginMutex plugin = {
+        .base = {.Magic = cmsPluginMagicNumber, .ExpectedVersion = 2060, .Type = cmsPluginMutexSig},
+        .CreateMutexPtr = create_no_mutex,
+        .DestroyMutexPtr = destroy_no_mutex,
+        .LockMutexPtr = lock_no_mutex,
+        .UnlockMutexPtr = unlock_no_mutex};
+
+    return cmsCreateContext(&plugin, NULL);
+}
 
 static cmsToneCurve *tone_curve(cmsContext context, enum ttf_icc icc)
 {
@@ -75,7 +111,7 @@ int ttf_icc_create(enum ttf_icc icc, uint32_t samples, uint8_t **ret, size_t *re
         *ret_bytes = 0;
         return 0;
     }
-    context = cmsCreateContext(NULL, NULL);
+    context = create_context();
     if (!context)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory for a colour profile");
     profile = build(context, icc, samples);
@@ -118,7 +154,7 @@ int ttf_icc_is_linear(const void *profile, size_t bytes)
 
     if (!profile || bytes < 128 || bytes > UINT32_MAX)
         return -EINVAL;
-    context = cmsCreateContext(NULL, NULL);
+    context = create_context();
     if (!context)
         return -ENOMEM;
     handle = cmsOpenProfileFromMemTHR(context, profile, (cmsUInt32Number)bytes);

@@ -134,11 +134,11 @@ int ttf_io_sync_parent(struct ttf_io *io, const char *path)
 int ttf_io_write_file(struct ttf_io *io, const char *path, const void *data, size_t n,
                       struct ttf_err *err)
 {
-    char *temporary = ttf_path_format("%s" TEMPORARY, path);
-    int file = -1, r = -ENOMEM;
+    char temporary[TTF_PATH_MAX];
+    int file = -1, r = ttf_path_put(temporary, "%s" TEMPORARY, path);
     bool made = false;
 
-    if (!temporary)
+    if (r)
         goto out;
     r = io->ops->unlink(io, temporary); /* of a run that was cut off */
     if (r && r != -ENOENT)
@@ -166,7 +166,6 @@ out:
         io->ops->close(io, file);
     if (made)
         io->ops->unlink(io, temporary);
-    free(temporary);
     return r ? ttf_err_set(err, r, path, "cannot be written: %s", strerrordesc_np(-r)) : 0;
 }
 

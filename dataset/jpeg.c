@@ -34,6 +34,12 @@ static void trap_error(j_common_ptr info)
     longjmp(trap->out, 1); /* NOLINT(cert-err52-cpp): the library's own protocol */
 }
 
+/* What a call that ended in trap_error returns: code, unless the library had no memory. */
+static int trap_code(const struct jpeg_trap *trap, int code)
+{
+    return trap->base.msg_code == JERR_OUT_OF_MEMORY ? -ENOMEM : code;
+}
+
 /* Level -1 is a warning. Those that mean that pixels were made up are errors for us. */
 static void trap_message(j_common_ptr info, int level)
 {
@@ -146,8 +152,8 @@ static int guarded_decode(struct jpeg_reading *reading, const uint8_t *data, siz
                           struct ttf_err *err)
 {
     if (setjmp(reading->trap.out)) /* NOLINT(cert-err52-cpp) */
-        return ttf_err_set(err, -TTF_EDAMAGED, path, "this JPEG cannot be read: %s",
-                           reading->trap.message);
+        return ttf_err_set(err, trap_code(&reading->trap, -TTF_EDAMAGED), path,
+                           "this JPEG cannot be read: %s", reading->trap.message);
     jpeg_create_decompress(&reading->jpeg);
     reading->jpeg.progress = &reading->trap.progress;
     return decode(&reading->jpeg, data, n, path, &reading->pixels, want_pixels, info, err);
@@ -247,7 +253,7 @@ static int guarded_encode(struct jpeg_writing *writing, const struct ttf_pixbuf 
                           int quality)
 {
     if (setjmp(writing->trap.out)) /* NOLINT(cert-err52-cpp) */
-        return writing->target.error ? writing->target.error : -EINVAL;
+        return writing->target.error ? writing->target.error : trap_code(&writing->trap, -EINVAL);
     jpeg_create_compress(&writing->jpeg);
     writing->jpeg.dest = &writing->target.base;
     encode(&writing->jpeg, pixels, quality);

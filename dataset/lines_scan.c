@@ -8,6 +8,7 @@
 
 #include "io_path.h"
 #include "lines.h"
+#include "ttf/dataset/json_parse.h"
 
 struct scan {
     const char *path;
@@ -43,10 +44,12 @@ static int good_line(struct scan *s, struct ttf_line *line)
     json_error_t parse;
     const json_t *seq;
     json_t *json;
-    int r = 0;
+    int r;
 
-    json = json_loadb(line->text, line->bytes, JSON_REJECT_DUPLICATES, &parse);
-    if (!json)
+    r = ttf_json_parse(line->text, line->bytes, &json, &parse);
+    if (r == -ENOMEM)
+        return ttf_err_set(s->err, r, line->where, "no memory");
+    if (r)
         return damage(s, line->where, line, "it is not JSON: %s", parse.text);
     line->json = json;
     line->type = json_string_value(json_object_get(json, "type"));

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <errno.h>
-#include <jansson.h>
 #include <string.h>
 
 #include "json_read.h"
 #include "manifest_rules.h"
+#include "ttf/dataset/json_parse.h"
 
 /* Names of `required` that this reader knows: none yet in version 1.0. */
 static int check_required(const json_t *format, const char *where, struct ttf_err *err)
@@ -182,8 +182,10 @@ int ttf_manifest_read(const char *text, size_t bytes, const char *where, struct 
     json_t *root;
     int r;
 
-    root = json_loadb(text, bytes, JSON_REJECT_DUPLICATES, &parse);
-    if (!root)
+    r = ttf_json_parse(text, bytes, &root, &parse);
+    if (r == -ENOMEM)
+        return ttf_err_set(err, r, where, "no memory");
+    if (r)
         return ttf_err_set(err, -EINVAL, where, "is not JSON (line %d): %s", parse.line,
                            parse.text);
     memset(&m, 0, sizeof(m));

@@ -9,6 +9,7 @@
 #include "json_read.h"
 #include "lines.h"
 #include "ttf/base/time.h"
+#include "ttf/dataset/json_parse.h"
 #include "ttf/dataset/notes.h"
 
 #define SAMPLES_BYTES_MAX ((size_t)1 << 20)
@@ -71,15 +72,16 @@ static void read_tags(struct ttf_json_in *in, const json_t *root, struct ttf_not
     }
 }
 
-/* 0, or -EINVAL with what is wrong in err. */
+/* 0, or -EINVAL with what is wrong in err, or -ENOMEM. */
 static int parse_note(const char *text, size_t n, struct ttf_note *note, struct ttf_err *err)
 {
     struct ttf_json_in in = {.where = "notes.jsonl", .wrong = -EINVAL, .err = err};
     json_error_t parse;
-    json_t *root = json_loadb(text, n, JSON_REJECT_DUPLICATES, &parse);
+    json_t *root;
+    int r = ttf_json_parse(text, n, &root, &parse);
 
-    if (!root)
-        return ttf_err_set(err, -EINVAL, NULL, "it is not JSON: %s", parse.text);
+    if (r)
+        return ttf_err_set(err, r, NULL, "it is not JSON: %s", parse.text);
     *note = (struct ttf_note){.utc_ns = TTF_NS_UNKNOWN};
     if (!json_is_object(root))
         ttf_in_wrong(&in, "it", "is no object");
@@ -93,8 +95,9 @@ static int parse_note(const char *text, size_t n, struct ttf_note *note, struct 
     return in.code;
 }
 
-static void one_line(const struct ttf_note_visitor *visitor, const struct ttf_lines *lines,
-                     const char *text, size_t n, bool terminated)
+/* Only -ENOMEM: whoever took that for a line that nobody understands would use what is to be left out. */
+static int one_line(const struct ttf_note_visitor *visitor, const struct ttf_lines *lines,
+                    const char *text, size_t n, bool terminated)
 {
     struct ttf_note note;
     struct ttf_err why = {0};
@@ -102,8 +105,9 @@ static void one_line(const struct ttf_note_visitor *visitor, const struct ttf_li
 
     if (code == 0 && visitor->note)
         visitor->note(visitor->ctx, &note);
-    else if (code < 0 && terminated && visitor->wrong)
+    else if (code == -EINVAL && terminated && visitor->wrong)
         visitor->wrong(visitor->ctx, lines->number, why.what);
+    return code == -ENOMEM ? code : 0;
 }
 
 int ttf_notes_read(struct ttf_io *io, const char *path, const struct ttf_note_visitor *visitor,
@@ -121,7 +125,10 @@ int ttf_notes_read(struct ttf_io *io, const char *path, const struct ttf_note_vi
     if (file >= 0) {
         ttf_lines_init(&lines, io, file);
         while ((r = ttf_lines_next(&lines, &text, &n, &offset, &terminated)) > 0)
-            one_line(visitor, &lines, text, n, terminated);
+            if (one_line(visitor, &lines, text, n, terminated) < 0) {
+                r = -ENOMEM;
+                break;
+            }
         ttf_lines_free(&lines);
         (void)io->ops->close(io, file);
     }
@@ -153,13 +160,16 @@ static int parse_samples(const char *text, size_t n, struct ttf_sample_region **
 {
     struct ttf_json_in in = {.where = "samples.json", .wrong = -EINVAL, .err = err};
     json_error_t parse;
-    json_t *root = json_loadb(text, n, JSON_REJECT_DUPLICATES, &parse);
     struct ttf_sample_region *regions;
     const json_t *list;
+    json_t *root;
     size_t count;
+    int r = ttf_json_parse(text, n, &root, &parse);
 
-    if (!root)
-        return ttf_err_set(err, -EINVAL, "samples.json", "it is not JSON: %s", parse.text);
+    if (r == -ENOMEM)
+        return ttf_err_set(err, r, "samples.json", "no memory");
+    if (r)
+        return ttf_err_set(err, r, "samples.json", "it is not JSON: %s", parse.text);
     list = ttf_in_array(&in, root, "samples", TTF_JSON_REQUIRED);
     count = json_array_size(list);
     if (count > SAMPLES_MAX)

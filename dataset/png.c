@@ -8,8 +8,11 @@
 
 #define CHUNK_MAX ((size_t)16 << 20) /* bytes of one ancillary chunk, and of all of them */
 
+/* zlib's and lcms2's failed allocations are anything else to libspng, or nothing; but malloc leaves ENOMEM. */
 static int png_code(int error)
 {
+    if (errno == ENOMEM)
+        return -ENOMEM;
     switch (error) {
     case SPNG_EMEM:
         return -ENOMEM;
@@ -135,12 +138,20 @@ int png_decode(const uint8_t *data, size_t n, const char *path, struct ttf_pixbu
                struct ttf_image_info *info, struct ttf_err *err)
 {
     spng_ctx *ctx = spng_ctx_new(0);
+    struct ttf_pixbuf pixels = {0};
     int code;
 
     if (!ctx)
         return ttf_err_set(err, -ENOMEM, path, "no memory to read a PNG");
-    code = decode(ctx, data, n, path, ret, info, err);
+    errno = 0;
+    code = decode(ctx, data, n, path, ret ? &pixels : NULL, info, err);
+    if (code == 0 && errno == ENOMEM) {
+        ttf_pixbuf_free(&pixels);
+        code = png_fail(err, SPNG_EMEM, path);
+    }
     spng_ctx_free(ctx);
+    if (code == 0 && ret)
+        *ret = pixels;
     return code;
 }
 
@@ -212,12 +223,13 @@ int ttf_png_write(struct ttf_io *io, int file, const struct ttf_pixbuf *pixels,
     ctx = spng_ctx_new(SPNG_CTX_ENCODER);
     if (!ctx)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory to write a PNG");
+    errno = 0;
     error = encode(ctx, &target, pixels, transfer, level, comment);
     spng_ctx_free(ctx);
     if (target.error)
         return ttf_err_set(err, target.error, NULL, "writing a PNG failed");
     if (error)
-        return ttf_err_set(err, error == SPNG_EMEM ? -ENOMEM : -EINVAL, NULL,
+        return ttf_err_set(err, error == SPNG_EMEM || errno == ENOMEM ? -ENOMEM : -EINVAL, NULL,
                            "writing a PNG failed: %s", spng_strerror(error));
     return 0;
 }

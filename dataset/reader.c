@@ -10,6 +10,7 @@
 #include "record_line.h"
 #include "sums.h"
 #include "ttf/dataset/hash.h"
+#include "ttf/dataset/json_parse.h"
 
 /* dataset.json is small: sixteen streams take some kilobytes. */
 #define MANIFEST_BYTES_MAX ((size_t)4 << 20)
@@ -275,9 +276,14 @@ int ttf_reader_slot(struct ttf_reader *reader, int64_t i, struct ttf_slot_record
         r = ttf_err_set(err, (int)got, where, "cannot be read: %s", strerrordesc_np((int)-got));
         goto out;
     }
+    r = -EINVAL;
     if (got == at->bytes && ttf_line_holds(text, at->bytes))
-        json = json_loadb(text, at->bytes, 0, NULL);
-    if (!json) {
+        r = ttf_json_parse(text, at->bytes, &json, NULL);
+    if (r == -ENOMEM) {
+        ttf_err_set(err, r, where, "no memory");
+        goto out;
+    }
+    if (r) {
         r = ttf_err_set(err, -TTF_EDAMAGED, where, "damaged line: it changed since it was opened");
         goto out;
     }

@@ -126,7 +126,7 @@ static void get_image(struct ttf_json_in *in, const json_t *o, struct ttf_image 
     ttf_in_text(in, o, "lacking", image->lacking, sizeof(image->lacking), TTF_JSON_CUT);
     shots = ttf_in_array(in, o, "shots", TTF_JSON_OPTIONAL);
     if (!in->code && ttf_image_shots(image, (unsigned)json_array_size(shots)) != 0)
-        in->code = -ENOMEM;
+        in->code = ttf_err_set(in->err, -ENOMEM, in->where, "no memory for its shots");
     for (i = 0; !in->code && i < json_array_size(shots); i++)
         get_shot(in, json_array_get(shots, i), &image->shots[i]);
     image->n_averaged =

@@ -256,9 +256,11 @@ int sequence_frames_collect(struct ttf_reader *reader, const struct ttf_stream *
         if (code)
             break;
         file = chosen_image(&record, stream->id, choice);
-        if (file && is_excluded(&excluded, record.index))
+        if (file && is_excluded(&excluded, record.index)) {
             code = leave_out(&frames, record.index);
-        else if (file)
+            if (code)
+                ttf_err_set(err, code, path, "no memory for the slots that are left out");
+        } else if (file)
             code = add_slot(&frames, &line, &record, file, err);
         ttf_slot_record_free(&record);
     }

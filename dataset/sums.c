@@ -43,12 +43,13 @@ static int open_sums(struct ttf_io *io, const char *dataset, struct ttf_lines *l
     int r = 0;
 
     *file = -1;
+    ttf_lines_init(lines, io, -1);
     if (!path)
         return ttf_err_set(err, -ENOMEM, dataset, "no memory");
     *file = io->ops->open(io, path, TTF_IO_READ);
     if (*file < 0 && *file != -ENOENT)
         r = ttf_err_set(err, *file, path, "cannot be opened: %s", strerrordesc_np(-*file));
-    ttf_lines_init(lines, io, *file);
+    lines->file = *file;
     free(path);
     return r;
 }

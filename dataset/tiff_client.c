@@ -140,6 +140,7 @@ int tiff_client_attach(struct tiff_client *client, struct ttf_io *io, int file, 
     int r;
 
     memset(client, 0, sizeof(*client));
+    errno = 0;
     client->io = io;
     client->file = file;
     r = io->ops->size(io, file, &client->size);
@@ -159,6 +160,7 @@ int tiff_client_open(struct tiff_client *client, struct ttf_io *io, const char *
     memset(client, 0, sizeof(*client));
     if (file < 0)
         return ttf_err_set(err, file, path, "cannot open: %s", strerrordesc_np(-file));
+    errno = 0;
     client->io = io;
     client->file = file;
     client->owns_file = true;
@@ -209,9 +211,16 @@ int tiff_client_fail(const struct tiff_client *client, struct ttf_err *err, int 
     if (client->io_error < 0)
         return ttf_err_set(err, client->io_error, where, "%s: %s", doing,
                            strerrordesc_np(-client->io_error));
+    if (errno == ENOMEM)
+        code = -ENOMEM;
     if (client->message[0])
         return ttf_err_set(err, code, where, "%s: %s", doing, client->message);
     return ttf_err_set(err, code, where, "%s failed", doing);
+}
+
+int tiff_client_done(const struct tiff_client *client, struct ttf_err *err, const char *doing)
+{
+    return errno == ENOMEM ? tiff_client_fail(client, err, -ENOMEM, doing) : 0;
 }
 
 bool tiff_set_text(TIFF *tiff, uint32_t tag, const char *text)

@@ -51,6 +51,13 @@ int tiff_client_fail(const struct tiff_client *client, struct ttf_err *err, int 
                      const char *doing);
 
 /*
+ * libtiff takes an allocation that failed for damage of the file, or goes on without the tag. But malloc leaves
+ * ENOMEM in errno, so whoever begins something with the file (attach and open do it themselves) sets errno to 0, fail
+ * says -ENOMEM, and done, at the end of what went well, says so where libtiff did not.
+ */
+int tiff_client_done(const struct tiff_client *client, struct ttf_err *err, const char *doing);
+
+/*
  * Writes the EXIF folder (times, ISO number unless 0) at the file's present end and hands back its
  * offset, 0 if there is nothing to say. Before any other tag is set.
  */

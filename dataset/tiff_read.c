@@ -252,7 +252,7 @@ static int open_page(struct ttf_tiff_reader *reader, struct ttf_err *err)
     if (r < 0)
         return r;
     read_profile(reader);
-    return 0;
+    return tiff_client_done(&reader->client, err, "reading a TIFF file's tags");
 }
 
 int ttf_tiff_reader_open(struct ttf_io *io, const char *path, struct ttf_tiff_reader **ret,
@@ -288,6 +288,7 @@ int ttf_tiff_reader_page(struct ttf_tiff_reader *reader, unsigned page, struct t
     if (page >= reader->info.pages || page >= PAGES_MAX)
         return ttf_err_set(err, -EINVAL, reader->client.where, "there is no page %u of %u", page,
                            reader->info.pages);
+    errno = 0;
     if (TIFFSetDirectory(reader->client.tiff, (tdir_t)page) != 1)
         return fail(reader, err, -TTF_EDAMAGED, "going to a page of a TIFF file");
     return open_page(reader, err);
@@ -367,6 +368,7 @@ static int decode_band(struct ttf_tiff_reader *reader, uint32_t index, struct tt
     if (rows > reader->band_rows)
         rows = reader->band_rows;
     reader->band_index = UINT32_MAX;
+    errno = 0;
     for (unsigned plane = 0; plane < planes; plane++) {
         int r = reader->tiled ? decode_tiles(reader, index, plane, rows, err)
                               : decode_strip(reader, index, plane, rows, err);
@@ -375,7 +377,7 @@ static int decode_band(struct ttf_tiff_reader *reader, uint32_t index, struct tt
             return r;
     }
     reader->band_index = index;
-    return 0;
+    return tiff_client_done(&reader->client, err, "decoding an image");
 }
 
 int ttf_tiff_reader_rows(struct ttf_tiff_reader *reader, uint32_t y0, uint32_t n, void *dst,

@@ -84,7 +84,7 @@ static int set_tags(struct ttf_tiff_writer *writer, struct ttf_err *err)
     if (writer->profile && TIFFSetField(client->tiff, TIFFTAG_ICCPROFILE,
                                         (uint32_t)writer->profile_bytes, writer->profile) != 1)
         return tiff_client_fail(client, err, -ENOMEM, "setting the colour profile");
-    return 0;
+    return tiff_client_done(client, err, "setting a TIFF file's tags");
 }
 
 /* Of one row and of the whole image; false if the geometry cannot be. */
@@ -178,6 +178,7 @@ static int write_strip(struct ttf_tiff_writer *writer, struct ttf_err *err)
 {
     tmsize_t n = (tmsize_t)(writer->in_strip * writer->row_bytes);
 
+    errno = 0;
     if (TIFFWriteEncodedStrip(writer->client.tiff, writer->strip, writer->bytes, n) != n)
         return tiff_client_fail(&writer->client, err, -EIO, "writing a TIFF strip");
     writer->strip++;
@@ -226,6 +227,7 @@ int ttf_tiff_writer_end(struct ttf_tiff_writer *writer, struct ttf_err *err)
 {
     int r = 0;
 
+    errno = 0;
     if (writer->rows != writer->height)
         r = ttf_err_set(err, -EINVAL, NULL, "an image of %u rows was given %u", writer->height,
                         writer->rows);
@@ -233,6 +235,8 @@ int ttf_tiff_writer_end(struct ttf_tiff_writer *writer, struct ttf_err *err)
         r = tiff_client_fail(&writer->client, err, -EIO, "completing a TIFF file");
     if (r == 0 && tiff_client_close(&writer->client) < 0)
         r = tiff_client_fail(&writer->client, err, -EIO, "completing a TIFF file");
+    if (r == 0)
+        r = tiff_client_done(&writer->client, err, "completing a TIFF file");
     ttf_tiff_writer_drop(writer);
     return r;
 }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io_path.h"
 #include "json_read.h"
 #include "sums.h"
 #include "ttf/dataset/hash.h"
@@ -68,6 +69,14 @@ void ttf_verify_find(struct ttf_verify_run *run, enum ttf_severity severity, int
     va_end(args);
 }
 
+bool ttf_verify_kept_from(struct ttf_verify_run *run, int r)
+{
+    if (r != -ENOMEM && r != -EMFILE && r != -ENFILE)
+        return false;
+    run->failed = r;
+    return true;
+}
+
 static void look_at(void *ctx, unsigned tile, unsigned worker)
 {
     struct ttf_verify_run *run = ctx;
@@ -91,6 +100,8 @@ static void look_at(void *ctx, unsigned tile, unsigned worker)
 
 static void judge(struct ttf_verify_run *run, const struct ttf_verify_job *job)
 {
+    if (ttf_verify_kept_from(run, job->result))
+        return;
     if (job->result == -ENOENT || job->result == -ENOTDIR)
         ttf_verify_find(run, TTF_FINDING_DAMAGE, job->slot, job->path, "is missing%s",
                         job->by_sums ? ", but " TTF_SUMS_NAME " lists it" : "");
@@ -182,7 +193,7 @@ static int check_refusal(const struct ttf_verify_run *run, struct ttf_err *err)
 
 static int check_all(struct ttf_verify_run *run, struct ttf_err *err)
 {
-    char *sums;
+    char sums[TTF_PATH_MAX];
     int r;
 
     r = check_manifest(run, err);
@@ -199,16 +210,15 @@ static int check_all(struct ttf_verify_run *run, struct ttf_err *err)
     ttf_verify_flush(run);
     ttf_verify_people(run);
     ttf_verify_name_slots(run);
-    r = check_refusal(run, err);
-    if (r)
-        return r;
-    if (run->report->sealed && asprintf(&sums, "%s/" TTF_SUMS_NAME, run->path) >= 0) {
-        r = ttf_sha256_file(run->io, sums, NULL, run->report->digest, err);
-        free(sums);
-    }
     if (run->failed)
-        r = ttf_err_set(err, run->failed, run->path, "no memory");
-    return r;
+        return ttf_err_set(err, run->failed, run->path, "cannot be verified: %s",
+                           strerrordesc_np(-run->failed));
+    r = check_refusal(run, err);
+    if (r || !run->report->sealed)
+        return r;
+    r = ttf_path_put(sums, "%s/" TTF_SUMS_NAME, run->path);
+    return r ? ttf_err_set(err, r, run->path, "the path is too long")
+             : ttf_sha256_file(run->io, sums, NULL, run->report->digest, err);
 }
 
 int ttf_verify(struct ttf_io *io, const char *path, const struct ttf_verify_options *options,

@@ -19,9 +19,7 @@ static void wrong_line(void *ctx, int64_t line, const char *what)
 static void cannot_be_read(struct ttf_verify_run *run, const char *file, int code,
                            const struct ttf_err *why)
 {
-    if (code == -ENOMEM)
-        run->failed = code;
-    else if (code < 0)
+    if (code < 0 && !ttf_verify_kept_from(run, code))
         ttf_verify_find(run, TTF_FINDING_NOTE, -1, file, "is not understood: %.150s", why->what);
 }
 

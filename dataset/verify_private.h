@@ -35,7 +35,7 @@ struct ttf_verify_run {
     const struct ttf_verify_options *options;
     struct ttf_verify_report *report;
     unsigned findings_room;
-    int failed; /* -ENOMEM, sticky */
+    int failed; /* what kept verify from looking, sticky */
     bool has_manifest;
     struct ttf_err refusal; /* of a dataset.json of an unknown version; code 0: none */
     struct ttf_manifest manifest;
@@ -61,6 +61,10 @@ struct ttf_verify_run {
 
 void ttf_verify_find(struct ttf_verify_run *run, enum ttf_severity severity, int64_t slot,
                      const char *file, const char *fmt, ...) TTF_PRINTF(5, 6);
+
+/* Whether r is this machine's trouble and says nothing of the dataset (no memory, too many open files): then the
+ * run has failed, and there is no finding. */
+bool ttf_verify_kept_from(struct ttf_verify_run *run, int r);
 
 /* Queues a file; looks at all queued when the batch is full, and when flush is called. */
 void ttf_verify_queue(struct ttf_verify_run *run, const char *path, int64_t bytes,

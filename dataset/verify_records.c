@@ -50,18 +50,14 @@ static int take_file(void *ctx, const struct ttf_named_file *file, struct ttf_er
 static bool has_calibration(struct ttf_verify_run *run, const char *id)
 {
     struct ttf_io_stat st;
-    char *folder;
+    char folder[TTF_PATH_MAX];
     size_t i;
-    bool found = false;
 
     for (i = 0; i < run->calibrations.n; i++)
         if (strcmp(run->calibrations.items[i], id) == 0)
             return true;
-    folder = ttf_path_format("%s/calibration/%s", run->path, id);
-    if (folder)
-        found = run->io->ops->stat(run->io, folder, &st) == 0 && st.is_dir;
-    free(folder);
-    return found;
+    return ttf_path_put(folder, "%s/calibration/%s", run->path, id) == 0 &&
+           run->io->ops->stat(run->io, folder, &st) == 0 && st.is_dir;
 }
 
 static void check_images(struct ttf_verify_run *run, const struct ttf_line *line,
@@ -136,7 +132,10 @@ static void take_slot(struct ttf_verify_run *run, const struct ttf_line *line)
 
     run->report->slots++;
     run->slot = -1;
-    if (ttf_slot_get(line, &record, &err) != 0) {
+    r = ttf_slot_get(line, &record, &err);
+    if (ttf_verify_kept_from(run, r))
+        return;
+    if (r) {
         index = json_object_get(line->json, "index");
         bad_field(run, line, json_is_integer(index) ? json_integer_value(index) : -1, err.what);
         return;
@@ -252,24 +251,21 @@ static void check_tail(struct ttf_verify_run *run, const char *name,
 static void scan(struct ttf_verify_run *run, const char *name, ttf_line_fn *fn,
                  enum ttf_severity if_missing)
 {
-    char *path = ttf_path_format("%s/%s", run->path, name);
     struct ttf_lines_tail tail = {0};
+    char path[TTF_PATH_MAX];
     struct ttf_err err = {0};
     int r;
 
-    if (!path) {
-        run->failed = -ENOMEM;
-        return;
-    }
-    r = ttf_lines_scan(run->io, path, fn, bad_line, run, &tail, &err);
+    r = ttf_path_put(path, "%s/%s", run->path, name);
+    if (r == 0)
+        r = ttf_lines_scan(run->io, path, fn, bad_line, run, &tail, &err);
     if (r == -ENOENT)
         ttf_verify_find(run, if_missing, -1, name, "is missing");
-    else if (r && r != run->failed)
+    else if (r && !ttf_verify_kept_from(run, r))
         ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, name, "%.200s", err.what);
     if (r)
         run->records_good = run->records_good && if_missing != TTF_FINDING_DAMAGE;
     check_tail(run, name, &tail);
-    free(path);
 }
 
 void ttf_verify_records(struct ttf_verify_run *run)

@@ -51,7 +51,7 @@ static void read_list(struct ttf_verify_run *run, int file, struct ttf_named_fil
         }
         check_listed(run, name, line, where);
     }
-    if (r < 0 && !run->failed)
+    if (r < 0 && !ttf_verify_kept_from(run, r))
         ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, TTF_SUMS_NAME, "cannot be read: %s",
                         strerrordesc_np(-r));
     ttf_lines_free(&lines);
@@ -93,6 +93,8 @@ static void check_sealed(struct ttf_verify_run *run, const struct ttf_paths *fil
     int file = path ? run->io->ops->open(run->io, path, TTF_IO_READ) : -ENOMEM;
 
     free(path);
+    if (ttf_verify_kept_from(run, file))
+        return;
     if (file < 0) {
         ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, TTF_SUMS_NAME, "cannot be opened: %s",
                         strerrordesc_np(-file));
@@ -125,6 +127,8 @@ static void check_running(struct ttf_verify_run *run)
     if (!run->records_good)
         return; /* what it should hold is not known */
     r = ttf_sums_compare(run->io, run->path, &sums, &err);
+    if (ttf_verify_kept_from(run, r))
+        return;
     if (r) {
         ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, TTF_SUMS_NAME, "%.200s", err.what);
         return;
@@ -197,6 +201,8 @@ void ttf_verify_sums(struct ttf_verify_run *run)
     int r;
 
     r = ttf_walk(run->io, run->path, &files, &err);
+    if (ttf_verify_kept_from(run, r))
+        return;
     if (r) {
         ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, ".", "%.200s", err.what);
         return;

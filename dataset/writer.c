@@ -11,6 +11,7 @@
 #include "record_line.h"
 #include "sums.h"
 #include "ttf/dataset/hash.h"
+#include "ttf/dataset/json_parse.h"
 #include "writer_private.h"
 
 /* Of an event without detail: a text of 255 bytes, each written as six at the most, and its frame. */
@@ -230,10 +231,15 @@ int ttf_writer_commit(struct ttf_writer *writer, const struct ttf_slot_record *r
 /* JSON has no line ends inside texts, so those in a detail can only be blanks. */
 static int put_detail(struct ttf_json *json, const char *detail, struct ttf_err *err)
 {
-    json_t *parsed = json_loads(detail, 0, NULL);
-    bool object = json_is_object(parsed);
+    json_t *parsed = NULL;
     char *line, *c;
+    bool object;
+    int r;
 
+    r = ttf_json_parse(detail, strlen(detail), &parsed, NULL);
+    if (r == -ENOMEM)
+        return ttf_err_set(err, r, "event", "no memory");
+    object = json_is_object(parsed);
     json_decref(parsed);
     if (!object)
         return ttf_err_set(err, -EINVAL, "event", "detail is no JSON object");

@@ -202,10 +202,9 @@ static int fill_folder(struct ttf_writer *writer, const char *text, const char *
     if (r)
         return r;
     ttf_reserve_make(writer);
-    r = write_text(writer, "dataset.json", text, strlen(text), err);
-    if (r)
-        return r;
-    return open_logs(writer, &tail, err);
+    /* Once dataset.json is there nothing may fail: it would be a dataset that nobody was given. */
+    r = open_logs(writer, &tail, err);
+    return r ? r : write_text(writer, "dataset.json", text, strlen(text), err);
 }
 
 int ttf_writer_create(struct ttf_io *io, const char *path, const struct ttf_manifest *manifest,

@@ -3,7 +3,6 @@
 #include "ttf/synth/map_file.h"
 
 #include <errno.h>
-#include <jansson.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -12,6 +11,7 @@
 
 #include "quilt/map_format.h"
 #include "quilt/paste.h"
+#include "ttf/dataset/json_parse.h"
 
 #define SIDE_MAX       32768u
 #define TIMES_MAX      (1u << 20) /* frames */
@@ -371,9 +371,12 @@ int ttf_quilt_map_parse(const char *text, size_t bytes, uint64_t most_pixels,
 {
     struct reading r = {.err = err, .most_pixels = most_pixels};
     json_error_t error;
-    json_t *root = json_loadb(text, bytes, JSON_REJECT_DUPLICATES, &error);
+    json_t *root;
+    int code = ttf_json_parse(text, bytes, &root, &error);
 
-    if (!root)
+    if (code == -ENOMEM)
+        return ttf_err_set(err, code, "map", "no memory");
+    if (code)
         return ttf_err_set(err, -EINVAL, "map", "line %d, column %d: %s", error.line, error.column,
                            error.text);
     if (!json_is_object(root))

@@ -16,18 +16,20 @@ MAY_USE = {
     "base": set(),
     "hal": {"base"},
     "hal_sim": {"base", "hal"},
+    "hal_gpiod": {"base", "hal"},
     "dataset": {"base"},
     "capture": {"base", "hal", "dataset"},
     "synth": {"base", "dataset"},
     "config": {"base", "hal", "hal_sim", "dataset", "capture", "synth"},
-    "firmware": {"base", "hal", "hal_sim", "dataset", "capture", "synth", "config"},
+    "firmware": {"base", "hal", "hal_sim", "hal_gpiod", "dataset", "capture", "synth", "config"},
 }
 # Most specific folder first.
-FOLDERS = [("firmware/config", "config"), ("hal/sim", "hal_sim"), ("firmware", "firmware"),
+FOLDERS = [("firmware/config", "config"), ("hal/sim", "hal_sim"),
+           ("hal/gpiod", "hal_gpiod"), ("firmware", "firmware"),
            ("base", "base"), ("hal", "hal"), ("dataset", "dataset"), ("capture", "capture"),
            ("synth", "synth")]
 # Headers of a room that lie in another room's include folder.
-HEADER_ROOM = {"ttf/hal/sim.h": "hal_sim"}
+HEADER_ROOM = {"ttf/hal/sim.h": "hal_sim", "ttf/hal/gpiod.h": "hal_gpiod"}
 # hal as a whole owns sim.h's contract; only these may include it.
 CLOCK_FILES = re.compile(r"^hal/real/")
 TIME_CALLS = re.compile(r"\b(clock_gettime|gettimeofday|nanosleep|clock_nanosleep|usleep|sleep|"
@@ -74,8 +76,8 @@ def check_sources(root, complain):
             count += 1
             path = file.relative_to(root).as_posix()
             room = room_of(path)
-            if path.startswith("hal/include/ttf/hal/sim.h"):
-                room = "hal_sim"
+            if path.startswith("hal/include/"):
+                room = HEADER_ROOM.get(path[len("hal/include/"):], room)
             text = file.read_text(encoding="utf-8")
             for number, line in enumerate(text.splitlines(), 1):
                 m = re.match(r'\s*#\s*include\s*([<"])([^>"]+)[>"]', line)

@@ -115,6 +115,9 @@ void model_disk_copy(struct model_disk *to, struct model_disk *from);
 /* The power goes and comes back: only what was kept is seen. */
 void model_disk_lose_power(struct model_disk *disk);
 
+/* What lies in a folder of this machine, under another name and kept; the folder above is there. */
+void model_disk_take(struct model_disk *disk, const char *folder, const char *as);
+
 /* From the next operation on, which is number 1. */
 void model_disk_fail(struct model_disk *disk, struct model_fault fault);
 

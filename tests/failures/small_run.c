@@ -178,7 +178,8 @@ static int told(struct small_run *run, const char *name, int r, const struct ttf
 {
     if (r == 0)
         return r;
-    run->refusals++;
+    if (run->refusals++ == 0)
+        run->first_code = r;
     snprintf(run->refused, sizeof(run->refused), "%s: %s: %s (%d)", name, err->where, err->what, r);
     if (run->silent == 0 && (err->code != r || err->what[0] == '\0')) {
         run->silent = r;
@@ -213,7 +214,7 @@ static int step(struct small_run *run, const char *name, step_fn *fn, int64_t ar
     r = told(run, name, fn(run, arg, &err), &err);
     if (r && run->temper == SMALL_GIVES_UP) {
         run->over = true;
-    } else if (r && fn != do_create) {
+    } else if (r && fn != do_create && run->temper == SMALL_PERSISTS) {
         run->over = open_anew(run) != 0;
         if (run->over)
             return r;

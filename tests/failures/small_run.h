@@ -15,6 +15,7 @@
 /* What the caller does when a call fails. */
 enum small_temper {
     SMALL_GIVES_UP, /* closes the writer */
+    SMALL_REPEATS,  /* makes the same call again, once, of the same writer; then goes on */
     SMALL_PERSISTS /* opens the dataset anew and tries the same again, as the capture does; then goes on */
 };
 
@@ -29,6 +30,7 @@ struct small_run {
     bool tried[SMALL_SLOTS], committed[SMALL_SLOTS];
     unsigned events;   /* acknowledged */
     unsigned refusals; /* calls that returned an error */
+    int first_code;    /* of the first of them */
     int silent;        /* the first error without a message, or whose message has another code */
     const char *silent_in;
     char refused[640]; /* the last error, in words */

@@ -135,7 +135,7 @@ int sim_run_boot(struct sim_run *run)
     assert_non_null(io);
     disk.io.ops = &disk.ops;
     disk.ops.space = disk_space;
-    if (run->plain_disk) {
+    if (run->plain_disk || run->no_waiting) {
         disk.ops.sync = no_sync;
         disk.ops.sync_dir = no_sync_dir;
     }

@@ -154,6 +154,108 @@ static void plans_that_come_later_are_counted_as_they_stand_there(void **state)
     sim_run_finish(&run);
 }
 
+/* ---- at the beginning of a boot ---- */
+
+static int at_boot; /* errno of all that is written in the first; 0: none */
+
+static int the_first_answers(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    (void)op;
+    return in_second(path) ? 0 : at_boot;
+}
+
+static void cut_at_slot_2(struct sim_run *run)
+{
+    with_second(run);
+    run->plan.count = 5;
+    run->fault = the_first_answers;
+    at_boot = 0;
+    sim_run_fault(run, TTF_FAULT_POWER_CUT, TTF_NS_PER_MIN + 40 * TTF_NS_PER_S);
+    assert_int_equal(sim_run_boot(run), -ESHUTDOWN);
+    run->config.power_on_ns = run->back_ns;
+}
+
+static void
+whatever_keeps_the_first_from_being_written_it_is_gone_on_from_in_the_second(void **state)
+{
+    static const int errors[] = {EROFS, EIO, ENOSPC, EDQUOT, EACCES, EPERM};
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(errors) / sizeof(errors[0]); i++) {
+        struct sim_run run;
+        struct sim_run second;
+
+        cut_at_slot_2(&run);
+        at_boot = errors[i];
+        assert_int_equal(sim_run_boot(&run), 0);
+        assert_true(run.result.second_storage);
+        sim_run_expect(&run, "cc");
+        expect_second(&run, 2, "wcc");
+        second = second_of(&run);
+        assert_int_equal(sim_run_events(&second, "storage", "cannot be written at the start"), 1);
+        sim_run_expect_undamaged(&second, true);
+        sim_run_finish(&run);
+    }
+}
+
+/* That passes, or is for a person: the first is not left for it. */
+static void what_says_nothing_of_the_storage_is_no_reason_to_leave_it(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    cut_at_slot_2(&run);
+    at_boot = ENOMEM;
+    assert_int_equal(sim_run_boot(&run), -ENOMEM);
+    assert_false(run.result.second_storage);
+    at_boot = 0;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_false(run.result.second_storage);
+    sim_run_expect(&run, "ccwcc");
+    sim_run_finish(&run);
+}
+
+static int fails_from_4(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    (void)op;
+    return !in_second(path) && committed >= 4 ? EROFS : 0;
+}
+
+/* Gone on with without a clock, moved, and then somebody gives the time: the segment there is corrected. */
+static void a_clock_that_comes_back_after_the_move_corrects_the_segment_there(void **state)
+{
+    struct ttf_reader *reader = NULL;
+    struct ttf_segment segment;
+    struct sim_run run;
+    struct sim_run second;
+
+    (void)state;
+    with_second(&run);
+    run.config.rtc = false;
+    run.config.utc_back_ns = 5 * TTF_NS_PER_MIN;
+    run.plan.count = 10;
+    run.fault = fails_from_4;
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, TTF_NS_PER_MIN + 40 * TTF_NS_PER_S)->amount = 130;
+    assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
+    run.config.power_on_ns = run.back_ns;
+    assert_int_equal(sim_run_boot(&run), 0);
+    second = second_of(&run);
+    sim_run_expect(&run, "cccc");
+    expect_second(&run, 4, "cccccc");
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), second.path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_segment(reader, 0, &segment), 0);
+    assert_int_equal(segment.first_index, 4);
+    assert_string_not_equal(segment.trust, "none");
+    /* Slot 4 is due when it was: its boot began at power_on. */
+    assert_int_equal(segment.origin_utc_ns,
+                     run.config.start_utc_ns + run.config.power_on_ns + segment.origin_ns);
+    ttf_reader_close(reader);
+    sim_run_expect_undamaged(&second, true);
+    sim_run_finish(&run);
+}
+
 /* ---- a move that fails ---- */
 
 /* Dark and flat of this box. */
@@ -396,6 +498,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_plan_in_force_is_that_of_a_second_dataset_made_under_an_older_one),
         cmocka_unit_test(plans_that_come_later_are_counted_as_they_stand_there),
+        cmocka_unit_test(
+            whatever_keeps_the_first_from_being_written_it_is_gone_on_from_in_the_second),
+        cmocka_unit_test(what_says_nothing_of_the_storage_is_no_reason_to_leave_it),
+        cmocka_unit_test(a_clock_that_comes_back_after_the_move_corrects_the_segment_there),
         cmocka_unit_test(a_move_that_failed_leaves_the_first_its_calibration),
         cmocka_unit_test(images_name_no_calibration_that_did_not_come_along),
         cmocka_unit_test(a_second_dataset_that_was_begun_after_all_is_gone_on_with),

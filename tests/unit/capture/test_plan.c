@@ -9,6 +9,7 @@
 
 #include "ttf/base/time.h"
 #include "ttf/capture/plan.h"
+#include "ttf/hal/camera_backend.h"
 #include "ttf/hal/sim.h"
 
 static struct ttf_box box;
@@ -272,6 +273,98 @@ static void what_the_box_lacks_is_named(void **state)
     refused(&plan, &box, "reference");
 }
 
+/* As another camera would say of itself. */
+static void what_this_camera_cannot_do_is_refused(void **state)
+{
+    struct ttf_camera *camera = box.cameras[0].camera;
+    const struct ttf_frame_format format = camera->format;
+    const struct ttf_camera_caps caps = camera->caps;
+    struct ttf_plan_figures f;
+    struct ttf_plan plan;
+
+    (void)state;
+    good_plan(&plan);
+    plan.mains_hz = 0;
+    plan.shots[0].exposure.exposure_ns = 1;
+    refused(&plan, &box, "shots[0].exposure");
+    camera->caps.gain_min_milli = 2000;
+    good_plan(&plan);
+    refused(&plan, &box, "shots[0].gain");
+    camera->caps.gain_min_milli = camera->caps.gain_max_milli = 0; /* it has none to set */
+    assert_int_equal(ttf_plan_check(&plan, &box, NULL, NULL), 0);
+    camera->format.cfa = TTF_CFA_NONE;
+    assert_int_equal(ttf_plan_check(&plan, &box, &f, NULL), 0);
+    assert_true(f.slot_bytes > 0);
+    plan.keep = TTF_KEEP_RAW;
+    refused(&plan, &box, "keep");
+    plan.keep = TTF_KEEP_DEVELOPED;
+    assert_int_equal(ttf_plan_check(&plan, &box, NULL, NULL), 0);
+    camera->configured = false;
+    refused(&plan, &box, "shots[0].camera");
+    camera->configured = true;
+    camera->format = format;
+    camera->caps = caps;
+}
+
+static void regions_are_held_to_the_frame_in_both_directions(void **state)
+{
+    struct ttf_plan plan;
+
+    (void)state;
+    good_plan(&plan);
+    plan.region = (struct ttf_region){0, 44, 8, 8};
+    refused(&plan, &box, "region");
+    plan.region = (struct ttf_region){0, 0, 8, 0};
+    refused(&plan, &box, "region");
+    plan.region = (struct ttf_region){UINT32_MAX, 0, UINT32_MAX, 8};
+    refused(&plan, &box, "region");
+    plan.region = (struct ttf_region){0, 0, 32, 32};
+    plan.reference = (struct ttf_region){0, 30, 4, 4};
+    refused(&plan, &box, "reference");
+    plan.reference = (struct ttf_region){0, 0, 4, 0};
+    refused(&plan, &box, "reference");
+    plan.reference = (struct ttf_region){0, 0, 4, 4};
+    assert_int_equal(ttf_plan_check(&plan, &box, NULL, NULL), 0);
+}
+
+static void names_and_paths_must_be_such_that_folders_can_be_made_of_them(void **state)
+{
+    static const char *const names[] = {"", "Main", "ma in", "main{", "ma/in", "m\xc3\xa4in", ":"};
+    struct ttf_plan plan;
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
+        good_plan(&plan);
+        snprintf(plan.shots[0].stream, sizeof(plan.shots[0].stream), "%s", names[i]);
+        refused(&plan, NULL, "shots[0].stream");
+    }
+    good_plan(&plan);
+    strcpy(plan.shots[0].stream, "0-z9");
+    assert_int_equal(ttf_plan_check(&plan, NULL, NULL, NULL), 0);
+    strcpy(plan.second_storage, "media/second"); /* below which folder, after a restart? */
+    refused(&plan, NULL, "storage.second");
+}
+
+static void runs_and_brackets_beyond_all_bounds_are_refused(void **state)
+{
+    struct ttf_plan plan;
+
+    (void)state;
+    good_plan(&plan);
+    plan.count = 1000000000;
+    plan.interval_ns = 366 * TTF_NS_PER_DAY;
+    refused(&plan, NULL, "count");
+    good_plan(&plan);
+    plan.shots[0].n_brackets = 2;
+    plan.shots[0].brackets[0] = 1;
+    plan.shots[0].brackets[1] = INFINITY;
+    refused(&plan, NULL, "shots[0].brackets[1]");
+    plan.shots[0].brackets[1] = 1e9;
+    refused(&plan, NULL, "shots[0].brackets[1]");
+    plan.shots[0].brackets[1] = 1e-9;
+    refused(&plan, NULL, "shots[0].brackets[1]");
+}
+
 static void lamps_are_held_to_what_the_board_allows(void **state)
 {
     struct ttf_plan plan;
@@ -374,6 +467,10 @@ int main(void)
         cmocka_unit_test(a_photoperiod_has_its_bounds),
         cmocka_unit_test(brackets_that_snap_to_one_exposure_are_refused),
         cmocka_unit_test(what_the_box_lacks_is_named),
+        cmocka_unit_test(what_this_camera_cannot_do_is_refused),
+        cmocka_unit_test(regions_are_held_to_the_frame_in_both_directions),
+        cmocka_unit_test(names_and_paths_must_be_such_that_folders_can_be_made_of_them),
+        cmocka_unit_test(runs_and_brackets_beyond_all_bounds_are_refused),
         cmocka_unit_test(lamps_are_held_to_what_the_board_allows),
         cmocka_unit_test(a_photoperiod_is_held_to_it_as_well),
         cmocka_unit_test(lit_shots_without_a_lamp_mode_are_a_mistake),

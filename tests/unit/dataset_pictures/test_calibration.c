@@ -337,7 +337,7 @@ static void wrong_json_is_refused_by_field(void **state)
         const char *text, *reason;
     } cases[] = {
         {"", "no JSON"},
-        {"[]", "no JSON"},
+        {"[]", "no object"},
         {"{\"format\":{\"name\":\"x\"}}", "format"},
         {"{\"format\":{\"name\":\"ttf-calibration\",\"major\":2}}", "major"},
         {"{\"format\":{\"name\":\"ttf-calibration\",\"major\":1},\"id\":7}", "id"},

@@ -92,15 +92,14 @@ static void dataset_json_comes_last_when_creating(void **state)
         ttf_writer_create(w->io, path, &manifest, "interval: 10s\n", NULL, &writer, NULL), 0);
     assert_non_null(strstr(w->log, "mkdir new\nsync_dir ttf-store-"));
     assert_non_null(strstr(w->log, "mkdir d\nsync_dir new\n"));
-    assert_ends(
-        w->log,
-        "mkdir plans\nsync_dir d\n" WHOLE("0.yaml", "plans") WHOLE(
-            "records.jsonl",
-            "d") "unlink events.jsonl.tmp\nopen events.jsonl.tmp\nsync events.jsonl.tmp\n"
-                 "rename events.jsonl\nsync_dir d\n"
-                 "open .events-reserve\nappend .events-reserve\nappend .events-reserve\n"
-                 "append .events-reserve\nappend .events-reserve\nsync .events-reserve\n" WHOLE(
-                     "dataset.json", "d") "open records.jsonl\nopen events.jsonl\n");
+    assert_ends(w->log,
+                "mkdir plans\nsync_dir d\n" WHOLE("0.yaml", "plans") WHOLE(
+                    "records.jsonl",
+                    "d") "unlink events.jsonl.tmp\nopen events.jsonl.tmp\nsync events.jsonl.tmp\n"
+                         "rename events.jsonl\nsync_dir d\n"
+                         "open .events-reserve\nappend .events-reserve\nappend .events-reserve\n"
+                         "append .events-reserve\nappend .events-reserve\nsync .events-reserve\n"
+                         "open records.jsonl\nopen events.jsonl\n" WHOLE("dataset.json", "d"));
     ttf_writer_close(writer);
 }
 

@@ -48,6 +48,23 @@ static void what_is_written_is_read_back(void **state)
     ttf_reader_close(reader);
 }
 
+/* With a key twice the line could be read in two ways: its readers call that damage. */
+static void an_event_whose_detail_its_readers_would_refuse_is_refused(void **state)
+{
+    static const char *const wrong[] = {"{\"a\":1,\"a\":2}", "[1]", "{\"a\":", "7", ""};
+    struct ttf_io *io = ttf_io_posix();
+    const char *path = in(*state, "grass-1");
+    struct ttf_writer *writer = small_create(io, path);
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(wrong); i++)
+        assert_int_equal(ttf_writer_event(writer, "door", 1, 2, "opened", wrong[i], NULL), -EINVAL);
+    assert_int_equal(ttf_writer_event(writer, "door", 1, 2, "opened", "{\"a\":\n1}", NULL), 0);
+    ttf_writer_close(writer);
+    assert_int_equal(ttf_writer_open(io, path, &writer, NULL), 0);
+    ttf_writer_close(writer);
+    assert_int_equal(small_check(io, path), 0);
+}
+
 /* Completes its first bytes last, as TIFF writers do. */
 static int produce_backwards(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
 {
@@ -237,6 +254,7 @@ int main(void)
         T(an_existing_dataset_is_not_written_over),
         T(two_writers_at_once_are_kept_apart),
         T(going_on_after_the_seal_removes_it_first),
+        T(an_event_whose_detail_its_readers_would_refuse_is_refused),
         T(plans_calibrations_and_events_are_kept),
         T(slots_that_do_not_say_what_they_lack_are_refused),
     };

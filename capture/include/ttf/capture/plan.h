@@ -116,9 +116,9 @@ TTF_MUST_USE int ttf_plan_read(const char *text, size_t bytes, const char *where
                                struct ttf_plan *ret, struct ttf_err *err);
 
 /*
- * True if both ask for the same: by all fields but those that a run resolves when it begins (the zone's
- * offset; the phase of a day that begins at a local time).
+ * 1 if both ask for the same, else 0: by all fields but those that a run resolves when it begins (the zone's
+ * offset; the phase of a day that begins at a local time). -ENOMEM.
  */
-bool ttf_plan_same(const struct ttf_plan *a, const struct ttf_plan *b);
+TTF_MUST_USE int ttf_plan_same(const struct ttf_plan *a, const struct ttf_plan *b);
 
 #endif

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include <errno.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "ttf/hal/systemd.h"
+
+int ttf_systemd_notify(const char *socket_path, const char *state)
+{
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    size_t n = socket_path ? strlen(socket_path) : 0;
+    ssize_t sent;
+    int fd, r;
+
+    if (n == 0)
+        return 0;
+    if ((socket_path[0] != '/' && socket_path[0] != '@') || n >= sizeof(at.sun_path))
+        return -EAFNOSUPPORT;
+    memcpy(at.sun_path, socket_path, n);
+    if (at.sun_path[0] == '@')
+        at.sun_path[0] = '\0'; /* in the abstract namespace */
+    fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (fd < 0)
+        return -errno;
+    sent =
+        sendto(fd, state, strlen(state), MSG_NOSIGNAL | MSG_DONTWAIT, (const struct sockaddr *)&at,
+               (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n));
+    r = sent < 0 ? -errno : 1;
+    (void)close(fd);
+    return r;
+}
+
+struct systemd_watchdog {
+    struct ttf_watchdog base;
+    char socket[sizeof(((struct sockaddr_un *)0)->sun_path)];
+    int64_t limit_ns;
+    bool armed;
+};
+
+static int feed(struct ttf_watchdog *base)
+{
+    struct systemd_watchdog *w = (struct systemd_watchdog *)base;
+    int r = w->armed ? ttf_systemd_notify(w->socket, "WATCHDOG=1") : -EPIPE;
+
+    /* A manager that is too busy to take a datagram is told by the next one. */
+    return r < 0 && r != -EAGAIN ? r : 0;
+}
+
+static int arm(struct ttf_watchdog *base, int64_t timeout_ns)
+{
+    struct systemd_watchdog *w = (struct systemd_watchdog *)base;
+
+    if (timeout_ns > w->limit_ns)
+        return -EINVAL;
+    w->armed = true;
+    return feed(base);
+}
+
+/* The manager expects to be told for as long as the service runs; a stop is told by "STOPPING=1". */
+static void disarm(struct ttf_watchdog *base)
+{
+    ((struct systemd_watchdog *)base)->armed = false;
+}
+
+static void destroy(struct ttf_watchdog *base)
+{
+    free(base);
+}
+
+static const struct ttf_watchdog_ops OPS = {
+    .name = "systemd", .arm = arm, .feed = feed, .disarm = disarm, .destroy = destroy};
+
+int ttf_watchdog_systemd_create(const char *socket_path, int64_t limit_ns,
+                                struct ttf_watchdog **ret, struct ttf_err *err)
+{
+    struct systemd_watchdog *w;
+
+    if (!socket_path || socket_path[0] == '\0' || limit_ns <= 0)
+        return ttf_err_set(err, -ENOTSUP, "watchdog", "no service manager watches this process");
+    if (strlen(socket_path) >= sizeof(w->socket))
+        return ttf_err_set(err, -EINVAL, socket_path, "is too long for a socket's path");
+    w = calloc(1, sizeof(*w));
+    if (!w)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    w->base.ops = &OPS;
+    memcpy(w->socket, socket_path, strlen(socket_path) + 1);
+    w->limit_ns = limit_ns;
+    *ret = &w->base;
+    return 0;
+}

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* test_systemd.c: what a service manager hears. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "conformance/conformance.h"
+#include "ttf/base/time.h"
+#include "ttf/hal/systemd.h"
+
+struct manager {
+    char path[64];
+    int fd;
+    struct ttf_clock *clock;
+};
+
+static int setup(void **state)
+{
+    struct manager *m = calloc(1, sizeof(*m));
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+
+    assert_non_null(m);
+    snprintf(m->path, sizeof(m->path), "/tmp/ttf-notify.%d", (int)getpid());
+    (void)unlink(m->path);
+    memcpy(at.sun_path, m->path, sizeof(m->path));
+    m->fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    assert_true(m->fd >= 0);
+    assert_int_equal(bind(m->fd, (struct sockaddr *)&at, sizeof(at)), 0);
+    *state = m;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct manager *m = *state;
+
+    (void)close(m->fd);
+    (void)unlink(m->path);
+    free(m);
+    return 0;
+}
+
+/* What came, "" if nothing did. */
+static const char *heard(struct manager *m, char *ret, size_t size)
+{
+    ssize_t n = recv(m->fd, ret, size - 1, 0);
+
+    ret[n < 0 ? 0 : n] = '\0';
+    return ret;
+}
+
+static void states_arrive_as_they_are_said(void **state)
+{
+    struct manager *m = *state;
+    char text[128];
+
+    assert_int_equal(ttf_systemd_notify(m->path, "READY=1\nSTATUS=slot 3 of 10"), 1);
+    assert_string_equal(heard(m, text, sizeof(text)), "READY=1\nSTATUS=slot 3 of 10");
+    assert_int_equal(ttf_systemd_notify(NULL, "READY=1"), 0);
+    assert_int_equal(ttf_systemd_notify("", "READY=1"), 0);
+    assert_int_equal(ttf_systemd_notify("vsock:2:1234", "READY=1"), -EAFNOSUPPORT);
+    assert_int_equal(ttf_systemd_notify("/nobody/here", "READY=1"), -ENOENT);
+    assert_string_equal(heard(m, text, sizeof(text)), "");
+}
+
+static void the_watchdog_is_fed_by_the_unit_s_limit(void **state)
+{
+    struct manager *m = *state;
+    struct ttf_watchdog *dog;
+    char text[128];
+
+    assert_int_equal(ttf_watchdog_systemd_create(m->path, 5 * TTF_NS_PER_S, &dog, NULL), 0);
+    assert_int_equal(ttf_watchdog_arm(dog, 6 * TTF_NS_PER_S), -EINVAL);
+    assert_string_equal(heard(m, text, sizeof(text)), "");
+    assert_int_equal(ttf_watchdog_arm(dog, 5 * TTF_NS_PER_S), 0);
+    assert_string_equal(heard(m, text, sizeof(text)), "WATCHDOG=1");
+    assert_int_equal(ttf_watchdog_feed(dog), 0);
+    assert_string_equal(heard(m, text, sizeof(text)), "WATCHDOG=1");
+    ttf_watchdog_destroy(dog);
+}
+
+static void a_manager_that_is_busy_does_not_hold_the_loop(void **state)
+{
+    struct manager *m = *state;
+    struct ttf_watchdog *dog;
+
+    assert_int_equal(ttf_watchdog_systemd_create(m->path, 5 * TTF_NS_PER_S, &dog, NULL), 0);
+    assert_int_equal(ttf_watchdog_arm(dog, TTF_NS_PER_S), 0);
+    for (unsigned i = 0; i < 10000; i++) /* far more than any socket keeps */
+        assert_int_equal(ttf_watchdog_feed(dog), 0);
+    ttf_watchdog_destroy(dog);
+}
+
+static void without_a_manager_there_is_no_watchdog(void **state)
+{
+    struct ttf_watchdog *dog;
+    char text[200];
+
+    (void)state;
+    memset(text, 'x', sizeof(text) - 1);
+    text[0] = '/';
+    text[sizeof(text) - 1] = '\0';
+    assert_int_equal(ttf_watchdog_systemd_create(NULL, TTF_NS_PER_S, &dog, NULL), -ENOTSUP);
+    assert_int_equal(ttf_watchdog_systemd_create("/x", 0, &dog, NULL), -ENOTSUP);
+    assert_int_equal(ttf_watchdog_systemd_create(text, TTF_NS_PER_S, &dog, NULL), -EINVAL);
+    assert_int_equal(ttf_systemd_notify(text, "READY=1"), -EAFNOSUPPORT);
+}
+
+/* ---- the suite ---- */
+
+static void destroy(struct ttf_box *box)
+{
+    void *state = box->box_private;
+
+    ttf_watchdog_destroy(box->watchdog);
+    (void)teardown(&state);
+}
+
+static int make(struct ttf_box *ret)
+{
+    void *state = NULL;
+
+    (void)setup(&state);
+    *ret = (struct ttf_box){.box_private = state, .destroy = destroy};
+    return ttf_watchdog_systemd_create(((struct manager *)state)->path, 60 * TTF_NS_PER_S,
+                                       &ret->watchdog, NULL);
+}
+
+int main(void)
+{
+#define MANAGED(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
+    const struct CMUnitTest tests[] = {
+        MANAGED(states_arrive_as_they_are_said),
+        MANAGED(the_watchdog_is_fed_by_the_unit_s_limit),
+        MANAGED(a_manager_that_is_busy_does_not_hold_the_loop),
+        MANAGED(without_a_manager_there_is_no_watchdog),
+    };
+    const struct conformance_factory systemd = {"systemd", make};
+
+    return cmocka_run_group_tests(tests, NULL, NULL) + conformance_watchdog(&systemd);
+}
