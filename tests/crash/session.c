@@ -14,8 +14,10 @@
 
 #include "session_cuts.h"
 
-#define PARTS_MAX 64
-#define SEEN_BITS 20
+#define PARTS_MAX   64
+#define SEEN_BITS   20
+/* quick: one step in so many is cut */
+#define QUICK_STEPS 4
 
 struct asked {
     bool everywhere, random, quick;
@@ -88,7 +90,7 @@ static void cut_at_random(struct session_cuts *cuts, const struct asked *asked, 
 static void work(const struct asked *asked, unsigned part, struct session_counts *ret)
 {
     struct session_cuts cuts = {.part = part,
-                                .parts = asked->parts,
+                                .parts = asked->parts * (asked->quick ? QUICK_STEPS : 1),
                                 .each = asked->quick ? 1000 : 1,
                                 .stop_at_first = asked->quick};
 
@@ -98,6 +100,7 @@ static void work(const struct asked *asked, unsigned part, struct session_counts
         seen_destroy(cuts.seen);
         cuts.seen = NULL;
         cuts.everywhere = false;
+        cuts.parts = asked->parts;
     }
     if (asked->random)
         cut_at_random(&cuts, asked,
@@ -211,7 +214,7 @@ int main(int argc, char **argv)
         return 2;
     }
     if (asked.states == 0)
-        asked.states = asked.quick ? 400 : 20000;
+        asked.states = asked.quick ? 200 : 20000;
     well = work_all(&asked, &c);
     printf("crash session: %" PRIu64 " states of %" PRIu64 " cuts (%" PRIu64
            " of resumed runs), %" PRIu64 " boots (%" PRIu64 " on a disk that failed, %" PRIu64
