@@ -6,7 +6,13 @@
 
 #include "board_file.h"
 
-#define L(member) offsetof(struct ttf_lamp_info, member)
+/* A lamp as it is read: facts, and the wire of one that is not simulated. */
+struct lamp {
+    struct ttf_lamp_info info;
+    struct ttf_line_spec wire;
+};
+
+#define L(member) offsetof(struct lamp, info.member)
 
 static const struct cfg_name KINDS[] = {
     {"switch", TTF_LAMP_SWITCH}, {"steps", TTF_LAMP_STEPS}, {"pwm", TTF_LAMP_PWM}, {NULL, 0}};
@@ -43,7 +49,28 @@ static const struct cfg_field LAMP[] = {
      "how much cooler it must be to be lit again, as 5degC", 0, 0},
     {"interlock", read_interlock, L(interlock_door), 0, 0, "door or none", 0, 0},
     {"warm_up", cfg_i64_time, L(warm_up_ns), 0, DAY, "the time its light takes to settle", 0, 0},
+    BOARD_WIRE_FIELDS(offsetof(struct lamp, wire)),
     {0}};
+
+/* One that is not simulated has a wire of its name; wires come in the lamps' order. */
+static int take_wire(struct ttf_board *board, struct yaml_node *node, struct lamp *lamp,
+                     struct ttf_err *err)
+{
+    struct ttf_line_spec *wire = &board->guardian.wires[board->guardian.n_wires];
+
+    if (strcmp(board->device[TTF_DEVICE_LAMPS]->name, "sim") == 0)
+        return lamp->wire.line[0] || lamp->wire.chip[0]
+                   ? cfg_error(node, err, "take away 'line' and 'chip'",
+                               "a simulated lamp has no wire")
+                   : 0;
+    if (lamp->wire.line[0] == '\0')
+        return cfg_error(node, err, "write line: GPIO17, or chip: gpiochip0 and line: 17",
+                         "'line' is missing: the lamp's wire");
+    *wire = lamp->wire;
+    memcpy(wire->label, lamp->info.name, sizeof wire->label);
+    board->guardian.n_wires++;
+    return 0;
+}
 
 /* What all devices of a map say alike: a name, a back-end, the same one for all. */
 static int read_head(struct yaml_node *c, enum ttf_device_kind kind, char name[32],
@@ -84,6 +111,7 @@ int board_read_lamps(const struct cfg_field *field, struct yaml_node *node, void
 
     ttf_sim_config_defaults(&defaults);
     board->sim.n_lamps = 0;
+    board->guardian.n_wires = 0;
     if (is_none(node))
         return 0;
     if (node->kind != YAML_MAP || node->n > TTF_LAMPS_MAX)
@@ -92,18 +120,22 @@ int board_read_lamps(const struct cfg_field *field, struct yaml_node *node, void
     for (struct yaml_node *c = node->child; c; c = c->next, n++) {
         /* Its model is that of the default lamp at the same place; sim.lamps changes it. */
         board->sim.lamps[n] = defaults.lamps[n < defaults.n_lamps ? n : 0];
-        struct ttf_lamp_info *info = &board->sim.lamps[n].info;
-        int r;
+        struct lamp lamp = {.info = {.kind = TTF_LAMP_PWM,
+                                     .max_duty_permille = 1000,
+                                     .duty_window_ns = TTF_NS_PER_DAY}};
+        int r = read_head(c, TTF_DEVICE_LAMPS, lamp.info.name, board, err);
 
-        *info = (struct ttf_lamp_info){
-            .kind = TTF_LAMP_PWM, .max_duty_permille = 1000, .duty_window_ns = TTF_NS_PER_DAY};
-        r = read_head(c, TTF_DEVICE_LAMPS, info->name, board, err);
+        if (r == 0 && strcmp(board->device[TTF_DEVICE_LAMPS]->name, "sim") != 0)
+            lamp.info.kind = TTF_LAMP_SWITCH; /* what a wire can do */
         if (r == 0)
-            r = cfg_map(LAMP, c, info, err);
+            r = cfg_map(LAMP, c, &lamp, err);
+        if (r == 0 && lamp.info.kind == TTF_LAMP_STEPS && lamp.info.steps == 0)
+            r = cfg_error(c, err, "write steps: 4", "a lamp in steps needs 'steps'");
+        if (r == 0)
+            r = take_wire(board, c, &lamp, err);
         if (r < 0)
             return r;
-        if (info->kind == TTF_LAMP_STEPS && info->steps == 0)
-            return cfg_error(c, err, "write steps: 4", "a lamp in steps needs 'steps'");
+        board->sim.lamps[n].info = lamp.info;
     }
     board->sim.n_lamps = n;
     return 0;
@@ -114,11 +146,34 @@ static const struct cfg_name SENSORS[] = {{"temperature", TTF_SENSOR_TEMP_MDEGC}
                                           {"light", TTF_SENSOR_LIGHT_PERMILLE},
                                           {"pressure", TTF_SENSOR_PRESSURE_PA},
                                           {NULL, 0}};
-static const struct cfg_field SENSOR[] = {{"backend", NULL, 0, 0, 0, NULL, 0, 0},
-                                          {"kind", cfg_enum, offsetof(struct ttf_sim_sensor, kind),
-                                           0, 0, "temperature, humidity, light or pressure",
-                                           SENSORS, true},
-                                          {0}};
+static const struct cfg_name BUSES[] = {
+    {"hwmon", TTF_SYSFS_HWMON}, {"iio", TTF_SYSFS_IIO}, {NULL, 0}};
+
+#define S(member) offsetof(struct ttf_sysfs_sensor, member)
+
+static const struct cfg_field SENSOR[] = {
+    {"backend", NULL, 0, 0, 0, NULL, 0, 0},
+    {"kind", cfg_enum, S(kind), 0, 0, "temperature, humidity, light or pressure", SENSORS, true},
+    {"bus", cfg_enum, S(bus), 0, 0, "hwmon or iio", BUSES, 0},
+    {"device", cfg_text64, S(device), 0, 0, "what its driver calls it, as bme280", 0, 0},
+    {"channel", cfg_text64, S(channel), 0, 0, "as temp1 or in_temp", 0, 0},
+    {"full", cfg_double, S(full), 1e-6, 1e9, "of light: the driver's value that is full", 0, 0},
+    {0}};
+
+static int check_sensor(const struct ttf_board *board, struct yaml_node *node,
+                        const struct ttf_sysfs_sensor *sensor, struct ttf_err *err)
+{
+    bool simulated = strcmp(board->device[TTF_DEVICE_SENSORS]->name, "sim") == 0;
+
+    if (simulated && sensor->device[0])
+        return cfg_error(node, err, "take away 'device'", "a simulated sensor has no driver");
+    if (!simulated && !sensor->device[0])
+        return cfg_error(node, err, "write device: bme280",
+                         "'device' is missing: its driver's name");
+    if (!simulated && sensor->kind == TTF_SENSOR_LIGHT_PERMILLE && !(sensor->full > 0))
+        return cfg_error(node, err, "write full: 2000", "'full' is missing: full light");
+    return 0;
+}
 
 int board_read_sensors(const struct cfg_field *field, struct yaml_node *node, void *at,
                        struct ttf_err *err)
@@ -126,21 +181,27 @@ int board_read_sensors(const struct cfg_field *field, struct yaml_node *node, vo
     struct ttf_board *board = at;
     unsigned n = 0;
 
-    board->sim.n_sensors = 0;
+    board->sim.n_sensors = board->n_sysfs = 0;
     if (is_none(node))
         return 0;
     if (node->kind != YAML_MAP || node->n > TTF_SENSORS_MAX)
         return cfg_error(node, err, field->meant, "a map of at most %d sensors is meant",
                          TTF_SENSORS_MAX);
     for (struct yaml_node *c = node->child; c; c = c->next, n++) {
-        struct ttf_sim_sensor *sensor = &board->sim.sensors[n];
-        int r = read_head(c, TTF_DEVICE_SENSORS, sensor->name, board, err);
+        struct ttf_sysfs_sensor *sensor = &board->sysfs[n];
+        int r;
 
+        memset(sensor, 0, sizeof *sensor);
+        r = read_head(c, TTF_DEVICE_SENSORS, sensor->name, board, err);
         if (r == 0)
             r = cfg_map(SENSOR, c, sensor, err);
+        if (r == 0)
+            r = check_sensor(board, c, sensor, err);
         if (r < 0)
             return r;
+        memcpy(board->sim.sensors[n].name, sensor->name, sizeof board->sim.sensors[n].name);
+        board->sim.sensors[n].kind = sensor->kind;
     }
-    board->sim.n_sensors = n;
+    board->sim.n_sensors = board->n_sysfs = n;
     return 0;
 }

@@ -133,6 +133,8 @@ static const struct cfg_field BOARD[] = {
     {"clock", read_device, 0, TTF_DEVICE_CLOCK, 0, "the clock's back-end", 0, true},
     {"lamps", board_read_lamps, 0, 0, 0, "a map of lamps, or none", 0, 0},
     {"sensors", board_read_sensors, 0, 0, 0, "a map of sensors, or none", 0, 0},
+    {"guardian", board_read_guardian, 0, 0, 0, "the lamp guardian's socket, door and temperature",
+     0, 0},
     {"panel", read_panel, 0, 0, 0, "light, button and door, or none", 0, 0},
     {"watchdog", read_device, 0, TTF_DEVICE_WATCHDOG, 0, "the watchdog's back-end, or none", 0, 0},
     {"sim", board_read_sim, 0, 0, 0, "the simulated box's model", 0, 0},
@@ -162,13 +164,17 @@ static int decode_board(struct yaml_node *root, struct ttf_board *board, struct 
     if (root->kind != YAML_MAP)
         return cfg_error(root, err, "write 'board: NAME', 'cameras:' and 'clock:'",
                          "a board's description holds keys");
+    board->guardian.door = -1;
     r = cfg_map(BOARD, root, board, err);
+    if (r == 0)
+        r = board_finish_guardian(board, root, err);
     if (r < 0)
         return r;
     for (int i = 0; i < TTF_DEVICE_KIND_COUNT; i++)
         board->simulated |= board->device[i] && strcmp(board->device[i]->name, "sim") == 0;
     from_folder_of(board->path, board->scene.images);
     from_folder_of(board->path, board->scene.dataset);
+    from_folder_of(board->path, board->guardian.file);
     if (!board->device[TTF_DEVICE_LAMPS] && !yaml_child(root, "lamps"))
         board->sim.n_lamps = 0;
     if (!board->device[TTF_DEVICE_SENSORS] && !yaml_child(root, "sensors"))

@@ -14,6 +14,24 @@ int board_read_lamps(const struct cfg_field *field, struct yaml_node *node, void
 int board_read_sensors(const struct cfg_field *field, struct yaml_node *node, void *at,
                        struct ttf_err *err);
 
+/* `guardian:`; and, at the end, the wires of lamps that are not simulated, in order, and whether all fits. */
+int board_read_guardian(const struct cfg_field *field, struct yaml_node *node, void *at,
+                        struct ttf_err *err);
+int board_finish_guardian(struct ttf_board *board, struct yaml_node *root, struct ttf_err *err);
+
+/* `chip`, `line`, `active_low`, `pull_up` of a wire; base: a struct ttf_line_spec at this offset. */
+#define BOARD_WIRE_FIELDS(offset)                                                            \
+    {"chip", cfg_text64, (offset) + offsetof(struct ttf_line_spec, chip),                    \
+     0,      0,          "the GPIO chip, as gpiochip0",                                      \
+     0,      0},                                                                             \
+        {"line", cfg_text64, (offset) + offsetof(struct ttf_line_spec, line),                \
+         0,      0,          "the line's name, or its number on the chip",                   \
+         0,      0},                                                                         \
+    {                                                                                        \
+        "active_low", cfg_bool, (offset) + offsetof(struct ttf_line_spec, active_low), 0, 0, \
+            "true: a low level lights it", 0, 0                                              \
+    }
+
 /* `sim:`: everything of struct ttf_sim_config and the scene; at is the struct ttf_board. */
 int board_read_sim(const struct cfg_field *field, struct yaml_node *node, void *at,
                    struct ttf_err *err);

@@ -9,6 +9,11 @@
 
 static const struct ttf_backend_entry BACKENDS[] = {
     {"sim", ALL_DEVICES, "the simulated box"},
+    {"gpiod", 1u << TTF_DEVICE_LAMPS, "lines of a GPIO chip, held by ttfbox-lampd"},
+    {"file", 1u << TTF_DEVICE_LAMPS, "wires in a file, for tests, held by ttfbox-lampd"},
+    {"sysfs", 1u << TTF_DEVICE_SENSORS, "what kernel drivers show under /sys"},
+    {"systemd", 1u << TTF_DEVICE_WATCHDOG, "the service manager"},
+    {"machine", 1u << TTF_DEVICE_CLOCK, "the machine's own clock"},
 };
 
 const struct ttf_backend_entry *ttf_backend_entry(unsigned i)

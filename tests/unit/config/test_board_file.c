@@ -165,6 +165,42 @@ static void a_board_without_lamps_has_none(void **state)
     assert_null(b.device[TTF_DEVICE_PANEL]);
 }
 
+static void wires_of_a_real_box_come_in_the_lamps_order_with_the_door_behind(void **state)
+{
+    struct ttf_board b;
+
+    (void)state;
+    parse_ok(HEAD "guardian: {temperature: t, door: {chip: c, line: 3, active_low: true,"
+                  " pull_up: true}}\n"
+                  "lamps:\n"
+                  "  left: {backend: gpiod, line: GPIO17, max_on: 2h, interlock: door,\n"
+                  "         max_temp: 60degC, hysteresis: 5degC}\n"
+                  "  right: {backend: gpiod, chip: gpiochip0, line: 27, active_low: true}\n"
+                  "sensors:\n"
+                  "  t: {backend: sysfs, kind: temperature, bus: iio, device: bme280}\n"
+                  "  l: {backend: sysfs, kind: light, bus: iio, device: x, full: 2000}\n",
+             &b);
+    assert_int_equal(b.sim.n_lamps, 2);
+    assert_int_equal(b.sim.lamps[0].info.kind, TTF_LAMP_SWITCH);
+    assert_true(b.sim.lamps[0].info.max_on_ns == 2 * TTF_NS_PER_H);
+    assert_int_equal(b.guardian.n_wires, 3);
+    assert_string_equal(b.guardian.wires[0].label, "left");
+    assert_string_equal(b.guardian.wires[0].line, "GPIO17");
+    assert_string_equal(b.guardian.wires[1].label, "right");
+    assert_string_equal(b.guardian.wires[1].chip, "gpiochip0");
+    assert_true(b.guardian.wires[1].active_low && !b.guardian.wires[1].input);
+    assert_int_equal(b.guardian.door, 2);
+    assert_string_equal(b.guardian.wires[2].line, "3");
+    assert_true(b.guardian.wires[2].input && b.guardian.wires[2].active_low &&
+                b.guardian.wires[2].pull_up);
+    assert_string_equal(b.guardian.temp_sensor, "t");
+    assert_string_equal(b.guardian.socket, "/run/ttfbox/lampd.sock");
+    assert_int_equal(b.n_sysfs, 2);
+    assert_int_equal(b.sysfs[0].bus, TTF_SYSFS_IIO);
+    assert_string_equal(b.sysfs[0].device, "bme280");
+    assert_true(b.sysfs[1].full == 2000);
+}
+
 static const struct {
     const char *text, *where, *what, *hint;
 } WRONG[] = {
@@ -190,6 +226,26 @@ static const struct {
     {HEAD "lamps: {a: {backend: sim, kind: steps}}\n", "dir/b.yaml:4:12", "'steps'", ""},
     {HEAD "lamps: {a: {backend: sim, max_duty: 50}}\n", "dir/b.yaml:4:37", "has no unit", "%"},
     {HEAD "sensors: {t: {backend: sim}}\n", "dir/b.yaml:4:14", "'kind' is missing", ""},
+    /* lamps with wires */
+    {HEAD "lamps: {a: {backend: gpiod}}\n", "dir/b.yaml:4:12", "'line' is missing", "GPIO17"},
+    {HEAD "lamps: {a: {backend: sim, line: 4}}\n", "dir/b.yaml:4:12", "has no wire", ""},
+    {HEAD "lamps: {a: {backend: file, line: 4}}\n", "dir/b.yaml:4:8", "no 'file' is named", ""},
+    {HEAD "lamps: {a: {backend: gpiod, line: x, max_temp: 60degC}}\n", "dir/b.yaml:4:12",
+     "without a temperature", "guardian"},
+    {HEAD "sensors: {t: {backend: sysfs, kind: humidity, device: d}}\n"
+          "lamps: {a: {backend: gpiod, line: x, max_temp: 60degC}}\n",
+     "dir/b.yaml:5:12", "without a temperature", "guardian"},
+    {HEAD "lamps: {a: {backend: gpiod, line: x, interlock: door}}\n", "dir/b.yaml:4:12",
+     "without a door switch", "door"},
+    {HEAD "lamps: {a: {backend: gpiod, line: x}}\nguardian: {door: {chip: c}}\n", "dir/b.yaml:5:18",
+     "'line' is missing", "gpiochip0"},
+    {HEAD LAMPS "guardian: {socket: /x}\n", "dir/b.yaml:5:11", "without lamps", ""},
+    {HEAD "sensors: {t: {backend: sysfs, kind: temperature}}\n", "dir/b.yaml:4:14",
+     "'device' is missing", "bme280"},
+    {HEAD "sensors: {t: {backend: sysfs, kind: light, device: d}}\n", "dir/b.yaml:4:14",
+     "'full' is missing", "2000"},
+    {HEAD "sensors: {t: {backend: sim, kind: light, device: d}}\n", "dir/b.yaml:4:14",
+     "has no driver", ""},
     /* fields that only make sense together: ttf_sim_config_check's, placed all the same */
     {HEAD "sim: {timing: {exposure_min: 5s, exposure_max: 1s}}\n", "dir/b.yaml:4", "exposure", ""},
 };
@@ -295,6 +351,7 @@ int main(void)
         cmocka_unit_test(every_key_reaches_its_field),
         cmocka_unit_test(an_empty_section_gives_the_documented_defaults),
         cmocka_unit_test(a_board_without_lamps_has_none),
+        cmocka_unit_test(wires_of_a_real_box_come_in_the_lamps_order_with_the_door_behind),
         cmocka_unit_test(what_is_wrong_is_named_with_line_column_and_what_was_meant),
         cmocka_unit_test(overrides_change_any_key_and_name_themselves_when_wrong),
         cmocka_unit_test(any_cut_of_a_board_is_read_or_refused_with_its_place),

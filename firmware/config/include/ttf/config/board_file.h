@@ -13,7 +13,9 @@
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
 #include "ttf/hal/box.h"
+#include "ttf/hal/lines.h"
 #include "ttf/hal/sim.h"
+#include "ttf/hal/sysfs.h"
 
 /* The kinds of device that a back-end may drive. */
 enum ttf_device_kind {
@@ -51,6 +53,17 @@ struct ttf_board_camera {
     struct ttf_camera_mode mode; /* asked for; 0: native */
 };
 
+/* What the lamp guardian of a real box needs: ttfbox-lampd reads it, and its clients where to find it. */
+struct ttf_board_guardian {
+    char socket[108];
+    char file[512];   /* of lamps with back-end "file": where the wires are */
+    unsigned n_wires; /* the lamps' outputs in their order, then the door's input if there is one */
+    struct ttf_line_spec wires[TTF_LINES_MAX];
+    int door; /* index of its wire; -1: no door switch */
+    char temp_sensor
+        [32]; /* whose temperature lamps with max_temp are watched by; empty: the first */
+};
+
 struct ttf_board {
     char path[512]; /* of the file */
     char name[64];
@@ -59,6 +72,10 @@ struct ttf_board {
     unsigned n_cameras;
     struct ttf_board_camera cameras[TTF_BOX_CAMERAS_MAX];
     const struct ttf_backend_entry *device[TTF_DEVICE_KIND_COUNT]; /* NULL: the board has none */
+    /* Facts of lamps and sensors lie in sim.lamps[].info and sim.sensors[], whatever drives them. */
+    struct ttf_board_guardian guardian;
+    unsigned n_sysfs;
+    struct ttf_sysfs_sensor sysfs[TTF_SENSORS_MAX];
     bool simulated; /* some device is: then sim and scene hold */
     struct ttf_sim_config sim;
     struct ttf_board_scene scene;

@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# ttfbox-lampd as a service manager runs it, on wires in a file that this script looks at from outside.
+. "$(dirname "$0")/cli.bash"
+[ -n "${LAMPD:-}" ] || exit 77 # built without a box
+
+cat >box.yaml <<'END'
+board: bench
+cameras: {main: {backend: sim}}
+clock: {backend: machine}
+lamps:
+  left: {backend: file, line: 0, max_on: 1h}
+  right: {backend: file, line: 1, active_low: true}
+guardian: {socket: SOCKET, file: wires, door: {line: 2}}
+END
+sed -i "s|SOCKET|$WORK/socket|" box.yaml
+
+wires() { # WANT: within 20 s (a busy machine), what is outside sees this
+    local got=
+    for _ in $(seq 400); do
+        got=$(cat wires)
+        [ "$got" = "$1" ] && return 0
+        sleep 0.05
+    done
+    fail "the wires are '$got' instead of '$1'"
+}
+
+guard() { # starts it and waits until it guards
+    rm -f said
+    "$LAMPD" --board box.yaml >said 2>&1 &
+    guardian=$!
+    for _ in $(seq 400); do
+        grep -q guarding said && return 0
+        sleep 0.05
+    done
+    fail "it does not guard: $(cat said)"
+}
+
+light() { # a client that lights the left lamp
+    "$CHILD" "$WORK/socket" 3600000 waits >/dev/null &
+    client=$!
+    wires 110
+}
+
+# ---- the client dies ----
+printf 111 >wires # whatever was before, lamps are dark from the first
+guard
+grep -q "guarding 2 lamps of board 'bench'" said || fail "$(cat said)"
+wires 011
+printf 0 | dd of=wires bs=1 seek=2 conv=notrunc status=none # the door closes
+light
+kill -9 $client
+wires 010
+
+# ---- the guardian dies: the wires stay, and are dark as soon as it is back ----
+light
+kill -9 $guardian
+wait $guardian 2>/dev/null
+wires 110
+guard
+wires 010
+kill -9 $client 2>/dev/null
+
+# ---- it is told to end ----
+light
+kill -TERM $guardian
+wait $guardian || fail "it did not end well"
+wires 010
+[ ! -e socket ] || fail "its socket is left behind"
+kill -9 $client 2>/dev/null
+
+# ---- what is refused ----
+expect 2 "$LAMPD"
+said err "--board is missing"
+expect 2 "$LAMPD" --board nowhere
+said err "no such board"
+expect 2 "$LAMPD" --board "$SOURCE/boards/sim/board.yaml"
+said err "nothing to guard"
+expect 0 "$LAMPD" --help
+said out "SIGTERM"
+guard
+expect 1 "$LAMPD" --board box.yaml
+said err "another lamp guardian answers"
+kill -TERM $guardian
+wait $guardian
