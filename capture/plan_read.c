@@ -73,7 +73,7 @@ static unsigned get_levels(struct reading *in, const json_t *o, const char *key,
     json_t *level;
     unsigned n = 0;
 
-    if (!json_is_object(map) || json_object_size(map) > TTF_LAMPS_MAX)
+    if (!json_is_object(map))
         in->wrong = in->wrong ? in->wrong : key;
     json_object_foreach(map, lamp, level)
     {

@@ -219,6 +219,7 @@ static void a_second_storage_must_be_another_folder_that_is_there(void **state)
         assert_int_equal(fclose(f), 0);
     snprintf(plan.second_storage, sizeof(plan.second_storage), "%s", file);
     assert_int_equal(ttf_second_storage_check(io, folder, &plan, NULL, &err), -ENOTDIR);
+    assert_non_null(strstr(err.what, "no folder"));
     assert_int_equal(remove(file), 0);
     /* A dataset in the folder itself; beside it on the same disk is worth a warning only. */
     snprintf(plan.second_storage, sizeof(plan.second_storage), "%s", folder);

@@ -121,6 +121,26 @@ static void the_oldest_slot_goes_first_whatever_its_stream(void **state)
     assert_true(there("main/000010.jpg"));
 }
 
+static void of_one_slot_they_go_by_name(void **state)
+{
+    static const char *const streams[] = {"e", "b", "h", "a", "g", "c", "f", "d"};
+    char name[32];
+
+    (void)state;
+    make_folder("");
+    for (unsigned i = 0; i < 8; i++) {
+        make_folder(streams[i]);
+        snprintf(name, sizeof(name), "%s/000005.jpg", streams[i]);
+        make(name);
+    }
+    for (int c = 'a'; c <= 'h'; c++) {
+        snprintf(name, sizeof(name), "%c/000005.jpg", c);
+        assert_true(there(name));
+        assert_int_equal(ttf_previews_remove(&io, folder, c - 'a' + 1), 1);
+        assert_false(there(name));
+    }
+}
+
 static void with_room_nothing_is_removed(void **state)
 {
     (void)state;
@@ -191,6 +211,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(the_oldest_slot_goes_first_whatever_its_stream, set_up,
                                         tear_down),
+        cmocka_unit_test_setup_teardown(of_one_slot_they_go_by_name, set_up, tear_down),
         cmocka_unit_test_setup_teardown(with_room_nothing_is_removed, set_up, tear_down),
         cmocka_unit_test_setup_teardown(without_previews_there_is_nothing_to_remove, set_up,
                                         tear_down),
