@@ -401,8 +401,6 @@ int ttf_committer_begin(struct ttf_committer *committer)
     int r;
 
     committer->busy_since_ns = TTF_NS_UNKNOWN;
-    if (pthread_mutex_init(&committer->progress_mutex, NULL))
-        return -ENOMEM;
     ttf_clock_join_for(committer->box->clock);
     /* Signals are for the program's own threads; here they would only interrupt writing. */
     sigfillset(&all);
@@ -411,7 +409,6 @@ int ttf_committer_begin(struct ttf_committer *committer)
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     if (r) {
         ttf_clock_leave(committer->box->clock);
-        pthread_mutex_destroy(&committer->progress_mutex);
         return -r;
     }
     committer->running = true;
@@ -430,6 +427,5 @@ void ttf_committer_end(struct ttf_committer *committer, struct ttf_pulse *pulse)
     /* The last slots may take as long as they do: the loop keeps an eye on clock and watchdog. */
     ttf_pulse_last_gate(pulse, committer->queue->done);
     pthread_join(committer->thread, NULL);
-    pthread_mutex_destroy(&committer->progress_mutex);
     committer->running = false;
 }

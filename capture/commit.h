@@ -24,7 +24,7 @@
 /* Records that wait for a storage that is away: a minute's at ten a second, and some. */
 #define TTF_COMMIT_PENDING 1024
 
-/* Whether what a storage answers is worth waiting for: an error, no room (or quota), no memory. */
+/* Whether what a storage answers is worth waiting for: an error, no room (or quota), no memory, a signal. */
 bool ttf_storage_may_pass(int code);
 
 struct ttf_committer {
@@ -72,8 +72,8 @@ struct ttf_committer {
     int64_t first_strike_ns;
     bool disk_full;
     bool power_lost;
-    int64_t busy_since_ns; /* first image of the slot under way; TTF_NS_UNKNOWN */
-    pthread_mutex_t progress_mutex;
+    int64_t busy_since_ns;          /* first image of the slot under way; TTF_NS_UNKNOWN */
+    pthread_mutex_t progress_mutex; /* the session's: it tells before begin and after end, too */
     pthread_t thread;
     bool running;
 };

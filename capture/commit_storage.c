@@ -10,7 +10,7 @@
 
 bool ttf_storage_may_pass(int code)
 {
-    return code == -EIO || code == -ENOSPC || code == -EDQUOT || code == -ENOMEM;
+    return code == -EIO || code == -ENOSPC || code == -EDQUOT || code == -ENOMEM || code == -EINTR;
 }
 
 bool ttf_committer_power_lost(struct ttf_committer *c)

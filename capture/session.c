@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -208,10 +209,12 @@ static int arm_cameras(struct ttf_session *s, struct ttf_err *err)
     return 0;
 }
 
-static void set_up_committer(struct ttf_session *s)
+static int set_up_committer(struct ttf_session *s, struct ttf_err *err)
 {
     struct ttf_committer *c = &s->committer;
 
+    if (pthread_mutex_init(&c->progress_mutex, NULL))
+        return ttf_err_set(err, -ENOMEM, NULL, "out of memory");
     c->box = s->box;
     c->queue = &s->queue;
     c->events = &s->events;
@@ -227,6 +230,7 @@ static void set_up_committer(struct ttf_session *s)
         ttf_rehearsal_init(&s->rehearsal);
         c->rehearsal = &s->rehearsal;
     }
+    return 0;
 }
 
 /* ---- running ---- */
@@ -435,6 +439,9 @@ static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_resul
     } else if (complete) {
         r = seal(s, ret->digest, err);
         ret->sealed = r == 0;
+        if (r < 0 && !power_lost(s))
+            ttf_committer_alarm(&s->committer, "the dataset cannot be sealed: all slots have their "
+                                               "records; run again to seal it");
     }
     ttf_writer_close(s->committer.writer);
     s->committer.writer = NULL;
@@ -544,10 +551,13 @@ int ttf_session_run(const struct ttf_session_config *config, struct ttf_session_
     if (r == 0)
         r = ttf_session_check_disk(s, err);
     if (r == 0) {
-        set_up_committer(s);
         s->lead_ns = ttf_slot_lead_ns(&s->plan, s->box);
         s->first_settle_ns = ttf_first_settle_ns(&s->plan, s->box);
+        r = set_up_committer(s, err);
+    }
+    if (r == 0) {
         r = with_devices(s, ret, err);
+        pthread_mutex_destroy(&s->committer.progress_mutex);
     }
     if (r < 0 && power_lost(s))
         r = ttf_err_set(err, -ESHUTDOWN, config->path, "the box lost power");

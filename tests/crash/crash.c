@@ -14,19 +14,41 @@
 
 #include "cuts.h"
 
-#define PARTS_MAX 64
+#define PARTS_MAX      64
+#define SEEN_BITS      26 /* half a GiB, as far as it is touched */
+#define STATES_DEFAULT 1000000
 
 enum campaign {
     EXHAUSTIVE,
     TROUBLED,
-    RANDOM
+    RANDOM,
+    DEEP,
+    CAMPAIGN_COUNT
 };
 
 struct asked {
-    bool exhaustive, troubled, random, quick;
+    bool campaigns[CAMPAIGN_COUNT], quick;
     unsigned depth, parts;
     uint64_t seed, states;
 };
+
+/* Everything that a writer does. */
+static const enum run_step fixed_run[] = {
+    RUN_CREATE,  RUN_SEGMENT,   RUN_CALIBRATE, RUN_SLOT_ONE, RUN_EVENT,     RUN_SLOT_TWO, RUN_PLAN,
+    RUN_SEGMENT, RUN_SLOT_PAIR, RUN_CORRECT,   RUN_REOPEN,   RUN_SLOT_NONE, RUN_SLOT_ONE, RUN_SEAL,
+    RUN_REOPEN,  RUN_SEGMENT,   RUN_SLOT_TWO,  RUN_EVENT,    RUN_SEAL,
+};
+
+/* What every run does, short enough to be cut twice everywhere. */
+static const enum run_step small_run[] = {
+    RUN_CREATE, RUN_SEGMENT, RUN_SLOT_ONE, RUN_SLOT_TWO, RUN_EVENT,
+    RUN_SEAL,   RUN_REOPEN,  RUN_SLOT_ONE, RUN_SEAL,
+};
+
+#define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
+
+static const char *const campaign_names[CAMPAIGN_COUNT] = {"exhaustive", "troubled", "random",
+                                                           "deep"};
 
 static double now_s(void)
 {
@@ -50,12 +72,15 @@ static void add(struct cuts_counts *sum, const struct cuts_counts *part)
 
 /* One process's share. */
 static void work(const struct asked *asked, enum campaign campaign, unsigned part,
-                 struct cuts_counts *ret)
+                 struct seen *seen, struct cuts_counts *ret)
 {
     struct cuts cuts = {
         .bounds = {{.subset_bits = 10, .tear_step = 16, .pairs = true},
                    {.subset_bits = 4, .tear_step = 512, .pairs = false}},
         .depth = asked->depth,
+        .seen = seen,
+        .steps = fixed_run,
+        .n_steps = COUNT_OF(fixed_run),
         .part = part,
         .parts = asked->parts,
         .stop_at_first = asked->quick,
@@ -67,6 +92,13 @@ static void work(const struct asked *asked, enum campaign campaign, unsigned par
     if (asked->quick)
         cuts.bounds[0] = (struct cuts_bounds){.subset_bits = 5, .tear_step = 128, .pairs = false};
     switch (campaign) {
+    case DEEP:
+        cuts.bounds[0] = (struct cuts_bounds){.subset_bits = 10, .tear_step = 64, .pairs = true};
+        cuts.bounds[1] = cuts.bounds[0];
+        cuts.steps = small_run;
+        cuts.n_steps = COUNT_OF(small_run);
+        cuts_exhaustive(&cuts);
+        break;
     case EXHAUSTIVE:
         cuts_exhaustive(&cuts);
         break;
@@ -76,14 +108,17 @@ static void work(const struct asked *asked, enum campaign campaign, unsigned par
     case RANDOM:
         cuts.states_most = asked->states / asked->parts + (part < asked->states % asked->parts);
         cuts_random(&cuts);
+        break;
+    default:
+        break;
     }
     *ret = cuts.counts;
-    cuts_free(&cuts);
 }
 
 /* All shares, each in a process of its own; false: one of them ended badly. */
 static bool work_all(const struct asked *asked, enum campaign campaign, struct cuts_counts *ret)
 {
+    struct seen *seen = seen_create(SEEN_BITS);
     struct cuts_counts counts;
     int ends[PARTS_MAX][2], status;
     bool well = true;
@@ -97,7 +132,7 @@ static bool work_all(const struct asked *asked, enum campaign campaign, struct c
         case -1:
             return false;
         case 0:
-            work(asked, campaign, i, &counts);
+            work(asked, campaign, i, seen, &counts);
             (void)fflush(stdout);
             _exit(write(ends[i][1], &counts, sizeof(counts)) == (ssize_t)sizeof(counts) ? 0 : 1);
         default:
@@ -113,6 +148,7 @@ static bool work_all(const struct asked *asked, enum campaign campaign, struct c
     }
     while (wait(&status) > 0)
         well = well && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    seen_destroy(seen);
     return well;
 }
 
@@ -130,21 +166,19 @@ static void print(const char *name, const struct cuts_counts *c, double seconds,
 /* What was asked for, one after another; quick: one line of all, and no more after something is broken. */
 static bool campaigns(const struct asked *asked)
 {
-    static const char *const names[] = {"exhaustive", "troubled", "random"};
-    const bool wanted[] = {asked->exhaustive, asked->troubled, asked->random};
     struct cuts_counts c = {0};
     double begun = now_s();
     bool well = true, all_well = true;
     unsigned i;
 
-    for (i = 0; i < 3; i++) {
-        if (!wanted[i] || (asked->quick && !all_well))
+    for (i = 0; i < CAMPAIGN_COUNT; i++) {
+        if (!asked->campaigns[i] || (asked->quick && !all_well))
             continue;
         well = work_all(asked, (enum campaign)i, &c);
         all_well = all_well && well && c.of[RUN_WELL] == c.states;
         if (asked->quick)
             continue;
-        print(names[i], &c, now_s() - begun, well);
+        print(campaign_names[i], &c, now_s() - begun, well);
         memset(&c, 0, sizeof(c));
         begun = now_s();
     }
@@ -155,11 +189,22 @@ static bool campaigns(const struct asked *asked)
 
 static int usage(void)
 {
-    fputs(
-        "usage: crash [exhaustive|troubled|random|--quick] [--depth 1|2] [--seed N] [--states N]\n"
-        "             [--processes N]\n",
-        stderr);
+    fputs("usage: crash [exhaustive|troubled|random|deep|--quick] [--depth 1|2] [--seed N]\n"
+          "             [--states N] [--processes N]\n",
+          stderr);
     return 2;
+}
+
+static bool ask_campaign(struct asked *asked, const char *name)
+{
+    unsigned i;
+
+    for (i = 0; i < CAMPAIGN_COUNT; i++)
+        if (strcmp(name, campaign_names[i]) == 0) {
+            asked->campaigns[i] = true;
+            return true;
+        }
+    return false;
 }
 
 static bool options(int argc, char **argv, struct asked *asked)
@@ -194,13 +239,7 @@ static bool options(int argc, char **argv, struct asked *asked)
         }
     }
     for (; optind < argc; optind++) {
-        if (strcmp(argv[optind], "exhaustive") == 0)
-            asked->exhaustive = true;
-        else if (strcmp(argv[optind], "troubled") == 0)
-            asked->troubled = true;
-        else if (strcmp(argv[optind], "random") == 0)
-            asked->random = true;
-        else
+        if (!ask_campaign(asked, argv[optind]))
             return false;
     }
     return asked->depth >= 1 && asked->depth <= 2 && asked->parts >= 1 && asked->parts <= PARTS_MAX;
@@ -208,18 +247,22 @@ static bool options(int argc, char **argv, struct asked *asked)
 
 int main(int argc, char **argv)
 {
-    struct asked asked = {.depth = 2, .seed = 1, .states = 1000000};
+    struct asked asked = {.depth = 2, .seed = 1, .states = STATES_DEFAULT};
     long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    unsigned i;
+    bool any;
 
     asked.parts = cores > PARTS_MAX ? PARTS_MAX : cores < 1 ? 1 : (unsigned)cores;
     if (!options(argc, argv, &asked))
         return usage();
     if (asked.quick) {
         asked.depth = 1;
-        asked.states = asked.states == 1000000 ? 2000 : asked.states;
+        asked.states = asked.states == STATES_DEFAULT ? 2000 : asked.states;
     }
-    if (!asked.exhaustive && !asked.troubled && !asked.random)
-        asked.exhaustive = asked.troubled = asked.random = true;
+    for (i = 0, any = false; i < CAMPAIGN_COUNT; i++)
+        any = any || asked.campaigns[i];
+    for (i = 0; !any && i < DEEP; i++) /* that one takes as long as all others: only if asked for */
+        asked.campaigns[i] = true;
     /* Readers take 128 KiB and give them back, a thousand times a second: not from the kernel each time. */
     /* NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread */
     (void)mallopt(M_MMAP_THRESHOLD, 16 << 20);

@@ -6,36 +6,10 @@
 
 #include "judge.h"
 
-bool cuts_seen(struct cuts *cuts, uint64_t hash)
-{
-    uint64_t *old = cuts->seen;
-    size_t i, room = cuts->seen_room;
-
-    hash += hash == 0;
-    if (2 * cuts->seen_n >= room) {
-        cuts->seen_room = room ? 2 * room : 4096;
-        cuts->seen = calloc(cuts->seen_room, sizeof(*cuts->seen));
-        if (!cuts->seen)
-            abort();
-        cuts->seen_n = 0;
-        for (i = 0; i < room; i++)
-            if (old[i])
-                (void)cuts_seen(cuts, old[i]);
-        free(old);
-    }
-    i = (hash ^ hash >> 32) & (cuts->seen_room - 1);
-    for (; cuts->seen[i]; i = (i + 1) & (cuts->seen_room - 1))
-        if (cuts->seen[i] == hash)
-            return true;
-    cuts->seen[i] = hash;
-    cuts->seen_n++;
-    return false;
-}
-
-uint64_t cuts_state_hash(const struct disk *disk, const struct run_promise *promise, unsigned level)
+static uint64_t state_hash(const struct disk *disk, const struct run_promise *promise)
 {
     const unsigned char *at = (const unsigned char *)promise;
-    uint64_t hash = disk_hash(disk) + level;
+    uint64_t hash = disk_hash(disk);
     size_t i;
 
     for (i = 0; i < sizeof(*promise); i++)
@@ -43,15 +17,20 @@ uint64_t cuts_state_hash(const struct disk *disk, const struct run_promise *prom
     return hash ^ hash >> 31;
 }
 
+/* What was judged as a first cut was cut again everywhere: as a second one there is nothing more to it. */
+bool cuts_seen(struct cuts *cuts, const struct disk *disk, const struct run_promise *promise,
+               unsigned level)
+{
+    uint64_t hash = state_hash(disk, promise);
+
+    if (level > 0 && seen_has(cuts->seen, hash))
+        return true;
+    return !seen_add(cuts->seen, level > 0 ? hash * UINT64_C(0x9e3779b97f4a7c15) + level : hash);
+}
+
 bool cuts_stopped(const struct cuts *cuts)
 {
     return cuts->stop_at_first && cuts->counts.of[RUN_WELL] < cuts->counts.states;
-}
-
-void cuts_free(struct cuts *cuts)
-{
-    free(cuts->seen);
-    cuts->seen = NULL;
 }
 
 /* What the disk kept and what it lost, and the same of the cut before. */

@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "run.h"
+#include "seen.h"
 
 /* How much is enumerated at one moment; README.md, "What is enumerated". */
 struct cuts_bounds {
@@ -26,11 +27,12 @@ struct cuts {
     struct cuts_counts counts;
     struct cuts_bounds bounds[2]; /* of the first cut; of one in the recovery from it */
     unsigned depth;               /* how many cuts on end: 1 or 2 */
-    unsigned part, parts;         /* exhaustive: this process takes each parts-th step */
+    const enum run_step *steps;   /* the run that is cut everywhere, or troubled */
+    unsigned n_steps;
+    unsigned part, parts; /* troubled, random: this process takes each parts-th of them */
     bool stop_at_first;
-    unsigned between_of; /* one in so many states is looked at between repair and going on */
-    uint64_t *seen;      /* hashes of states that were judged; NULL: not remembered */
-    size_t seen_n, seen_room;
+    unsigned between_of;   /* one in so many states is looked at between repair and going on */
+    struct seen *seen;     /* borrowed: states that were judged, steps that another process has */
     unsigned trouble_each; /* trouble at one in so many steps */
     char trouble[80];      /* that a run met first, in words */
     /* random */
@@ -38,7 +40,7 @@ struct cuts {
     uint64_t states_most;
 };
 
-/* Cuts at every step of a fixed run. */
+/* Cuts at every step of the run. */
 void cuts_exhaustive(struct cuts *cuts);
 
 /* The same run, with one failure of the disk, or killed, at each step, and cut after each call since. */
@@ -47,21 +49,15 @@ void cuts_troubled(struct cuts *cuts);
 /* Runs drawn from seeds `seed`, seed + parts, ..., cut at random steps, until so many states were judged. */
 void cuts_random(struct cuts *cuts);
 
-void cuts_free(struct cuts *cuts);
-
 /* ---- between its files ---- */
 
-/* Was this state judged already? Remembers it. */
-bool cuts_seen(struct cuts *cuts, uint64_t hash);
-uint64_t cuts_state_hash(const struct disk *disk, const struct run_promise *promise,
-                         unsigned level);
+/* Was this state judged already, as a first cut (level 0) or as a second one? Remembers it. */
+bool cuts_seen(struct cuts *cuts, const struct disk *disk, const struct run_promise *promise,
+               unsigned level);
 bool cuts_stopped(const struct cuts *cuts);
 
 /* A run that was broken by itself. */
 void cuts_broken_uncut(struct cuts *cuts, const struct run *run);
-
-#define CUTS_FIXED_STEPS 19
-extern const enum run_step cuts_fixed_run[CUTS_FIXED_STEPS];
 
 /* The state after a cut: judged, `then` watching each of its steps (NULL: nobody). Tells what is wrong. */
 struct cuts_moment {

@@ -32,7 +32,7 @@ static void one_cut(struct watch *w, const struct disk *disk, const struct disk_
         return;
     after = disk_cut(disk, kept);
     cuts->counts.cuts++;
-    if (!cuts_seen(cuts, cuts_state_hash(after, moment.promise, w->level))) {
+    if (!cuts_seen(cuts, after, moment.promise, w->level)) {
         next = (struct watch){cuts, &judged, w->level + 1, &moment, 0};
         looks = JUDGE_BEFORE | (cuts->counts.states % cuts->between_of ? 0 : JUDGE_BETWEEN);
         cuts_judge(cuts, &moment, after, looks, deeper ? watch_step : NULL, &next, &judged);
@@ -142,7 +142,7 @@ static int watch_step(void *ctx, struct disk *disk, const char *op, const char *
     struct choice c = {.watch = w, .disk = disk, .op = op, .path = path};
 
     w->step++;
-    if (w->level == 0 && w->step % w->cuts->parts != w->cuts->part)
+    if (w->level == 0 && !seen_claim(w->cuts->seen, w->step))
         return 0;
     w->cuts->counts.steps++;
     c.n = disk_effects(disk);
@@ -154,12 +154,6 @@ static int watch_step(void *ctx, struct disk *disk, const char *op, const char *
     return 0;
 }
 
-const enum run_step cuts_fixed_run[CUTS_FIXED_STEPS] = {
-    RUN_CREATE,  RUN_SEGMENT,   RUN_CALIBRATE, RUN_SLOT_ONE, RUN_EVENT,     RUN_SLOT_TWO, RUN_PLAN,
-    RUN_SEGMENT, RUN_SLOT_PAIR, RUN_CORRECT,   RUN_REOPEN,   RUN_SLOT_NONE, RUN_SLOT_ONE, RUN_SEAL,
-    RUN_REOPEN,  RUN_SEGMENT,   RUN_SLOT_TWO,  RUN_EVENT,    RUN_SEAL,
-};
-
 void cuts_exhaustive(struct cuts *cuts)
 {
     struct watch watch = {.cuts = cuts};
@@ -170,7 +164,7 @@ void cuts_exhaustive(struct cuts *cuts)
     run_init(&run, disk);
     watch.run = &run;
     disk_on_step(disk, watch_step, &watch);
-    for (i = 0; i < CUTS_FIXED_STEPS && run_do(&run, cuts_fixed_run[i]); i++)
+    for (i = 0; i < cuts->n_steps && run_do(&run, cuts->steps[i]); i++)
         ;
     if (run.broken[0])
         cuts_broken_uncut(cuts, &run);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "slot_hash.h"
 #include "ttf/dataset/reader.h"
 #include "ttf/dataset/verify.h"
 
@@ -47,7 +48,7 @@ static void look_verify(struct run *run, bool clean)
 static void look_slot(struct run *run, const struct ttf_slot_record *record, unsigned *next)
 {
     const struct run_promise *promise = &run->promise;
-    uint64_t hash = run_slot_hash(record);
+    uint64_t hash = slot_hash(record);
     unsigned i;
 
     for (i = *next; i < promise->n_slots; i++) {

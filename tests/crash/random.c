@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "choose.h"
 #include "cuts.h"
-#include "draw.h"
 #include "judge.h"
 #include "trouble.h"
 
@@ -26,33 +26,6 @@ struct drawn_recovery {
     const struct cuts_moment *before;
 };
 
-/* Any choice: so many of a hundred kept; or all up to one; torn here and there. */
-static void choose(struct draw *draw, const struct disk *disk, struct disk_kept *kept)
-{
-    static const unsigned percents[] = {0, 10, 50, 50, 90, 100};
-    unsigned n = disk_effects(disk), i, percent = percents[draw_below(draw, 6)], upto = n;
-    size_t bytes;
-    uint16_t a, b;
-
-    if (draw_below(draw, 4) == 0) {
-        upto = (unsigned)draw_below(draw, n + 1);
-        percent = 100;
-    }
-    for (i = 0; i < n; i++) {
-        bytes = disk_effect_bytes(disk, i);
-        kept[i] = (struct disk_kept){0, 0};
-        if (i >= upto || draw_below(draw, 100) >= percent)
-            continue;
-        kept[i].to = (uint16_t)(bytes ? bytes : 1);
-        if (bytes > 1 && draw_below(draw, 5) == 0) {
-            a = (uint16_t)draw_below(draw, bytes);
-            b = (uint16_t)draw_below(draw, bytes + 1);
-            kept[i] = draw_below(draw, 2) ? (struct disk_kept){0, b}
-                                          : (struct disk_kept){a, (uint16_t)bytes};
-        }
-    }
-}
-
 static int recovery_step(void *ctx, struct disk *disk, const char *op, const char *path);
 
 static void cut_here(struct drawn_run *d, struct disk *disk, const struct run_promise *promise,
@@ -70,7 +43,7 @@ static void cut_here(struct drawn_run *d, struct disk *disk, const struct run_pr
     d->states_left--;
     d->cuts->state++;
     d->cuts->counts.cuts++;
-    choose(&d->draw, disk, kept);
+    choose_kept(&d->draw, disk, kept);
     after = disk_cut(disk, kept);
     looks = (draw_below(&d->draw, 2) ? JUDGE_BEFORE : 0) |
             (draw_below(&d->draw, d->cuts->between_of) ? 0 : JUDGE_BETWEEN);

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "datasets/plain_stream.h"
-#include "record_line.h"
+#include "slot_hash.h"
 #include "ttf/dataset/hash.h"
 
 #define BIG_BYTES   700 /* over a sector's end */
@@ -51,23 +51,6 @@ struct disk *run_fresh_disk(void)
     disk_put(disk, RUN_CALIBRATION "/calibration.json", text, sizeof(text) - 1);
     disk_put(disk, RUN_CALIBRATION "/dark.bin", text, 7);
     return disk;
-}
-
-uint64_t run_slot_hash(const struct ttf_slot_record *record)
-{
-    uint64_t hash = UINT64_C(0xcbf29ce484222325);
-    struct ttf_json json;
-    const char *text;
-    size_t n, i;
-
-    ttf_line_begin(&json, "slot", 0);
-    ttf_slot_put(&json, record);
-    if (ttf_line_finish(&json, &text, &n) != 0)
-        abort();
-    for (i = 0; i < n; i++)
-        hash = (hash ^ (unsigned char)text[i]) * UINT64_C(0x100000001b3);
-    ttf_json_free(&json);
-    return hash;
 }
 
 static void fill_manifest(struct ttf_manifest *manifest)
@@ -203,7 +186,7 @@ static int do_slot(struct run *run, enum run_step step)
     if (r == 0) {
         slot = &promise->slots[promise->n_slots++];
         slot->index = record.index;
-        slot->hash = run_slot_hash(&record);
+        slot->hash = slot_hash(&record);
         slot->kept = false;
         r = ttf_writer_commit(run->writer, &record, NULL);
         slot->kept = r == 0;

@@ -84,9 +84,6 @@ void run_end(struct run *run);
 void run_break(struct run *run, enum run_fault fault, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* The hash by which records are compared. */
-uint64_t run_slot_hash(const struct ttf_slot_record *record);
-
 /* A disk with the calibration and nothing else. */
 struct disk *run_fresh_disk(void);
 

@@ -31,7 +31,7 @@ static void one_cut(struct cuts *cuts, struct run *run, const struct disk_kept *
         return;
     after = disk_cut(run->disk, kept);
     cuts->counts.cuts++;
-    if (!cuts_seen(cuts, cuts_state_hash(after, &run->promise, 0)))
+    if (!cuts_seen(cuts, after, &run->promise, 0))
         cuts_judge(cuts, &moment, after, JUDGE_BEFORE, NULL, NULL, &judged);
     disk_destroy(after);
 }
@@ -64,9 +64,9 @@ static bool one_run(struct cuts *cuts, enum trouble_kind kind, unsigned at, bool
              begin_anew ? "opened anew" : "gone on with");
     run_init(&t.run, run_fresh_disk());
     disk_on_step(t.run.disk, troubled_step, &t);
-    for (i = 0; i < CUTS_FIXED_STEPS && since < CALLS_SINCE_MOST && !t.run.broken[0]; i++) {
+    for (i = 0; i < cuts->n_steps && since < CALLS_SINCE_MOST && !t.run.broken[0]; i++) {
         if (t.run.writer || i == 0)
-            (void)run_do(&t.run, cuts_fixed_run[i]);
+            (void)run_do(&t.run, cuts->steps[i]);
         came = came || t.trouble.kind == TROUBLE_NONE;
         if (!came || t.run.broken[0])
             continue;

@@ -42,6 +42,7 @@ const struct fault_kind fault_kinds[] = {
     {.name = "ENOSPC 12 times", .fault = TIMES(ENOSPC, 12), .changes_only = true},
     {.name = "EIO from then on", .fault = TIMES(EIO, LONG_MAX)},
     {.name = "ENOSPC from then on", .fault = TIMES(ENOSPC, LONG_MAX), .changes_only = true},
+    {.name = "EDQUOT from then on", .fault = TIMES(EDQUOT, LONG_MAX), .changes_only = true},
     {.name = "EROFS from then on", .fault = TIMES(EROFS, LONG_MAX), .changes_only = true},
 };
 const unsigned n_fault_kinds = sizeof(fault_kinds) / sizeof(fault_kinds[0]);

@@ -94,8 +94,10 @@ static bool has_name(const struct model_disk *disk, int inode)
 void model_disk_copy(struct model_disk *to, struct model_disk *from)
 {
     alloc_hook_pause();
-    *to = (struct model_disk){
-        .io = {.ops = &model_disk_ops}, .n_inodes = from->n_inodes, .n_names = from->n_names};
+    *to = (struct model_disk){.io = {.ops = &model_disk_ops},
+                              .n_inodes = from->n_inodes,
+                              .n_names = from->n_names,
+                              .capacity_bytes = from->capacity_bytes};
     pthread_mutex_init(&to->mutex, NULL);
     to->inodes = must(calloc((size_t)from->n_inodes, sizeof(*to->inodes)));
     to->names = must(calloc((size_t)from->n_names, sizeof(*to->names)));
@@ -260,6 +262,16 @@ unsigned model_disk_open_handles(struct model_disk *disk)
     for (unsigned i = 0; i < sizeof(disk->handles) / sizeof(disk->handles[0]); i++)
         n += disk->handles[i].used;
     return n;
+}
+
+int64_t model_disk_used(const struct model_disk *disk)
+{
+    int64_t used = 0;
+
+    for (int i = 0; i < disk->n_names; i++)
+        if (disk->names[i].seen >= 0)
+            used += (int64_t)disk->inodes[disk->names[i].seen].seen_bytes;
+    return used;
 }
 
 bool model_disk_has(struct model_disk *disk, const char *path)

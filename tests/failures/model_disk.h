@@ -95,7 +95,8 @@ struct model_disk {
     int n_names;
     struct model_handle handles[64];
     struct model_fault fault;
-    long n; /* operations so far */
+    int64_t capacity_bytes; /* of all files that are seen; 0: endless. More is ENOSPC */
+    long n;                 /* operations so far */
     long n_failed;
     struct model_call failed; /* the first that did */
     enum model_op after_short;
@@ -124,6 +125,9 @@ unsigned model_disk_open_handles(struct model_disk *disk);
 
 /* All handles are closed, locks with them: the process is gone. */
 void model_disk_kill(struct model_disk *disk);
+
+/* What all files that are seen take. */
+int64_t model_disk_used(const struct model_disk *disk);
 
 /* Whether a file or folder is seen. */
 bool model_disk_has(struct model_disk *disk, const char *path);

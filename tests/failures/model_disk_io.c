@@ -173,16 +173,28 @@ static int64_t md_pread(struct ttf_io *io, int file, void *buf, size_t n, int64_
     return r;
 }
 
+/* For this file to be so long. */
+static bool has_room(const struct model_disk *disk, const struct model_inode *inode, size_t bytes)
+{
+    return disk->capacity_bytes == 0 || bytes <= inode->seen_bytes ||
+           model_disk_used(disk) + (int64_t)(bytes - inode->seen_bytes) <= disk->capacity_bytes;
+}
+
 static int64_t do_write(struct model_disk *disk, enum model_op op, int file, const void *buf,
                         size_t n, int64_t offset)
 {
     int64_t r = meets(disk, op, path_of(disk, file), true, &n);
     struct model_inode *inode = inode_of(disk, file);
 
+    size_t at;
+
     if (!inode)
         return -EBADF;
+    at = op == OP_APPEND ? inode->seen_bytes : (size_t)offset;
+    if (r == 0 && !has_room(disk, inode, at + n))
+        return -ENOSPC;
     if (r == 0 || done_anyway(disk))
-        model_write(inode, buf, n, op == OP_APPEND ? inode->seen_bytes : (size_t)offset);
+        model_write(inode, buf, n, at);
     return r ? r : (int64_t)n;
 }
 
@@ -405,6 +417,12 @@ static int md_space(struct ttf_io *io, const char *path, struct ttf_io_space *re
     if (r == 0)
         *ret =
             (struct ttf_io_space){.free_bytes = INT64_C(1) << 40, .total_bytes = INT64_C(1) << 41};
+    if (r == 0 && disk->capacity_bytes > 0)
+        *ret =
+            (struct ttf_io_space){.free_bytes = disk->capacity_bytes > model_disk_used(disk)
+                                                    ? disk->capacity_bytes - model_disk_used(disk)
+                                                    : 0,
+                                  .total_bytes = disk->capacity_bytes};
     leave(disk);
     return r;
 }

@@ -3,6 +3,7 @@
 #include "cmocka_includes.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -455,6 +456,62 @@ static void killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one(void
     assert_true(kills > 90 / step);
 }
 
+/* ---- the seal ---- */
+
+static unsigned seal_fails; /* so many more operations on it do */
+
+static int no_seal(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    (void)op;
+    if (committed < 6 || !strstr(path, "SHA256SUMS") || seal_fails == 0)
+        return 0;
+    seal_fails--;
+    return fails_with;
+}
+
+static void a_seal_that_cannot_be_written_is_an_alarm_and_comes_with_the_next_run(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    run.plan.second_storage[0] = '\0';
+    run.fault = no_seal;
+    fails_with = EIO;
+    seal_fails = UINT_MAX;
+    assert_int_equal(sim_run_boot(&run), -EIO);
+    assert_false(run.result.sealed);
+    assert_int_equal(alarms, 1);
+    assert_non_null(strstr(alarm_text, "cannot be sealed"));
+    sim_run_expect(&run, "cccccc");
+    sim_run_expect_undamaged(&run, false);
+    fails_with = 0;
+    run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(alarms, 1);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+/* A signal that came at the wrong moment must not leave a week unsealed. */
+static void a_seal_that_was_interrupted_is_tried_again(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    run.plan.second_storage[0] = '\0';
+    run.fault = no_seal;
+    fails_with = EINTR;
+    seal_fails = 12;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(seal_fails, 0);
+    assert_int_equal(alarms, 0);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
 /* ---- a full disk ---- */
 
 static void make_previews(const struct sim_run *run)
@@ -582,6 +639,8 @@ int main(void)
         cmocka_unit_test(a_dataset_of_another_run_in_the_second_storage_is_left_alone),
         cmocka_unit_test(a_changed_plan_moves_too),
         cmocka_unit_test(killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one),
+        cmocka_unit_test(a_seal_that_cannot_be_written_is_an_alarm_and_comes_with_the_next_run),
+        cmocka_unit_test(a_seal_that_was_interrupted_is_tried_again),
         cmocka_unit_test(previews_go_first_oldest_first),
         cmocka_unit_test(a_full_disk_is_left_for_the_second_storage),
         cmocka_unit_test(without_one_capture_stops_before_the_reserve),
