@@ -25,7 +25,6 @@ KINDS = [
      "the way out after one of these: what it hands back is what was found before it"),
     ("refusal", r"ttf_err_set|return -E|return -TTF_E|return false|complain|_wrong\(|damage\(|find\(|unsupported\(|fail\(",
      "something refused that no test brings"),
-    ("name", r"default:|case |\"\?\"|\"unknown\"|_names\[", "a kind that there is not, asked for by our own code alone"),
     ("event", r"events_emit|_say\(|tell_fatal", "something that is only told: no decision hangs on it"),
     ("state", r"", "a state of the box or a form of input that no test brings"),
 ]

@@ -440,6 +440,45 @@ static void what_is_done_while_hashing_is_done(void **state)
     assert_true(space.free_bytes > 0);
 }
 
+/* ---- the machine's own table ---- */
+
+static int count_entry(void *ctx, const char *name, bool is_dir)
+{
+    return 0;
+}
+
+static void a_file_that_is_not_open_or_not_there_is_told_as_such(void **state)
+{
+    struct ttf_io *io = ttf_io_posix();
+    const char *none = in(*state, "none/at/all");
+    struct ttf_io_space space;
+    struct ttf_io_stat st;
+    int64_t bytes;
+    char c = 0;
+
+    assert_true(io->ops->pread(io, -1, &c, 1, 0) == -EBADF);
+    assert_true(io->ops->pwrite(io, -1, &c, 1, 0) == -EBADF);
+    assert_true(io->ops->append(io, -1, &c, 1) == -EBADF);
+    assert_int_equal(io->ops->size(io, -1, &bytes), -EBADF);
+    assert_int_equal(io->ops->truncate(io, -1, 0), -EBADF);
+    assert_int_equal(io->ops->sync(io, -1, false), -EBADF);
+    assert_int_equal(io->ops->sync(io, -1, true), -EBADF);
+    assert_int_equal(io->ops->close(io, -1), -EBADF);
+    assert_int_equal(io->ops->lock(io, -1), -EBADF);
+    assert_int_equal(io->ops->open(io, none, TTF_IO_READ), -ENOENT);
+    assert_int_equal(io->ops->open(io, none, TTF_IO_CREATE_NEW), -ENOENT);
+    assert_int_equal(io->ops->open(io, none, TTF_IO_APPEND), -ENOENT);
+    assert_int_equal(io->ops->open(io, none, (enum ttf_io_mode)9), -EINVAL);
+    assert_int_equal(io->ops->rename(io, none, in(*state, "x")), -ENOENT);
+    assert_int_equal(io->ops->unlink(io, none), -ENOENT);
+    assert_int_equal(io->ops->mkdir(io, none), -ENOENT);
+    assert_int_equal(io->ops->mkdir(io, *state), -EEXIST);
+    assert_int_equal(io->ops->sync_dir(io, none), -ENOENT);
+    assert_int_equal(io->ops->stat(io, none, &st), -ENOENT);
+    assert_int_equal(io->ops->list(io, none, count_entry, NULL), -ENOENT);
+    assert_int_equal(io->ops->space(io, none, &space), -ENOENT);
+}
+
 #define T(test) cmocka_unit_test_setup_teardown(test, folder_setup, folder_teardown)
 
 int main(void)
@@ -454,6 +493,7 @@ int main(void)
         T(json_that_cannot_be_is_not_written),
         T(json_that_could_be_read_in_two_ways_is_none),
         T(what_is_done_while_hashing_is_done),
+        T(a_file_that_is_not_open_or_not_there_is_told_as_such),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
