@@ -65,29 +65,33 @@ static bool set_mosaic(TIFF *tiff, enum ttf_cfa cfa)
         {0}, {0, 1, 1, 2}, {1, 0, 2, 1}, {1, 2, 0, 1}, {2, 1, 1, 0}};
     static const uint8_t planes[3] = {0, 1, 2};
     static const uint16_t size[2] = {2, 2};
+    bool ok;
 
     if (cfa == TTF_CFA_NONE)
         return TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, LINEAR_RAW) == 1;
-    return TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_CFA) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_CFAREPEATPATTERNDIM, size) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_CFAPATTERN, 4, patterns[cfa]) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_CFAPLANECOLOR, 3, planes) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_CFALAYOUT, 1) == 1;
+    ok = TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_CFA) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_CFAREPEATPATTERNDIM, size) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_CFAPATTERN, 4, patterns[cfa]) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_CFAPLANECOLOR, 3, planes) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_CFALAYOUT, 1) == 1;
+    return ok;
 }
 
 static bool set_geometry(TIFF *tiff, const struct ttf_raw_sum *raw, uint32_t strip_rows)
 {
-    return TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, 0) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, raw->format.width) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, raw->format.height) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 16) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, strip_rows) == 1 &&
-           set_mosaic(tiff, raw->format.cfa);
+    bool ok = TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, 0) == 1;
+
+    ok &= TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, raw->format.width) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, raw->format.height) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 16) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, strip_rows) == 1;
+    ok &= set_mosaic(tiff, raw->format.cfa);
+    return ok;
 }
 
 /* Levels and colour. */
@@ -97,7 +101,7 @@ static bool set_calibration(TIFF *tiff, const struct ttf_raw_sum *raw,
     unsigned shift = shift_of(raw, white);
     float black_level = (float)((uint32_t)black << shift), matrix[9], neutral[3];
     uint32_t white_level = (uint32_t)white << shift;
-    bool has_matrix = false;
+    bool has_matrix = false, ok;
 
     for (int i = 0; i < 9; i++)
         has_matrix = has_matrix || info->colour_matrix[i] != 0.0;
@@ -105,14 +109,14 @@ static bool set_calibration(TIFF *tiff, const struct ttf_raw_sum *raw,
         matrix[i] = (float)(has_matrix ? info->colour_matrix[i] : xyz_to_srgb[i]);
     for (int i = 0; i < 3; i++)
         neutral[i] = info->neutral[i] > 0.0 ? (float)info->neutral[i] : 1.0f;
-    if (TIFFSetField(tiff, TIFFTAG_BLACKLEVEL, 1, &black_level) != 1 ||
-        TIFFSetField(tiff, TIFFTAG_WHITELEVEL, 1, &white_level) != 1)
-        return false;
+    ok = TIFFSetField(tiff, TIFFTAG_BLACKLEVEL, 1, &black_level) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_WHITELEVEL, 1, &white_level) == 1;
     if (raw->format.cfa == TTF_CFA_NONE) /* of one colour: nothing to say */
-        return true;
-    return TIFFSetField(tiff, TIFFTAG_COLORMATRIX1, 9, matrix) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_CALIBRATIONILLUMINANT1, ILLUMINANT_D65) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_ASSHOTNEUTRAL, 3, neutral) == 1;
+        return ok;
+    ok &= TIFFSetField(tiff, TIFFTAG_COLORMATRIX1, 9, matrix) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_CALIBRATIONILLUMINANT1, ILLUMINANT_D65) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_ASSHOTNEUTRAL, 3, neutral) == 1;
+    return ok;
 }
 
 static bool set_names(TIFF *tiff, const struct ttf_raw_sum *raw, const struct ttf_dng_info *info)
@@ -120,20 +124,21 @@ static bool set_names(TIFF *tiff, const struct ttf_raw_sum *raw, const struct tt
     static const uint8_t version[4] = {1, 4, 0, 0}, oldest_reader[4] = {1, 1, 0, 0};
     char model[sizeof(info->model) + 16], description[DNG_DESCRIPTION_SIZE];
     /* The simulated camera's own name says it already. */
-    bool say = info->simulated && !strstr(info->model, DNG_SIMULATED);
+    bool say = info->simulated && !strstr(info->model, DNG_SIMULATED), ok;
 
     snprintf(model, sizeof(model), "%s%s", info->model[0] ? info->model : "camera",
              say ? " " DNG_SIMULATED : "");
     dng_describe(raw, info->simulated, description);
-    return TIFFSetField(tiff, TIFFTAG_DNGVERSION, version) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_DNGBACKWARDVERSION, oldest_reader) == 1 &&
-           tiff_set_text(tiff, TIFFTAG_MAKE, "ttfbox") &&
-           tiff_set_text(tiff, TIFFTAG_MODEL, model) &&
-           tiff_set_text(tiff, TIFFTAG_UNIQUECAMERAMODEL, model) &&
-           tiff_set_text(tiff, TIFFTAG_CAMERASERIALNUMBER, info->serial) &&
-           tiff_set_text(tiff, TIFFTAG_SOFTWARE, info->software) &&
-           tiff_set_text(tiff, TIFFTAG_IMAGEDESCRIPTION, description) &&
-           tiff_set_date_time(tiff, &info->times);
+    ok = TIFFSetField(tiff, TIFFTAG_DNGVERSION, version) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_DNGBACKWARDVERSION, oldest_reader) == 1;
+    ok &= tiff_set_text(tiff, TIFFTAG_MAKE, "ttfbox");
+    ok &= tiff_set_text(tiff, TIFFTAG_MODEL, model);
+    ok &= tiff_set_text(tiff, TIFFTAG_UNIQUECAMERAMODEL, model);
+    ok &= tiff_set_text(tiff, TIFFTAG_CAMERASERIALNUMBER, info->serial);
+    ok &= tiff_set_text(tiff, TIFFTAG_SOFTWARE, info->software);
+    ok &= tiff_set_text(tiff, TIFFTAG_IMAGEDESCRIPTION, description);
+    ok &= tiff_set_date_time(tiff, &info->times);
+    return ok;
 }
 
 static int set_tags(struct tiff_client *client, const struct ttf_raw_sum *raw,
@@ -142,6 +147,7 @@ static int set_tags(struct tiff_client *client, const struct ttf_raw_sum *raw,
     struct ttf_tiff_times times = info->times;
     uint16_t black, white;
     uint64_t exif = 0;
+    bool ok;
     int r;
 
     if (times.exposure_ns == 0)
@@ -150,10 +156,12 @@ static int set_tags(struct tiff_client *client, const struct ttf_raw_sum *raw,
     if (r < 0)
         return r;
     ttf_raw_sum_levels(&raw->format, &black, &white);
-    if (!set_geometry(client->tiff, raw, strip_rows) ||
-        !set_calibration(client->tiff, raw, info, black, white) ||
-        !set_names(client->tiff, raw, info) ||
-        (exif && TIFFSetField(client->tiff, TIFFTAG_EXIFIFD, exif) != 1))
+    ok = set_geometry(client->tiff, raw, strip_rows);
+    ok &= set_calibration(client->tiff, raw, info, black, white);
+    ok &= set_names(client->tiff, raw, info);
+    if (exif)
+        ok &= TIFFSetField(client->tiff, TIFFTAG_EXIFIFD, exif) == 1;
+    if (!ok)
         return tiff_client_fail(client, err, -EINVAL, "setting a DNG file's tags");
     return 0;
 }

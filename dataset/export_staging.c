@@ -135,11 +135,17 @@ int staging_begin(struct staging *staging, struct ttf_io *io, const char *final,
     return code;
 }
 
-/* A child may have written the file, so it is opened once more to be synced. */
+/* A child may have written the file, so it is opened once more to be synced; or said so and has not. */
 static int sync_file(struct ttf_io *io, const char *path)
 {
-    int file = io->ops->open(io, path, TTF_IO_APPEND), code;
+    struct ttf_io_stat stat;
+    int file, code = io->ops->stat(io, path, &stat);
 
+    if (code == 0 && stat.bytes == 0)
+        code = -ENODATA;
+    if (code)
+        return code;
+    file = io->ops->open(io, path, TTF_IO_APPEND);
     if (file < 0)
         return file;
     code = io->ops->sync(io, file, false);

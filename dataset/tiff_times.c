@@ -85,15 +85,17 @@ static bool set_exif_start(TIFF *tiff, const struct ttf_tiff_times *times)
     int minutes = times->zone_offset_s / 60;
     unsigned fraction = (unsigned)(times->start_utc_ns - whole * TTF_NS_PER_S);
     char date[DATE_SIZE], subsec[16], offset[32];
+    bool ok;
 
     date_text(times, date);
     snprintf(subsec, sizeof(subsec), "%09u", fraction);
     snprintf(offset, sizeof(offset), "%c%02d:%02d", minutes < 0 ? '-' : '+', abs(minutes) / 60 % 24,
              abs(minutes) % 60);
-    return TIFFSetField(tiff, EXIFTAG_DATETIMEORIGINAL, date) == 1 &&
-           TIFFSetField(tiff, EXIFTAG_SUBSECTIMEORIGINAL, subsec) == 1 &&
-           TIFFSetField(tiff, EXIFTAG_OFFSETTIME, offset) == 1 &&
-           TIFFSetField(tiff, EXIFTAG_OFFSETTIMEORIGINAL, offset) == 1;
+    ok = TIFFSetField(tiff, EXIFTAG_DATETIMEORIGINAL, date) == 1;
+    ok &= TIFFSetField(tiff, EXIFTAG_SUBSECTIMEORIGINAL, subsec) == 1;
+    ok &= TIFFSetField(tiff, EXIFTAG_OFFSETTIME, offset) == 1;
+    ok &= TIFFSetField(tiff, EXIFTAG_OFFSETTIMEORIGINAL, offset) == 1;
+    return ok;
 }
 
 int tiff_write_exif(struct tiff_client *client, const struct ttf_tiff_times *times, unsigned iso,

@@ -38,31 +38,34 @@ static bool set_geometry(TIFF *tiff, const struct ttf_tiff_spec *spec, uint32_t 
     uint16_t bits = (uint16_t)(8 * ttf_sample_bytes(spec->format));
     bool ok;
 
-    ok = TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, spec->width) == 1 &&
-         TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, spec->height) == 1 &&
-         TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits) == 1 &&
-         TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, spec->samples) == 1 &&
-         TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
-                      is_float(spec->format) ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT) == 1 &&
-         TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
-                      colour ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK) == 1 &&
-         TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == 1 &&
-         TIFFSetField(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) == 1 &&
-         TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, strip_rows) == 1;
-    if (ok && (spec->samples == 2 || spec->samples == 4))
-        ok = TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &unspecified) == 1;
+    ok = TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, spec->width) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, spec->height) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, spec->samples) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
+                       is_float(spec->format) ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
+                       colour ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, strip_rows) == 1;
+    if (spec->samples == 2 || spec->samples == 4)
+        ok &= TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &unspecified) == 1;
     return ok;
 }
 
 static bool set_compression(TIFF *tiff, const struct ttf_tiff_spec *spec)
 {
+    bool ok;
+
     if (spec->compression == TTF_TIFF_NONE)
         return TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE) == 1;
-    return TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_ZIPQUALITY, DEFLATE_WORK) == 1 &&
-           TIFFSetField(tiff, TIFFTAG_PREDICTOR,
-                        is_float(spec->format) ? PREDICTOR_FLOATINGPOINT : PREDICTOR_HORIZONTAL) ==
-               1;
+    ok = TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE) == 1;
+    ok &= TIFFSetField(tiff, TIFFTAG_ZIPQUALITY, DEFLATE_WORK) == 1;
+    ok &=
+        TIFFSetField(tiff, TIFFTAG_PREDICTOR,
+                     is_float(spec->format) ? PREDICTOR_FLOATINGPOINT : PREDICTOR_HORIZONTAL) == 1;
+    return ok;
 }
 
 static int set_tags(struct ttf_tiff_writer *writer, struct ttf_err *err)

@@ -7,7 +7,7 @@ jobs=$(nproc)
 find build-coverage -name '*.gcda' -delete
 # The syntheses and the devices are not counted, so their own tests are left out.
 ctest --preset coverage -j "$jobs" -L 'unit|sim|cli' \
-    -E '^test_(synth|quilt|rank|search|agreement|boundary|timed|time_jitter|factors|map_file|scenes|hal|conformance|guardian|sim)|quilt' \
+    -E '^test_(synth|quilt|rank|search|agreement|boundary|timed|time_jitter|factors|map_file|scenes|hal_|conformance|guardian|sim)|quilt' \
     >build-coverage/tests.log 2>&1
 status=$?
 [ "$status" -eq 0 ] || grep -E 'Failed|Timeout' build-coverage/tests.log

@@ -11,6 +11,8 @@ ttf_test_packages="ffmpeg libraw-bin libimage-exiftool-perl libtiff-tools rt-tes
 ttf_demo_packages="ffmpeg"
 ttf_fuzz_packages="clang libclang-rt-14-dev"
 ttf_coverage_packages="gcovr"
+# An emulated arm64 board, a system for it, and a compiler for that.
+ttf_rig_packages="qemu-system-arm mmdebstrap crossbuild-essential-arm64 kmod cpio xz-utils python3-minimal"
 ttf_lint_packages="clang-format clang-tidy shellcheck"
 
 # Installs those of the named packages that are missing; says nothing if none is.
@@ -51,5 +53,7 @@ ttf_install_demo() { ttf_install $ttf_demo_packages; }
 ttf_install_fuzz() { ttf_install $ttf_fuzz_packages; }
 # shellcheck disable=SC2086
 ttf_install_coverage() { ttf_install $ttf_coverage_packages; }
+# shellcheck disable=SC2086
+ttf_install_rig() { ttf_install $ttf_rig_packages; }
 # shellcheck disable=SC2086
 ttf_install_lint() { ttf_install $ttf_lint_packages; }

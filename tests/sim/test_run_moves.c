@@ -382,6 +382,47 @@ static void a_second_dataset_that_was_begun_after_all_is_gone_on_with(void **sta
     sim_run_finish(&run);
 }
 
+/* Both fail in the end: the first at slot 2, the second at slot 4. */
+static int one_after_the_other(struct sim_run *run, const char *op, const char *path)
+{
+    (void)run;
+    (void)op;
+    return committed >= (in_second(path) ? 4 : 2) ? EROFS : 0;
+}
+
+static char alarm_text[512];
+
+static void keep_alarm(struct sim_run *run, const struct ttf_progress *progress)
+{
+    watch(run, progress);
+    if (progress->kind == TTF_PROGRESS_ALARM)
+        snprintf(alarm_text, sizeof(alarm_text), "%.500s", progress->text);
+}
+
+static void a_second_storage_that_fails_too_ends_the_run_with_what_both_hold(void **state)
+{
+    struct sim_run run;
+    struct sim_run second;
+
+    (void)state;
+    with_second(&run);
+    run.on_progress = keep_alarm;
+    run.fault = one_after_the_other;
+    assert_int_equal(sim_run_boot(&run), -EROFS);
+    assert_int_equal(alarms, 2);
+    assert_non_null(strstr(alarm_text, "in the second storage too"));
+    second = second_of(&run);
+    sim_run_expect(&run, "cc");
+    expect_second(&run, 2, "cc");
+    sim_run_expect_undamaged(&second, false);
+    /* Mended, it is gone on with there. */
+    run.fault = NULL;
+    run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_true(run.result.sealed);
+    sim_run_finish(&run);
+}
+
 /* ---- what comes along ---- */
 
 /* From slot 2's record on the first takes nothing more; its files are there, one of them no more as it was. */
@@ -505,6 +546,7 @@ int main(void)
         cmocka_unit_test(a_move_that_failed_leaves_the_first_its_calibration),
         cmocka_unit_test(images_name_no_calibration_that_did_not_come_along),
         cmocka_unit_test(a_second_dataset_that_was_begun_after_all_is_gone_on_with),
+        cmocka_unit_test(a_second_storage_that_fails_too_ends_the_run_with_what_both_hold),
         cmocka_unit_test(a_file_that_changed_on_the_failing_disk_is_not_brought_as_if_it_were_good),
         cmocka_unit_test(a_slot_whose_files_are_lost_on_the_way_says_so),
         cmocka_unit_test(a_slot_of_two_images_is_moved_in_its_middle),

@@ -186,6 +186,39 @@ static void events_are_written_in_the_order_they_came_in(void **state)
     sim_run_finish(&run);
 }
 
+/* Between two slots no line of the records finds room; UTC steps twice meanwhile. */
+static int no_room_for_lines(struct sim_run *run, const char *op, const char *path)
+{
+    if (!ends_in(path, "/records.jsonl") || strcmp(op, "append") != 0 || now_ns(run) < OPENED_NS ||
+        now_ns(run) > OPENED_NS + 20 * TTF_NS_PER_S)
+        return 0;
+    failed++;
+    return ENOSPC;
+}
+
+static void the_newest_correction_of_a_segment_is_the_one_that_is_written(void **state)
+{
+    struct ttf_reader *reader = NULL;
+    struct ttf_segment segment;
+    struct sim_run run;
+
+    (void)state;
+    watched(&run, no_room_for_lines);
+    sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, OPENED_NS + 2 * TTF_NS_PER_S)->amount = 100;
+    sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, OPENED_NS + 12 * TTF_NS_PER_S)->amount = 7;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_true(failed >= 2);
+    assert_int_equal(sim_run_events(&run, "clock-step", NULL), 2);
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), run.path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_segment(reader, 0, &segment), 0);
+    assert_int_equal(segment.origin_utc_ns,
+                     run.config.start_utc_ns + segment.origin_ns + 107 * TTF_NS_PER_S);
+    ttf_reader_close(reader);
+    sim_run_expect(&run, "cccccc");
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
 /* ---- not without power ---- */
 
 static void count_dark(struct sim_run *run)
@@ -313,6 +346,7 @@ int main(void)
         cmocka_unit_test(
             a_slot_whose_files_were_cleared_away_is_recorded_as_failed_at_the_second_try),
         cmocka_unit_test(events_are_written_in_the_order_they_came_in),
+        cmocka_unit_test(the_newest_correction_of_a_segment_is_the_one_that_is_written),
         cmocka_unit_test(a_box_without_power_writes_nothing_that_waited),
         cmocka_unit_test(a_last_record_waits_for_whatever_may_pass),
         cmocka_unit_test(a_seal_waits_for_whatever_may_pass),

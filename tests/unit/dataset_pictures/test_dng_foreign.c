@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Raw files as other programs write them, tag by tag: what is read of them, and what is refused. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "scratch.h"
+#include "ttf/base/attr.h"
+#include "ttf/dataset/dng.h"
+
+#define PIXELS 600 /* where they lie in the file */
+#define TABLE  800 /* where values lie that are longer than four bytes */
+#define BYTES  1024
+#define NO     UINT32_MAX
+
+struct tag {
+    uint16_t tag, type; /* 1: 8 bits, 3: 16, 4: 32 */
+    uint32_t n, value;  /* in the entry itself, or where it lies */
+};
+
+/* A mosaic of 4 x 2, 16 bits, codes 100, 200, ... */
+static const struct tag good[] = {
+    {254, 4, 1, 0},
+    {256, 4, 1, 4},
+    {257, 4, 1, 2},
+    {258, 3, 1, 16},
+    {259, 3, 1, 1},
+    {262, 3, 1, 32803},
+    {273, 4, 1, PIXELS},
+    {277, 3, 1, 1},
+    {278, 4, 1, 2},
+    {279, 4, 1, 16},
+    {339, 3, 1, 1},
+    {33421, 3, 2, 0x00020002},
+    {33422, 1, 4, 0x02010100},
+    {50706, 1, 4, 0x0401},
+    {50712, 3, 2, NO},
+    {50713, 3, 2, NO},
+    {50714, 3, 1, 64},
+    {50717, 4, 1, 4095},
+    {50829, 4, 4, NO},
+};
+
+static void put(uint8_t *at, uint32_t value, unsigned bytes)
+{
+    for (unsigned i = 0; i < bytes; i++)
+        at[i] = (uint8_t)(value >> 8 * i);
+}
+
+/* The good file with up to two of its tags changed; words lie at TABLE. */
+static const char *file_with(void **state, struct tag a, struct tag b, const uint32_t words[4])
+{
+    uint8_t bytes[BYTES] = "II*";
+    unsigned n = 0;
+
+    put(bytes + 4, 8, 4);
+    for (unsigned i = 0; i < TTF_COUNT_OF(good); i++) {
+        struct tag tag = good[i].tag == a.tag ? a : good[i].tag == b.tag ? b : good[i];
+        uint8_t *entry = bytes + 10 + n * 12;
+
+        if (tag.value == NO)
+            continue;
+        put(entry, tag.tag, 2);
+        put(entry + 2, tag.type, 2);
+        put(entry + 4, tag.n, 4);
+        put(entry + 8, tag.value, 4);
+        n++;
+    }
+    put(bytes + 8, n, 2);
+    for (unsigned i = 0; i < 8; i++)
+        put(bytes + PIXELS + 2 * i, 100 * (i + 1), 2);
+    for (unsigned i = 0; words && i < 4; i++)
+        put(bytes + TABLE + 4 * i, words[i], 4);
+    scratch_write(state, "f.dng", bytes, sizeof(bytes));
+    return scratch_path(state, "f.dng");
+}
+
+static struct ttf_raw_sum read_ok(const char *path)
+{
+    struct ttf_raw_sum sum = {0};
+    struct ttf_err err = {0};
+
+    if (ttf_dng_read(ttf_io_posix(), path, &sum, NULL, &err) != 0)
+        fail_msg("%s", err.what);
+    return sum;
+}
+
+static void a_mosaic_is_read_with_its_levels(void **state)
+{
+    struct ttf_raw_sum sum = read_ok(file_with(state, good[0], good[0], NULL));
+
+    assert_true(sum.format.width == 4 && sum.format.height == 2);
+    assert_int_equal(sum.format.cfa, TTF_CFA_RGGB);
+    assert_true(sum.format.black_level == 64 && sum.format.white_level == 4095);
+    assert_int_equal(sum.format.bits, 12);
+    assert_true(sum.sum[0] == 100 && sum.sum[7] == 800);
+    ttf_raw_sum_free(&sum);
+}
+
+static void levels_that_cannot_be_are_those_of_the_bits(void **state)
+{
+    struct ttf_raw_sum sum = read_ok(file_with(state, (struct tag){50717, 4, 1, 70000},
+                                               (struct tag){50714, 3, 2, 0x00400040},
+                                               NULL)); /* two, where one belongs */
+
+    assert_true(sum.format.black_level == 0 && sum.format.white_level == 65535);
+    ttf_raw_sum_free(&sum);
+    sum = read_ok(file_with(state, (struct tag){50717, 4, 1, 0}, good[0], NULL));
+    assert_int_equal(sum.format.white_level, 65535);
+    ttf_raw_sum_free(&sum);
+}
+
+/* Two columns of their own black: codes move so that one holds for all, and none falls below 0. */
+static void a_pattern_of_blacks_becomes_one(void **state)
+{
+    struct ttf_raw_sum sum = read_ok(file_with(state, (struct tag){50713, 3, 2, 0x00020001},
+                                               (struct tag){50714, 3, 2, 0x00c80000}, NULL));
+
+    assert_int_equal(sum.format.black_level, 100); /* of 0 and 200 */
+    assert_true(sum.sum[0] == 200 && sum.sum[1] == 100 && sum.sum[2] == 400);
+    ttf_raw_sum_free(&sum);
+}
+
+static void the_active_area_is_cut_out_if_it_lies_inside(void **state)
+{
+    static const uint32_t inside[4] = {0, 1, 2, 3}, outside[4] = {0, 0, 3, 4},
+                          none[4] = {1, 1, 1, 1};
+    const struct tag area = {50829, 4, 4, TABLE};
+    struct ttf_raw_sum sum = read_ok(file_with(state, area, area, inside));
+
+    assert_true(sum.format.width == 2 && sum.format.height == 2);
+    assert_int_equal(sum.sum[0], 200);
+    ttf_raw_sum_free(&sum);
+    sum = read_ok(file_with(state, area, area, outside));
+    assert_int_equal(sum.format.width, 4);
+    ttf_raw_sum_free(&sum);
+    sum = read_ok(file_with(state, area, area, none));
+    assert_int_equal(sum.format.width, 4);
+    ttf_raw_sum_free(&sum);
+}
+
+/* Codes beyond the table are its last. */
+static void a_table_makes_codes_linear(void **state)
+{
+    struct ttf_raw_sum sum =
+        read_ok(file_with(state, (struct tag){50712, 3, 2, 0x01f40100}, good[0], NULL));
+
+    assert_int_equal(sum.sum[0], 500);
+    assert_int_equal(sum.sum[7], 500);
+    ttf_raw_sum_free(&sum);
+}
+
+static void mosaics_that_are_not_read_say_so(void **state)
+{
+    static const struct tag wrong[] = {
+        {254, 4, 1, 1},     /* a small one only */
+        {262, 3, 1, 2},     /* finished pictures */
+        {277, 3, 1, 3},     /* of three samples */
+        {256, 4, 1, 65536}, /* too wide */
+        {257, 4, 1, 65536}, /* too high */
+        {258, 3, 1, 4},     /* bits */
+        {258, 3, 1, 32},
+        {339, 3, 1, 3},            /* floats */
+        {259, 3, 1, 8},            /* deflated */
+        {33421, 3, 2, 0x00060006}, /* a pattern of 6 x 6 */
+        {33421, 3, 2, NO},
+        {33422, 1, 4, 0x02010101}, /* of two reds */
+        {33422, 1, 3, 0x00010100}, /* of three */
+        {33422, 1, 4, NO},
+        {50717, 4, 1, 64},   /* white is not above black */
+        {273, 4, 1, 100000}, /* the pixels are not there */
+        {256, 4, 1, 60000},  /* more pixels than there are bits */
+    };
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(wrong); i++) {
+        struct ttf_raw_sum sum = {0};
+        struct ttf_err err = {0};
+        int r = ttf_dng_read(ttf_io_posix(), file_with(state, wrong[i], wrong[i], NULL), &sum, NULL,
+                             &err);
+
+        if (r >= 0 || err.what[0] == '\0')
+            fail_msg("case %u: %d: %s", i, r, err.what);
+        assert_null(sum.sum);
+    }
+}
+
+#define T(test) cmocka_unit_test_setup_teardown(test, scratch_make, scratch_remove)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        T(a_mosaic_is_read_with_its_levels), T(levels_that_cannot_be_are_those_of_the_bits),
+        T(a_pattern_of_blacks_becomes_one),  T(the_active_area_is_cut_out_if_it_lies_inside),
+        T(a_table_makes_codes_linear),       T(mosaics_that_are_not_read_say_so),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
