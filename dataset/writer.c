@@ -91,12 +91,35 @@ int ttf_writer_space(struct ttf_writer *writer, struct ttf_io_space *ret)
     return writer->io->ops->space(writer->io, writer->path, ret);
 }
 
+/*
+ * What sealing once more may have left beside the seal: a log that was being written anew when the power went. Opening
+ * only looks at what is sealed. The folder is synced when the seal goes.
+ */
+static int remove_temporary(struct ttf_writer *writer, const char *log, struct ttf_err *err)
+{
+    char *path = ttf_path_format("%s.tmp", log);
+    struct ttf_io_stat st;
+    int r = 0;
+
+    if (!path)
+        return ttf_err_set(err, -ENOMEM, log, "no memory");
+    if (writer->io->ops->stat(writer->io, path, &st) == 0)
+        r = ttf_remove(writer->io, path, err);
+    free(path);
+    return r < 0 ? r : 0;
+}
+
 int ttf_writer_unseal(struct ttf_writer *writer, struct ttf_err *err)
 {
     int r;
 
     if (!writer->sealed)
         return 0;
+    r = remove_temporary(writer, writer->records.path, err);
+    if (r == 0)
+        r = remove_temporary(writer, writer->events.path, err);
+    if (r)
+        return r;
     r = ttf_sums_rebuild(writer->io, writer->path, err);
     if (r)
         return r;

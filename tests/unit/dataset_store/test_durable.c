@@ -205,6 +205,29 @@ static void what_the_repair_removes_stays_removed(void **state)
     ttf_io_faulty_destroy(w.io);
 }
 
+/* Of a log that was written anew when the dataset was sealed once more, and the power went. */
+static void what_sealing_again_left_goes_with_the_seal(void **state)
+{
+    static const char *const wanted[] = {"unlink records.jsonl.tmp\n", "unlink events.jsonl.tmp\n",
+                                         "sync_dir d\n", NULL};
+    struct ttf_writer *writer;
+    struct watched w;
+
+    watch(&w, state);
+    assert_int_equal(ttf_writer_open(w.io, w.path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+    ttf_writer_close(writer);
+    assert_int_equal(
+        run("echo a >'%s/records.jsonl.tmp' && echo b >'%s/events.jsonl.tmp'", w.path, w.path), 0);
+    w.log[w.cue.log_used = 0] = '\0';
+    assert_int_equal(ttf_writer_open(w.io, w.path, &writer, NULL), 0);
+    assert_null(strstr(w.log, "unlink")); /* only looked at */
+    assert_int_equal(small_slot(writer, 0), 0);
+    assert_order(w.log, wanted, "rename 000000.tif\n");
+    ttf_writer_close(writer);
+    ttf_io_faulty_destroy(w.io);
+}
+
 static void a_log_whose_sync_fails_on_closing_is_written_as_a_new_file(void **state)
 {
     static const char *const wanted[] = {"sync records.jsonl.tmp\n", "rename records.jsonl\n",
@@ -256,6 +279,7 @@ int main(void)
         T(a_dataset_that_is_opened_stays_where_it_was_seen),
         T(a_seal_vouches_only_for_what_is_on_the_disk),
         T(what_the_repair_removes_stays_removed),
+        T(what_sealing_again_left_goes_with_the_seal),
         T(a_log_whose_sync_fails_on_closing_is_written_as_a_new_file),
         T(a_disk_that_answers_nothing_ends_the_search_for_a_name),
     };
