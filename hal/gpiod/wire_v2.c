@@ -50,7 +50,8 @@ static struct gpiod_chip *find(const struct ttf_line_spec *spec, unsigned *ret_o
     int offset = -1;
 
     *ret_code = -ENOENT;
-    while (dir && !chip && (entry = readdir(dir)) != NULL) { /* NOLINT(concurrency-mt-unsafe) */
+    /* NOLINTNEXTLINE(concurrency-mt-unsafe): of a stream of its own */
+    while (dir && !chip && (entry = readdir(dir)) != NULL) {
         char path[280];
 
         (void)snprintf(path, sizeof(path), "/dev/%s", entry->d_name);

@@ -116,8 +116,8 @@ static void look_for(struct sysfs_sensors *s, unsigned i)
     dir = opendir(bus);
     if (!dir)
         return;
-    while ((entry = readdir(dir)) !=
-           NULL) { /* of a stream of its own: NOLINT(concurrency-mt-unsafe) */
+    /* NOLINTNEXTLINE(concurrency-mt-unsafe): of a stream of its own */
+    while ((entry = readdir(dir)) != NULL) {
         long number = device_number(entry->d_name, buses[spec->bus].prefix);
 
         (void)snprintf(path, sizeof(path), "%s/%s/name", bus, entry->d_name);

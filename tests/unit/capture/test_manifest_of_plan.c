@@ -67,7 +67,7 @@ static void a_camera_of_two_shots_is_one_camera_with_two_channels_and_streams(vo
     assert_true(m.streams[0].primary && !m.streams[1].primary);
     assert_string_equal(m.streams[1].quantity, "reflectance");
     /* The same lamps again: the same channel. */
-    strcpy(plan.shots[1].channel, plan.shots[0].channel);
+    memcpy(plan.shots[1].channel, plan.shots[0].channel, sizeof(plan.shots[0].channel));
     assert_int_equal(ttf_manifest_of_plan(&plan, &box, false, &m, NULL), 0);
     assert_int_equal(m.n_channels, 1);
     assert_string_equal(m.streams[1].quantity, "radiance");
