@@ -34,6 +34,14 @@ static void drive_lamp(struct ttf_lampd *d, unsigned i)
         d->driven[i] = want;
 }
 
+/* A move that the guardian knows of already is none. */
+static void feel_door(struct ttf_lampd *d, int64_t now_ns, bool open)
+{
+    if (open != d->guardian.door_open)
+        *(open ? &d->door_opened_ns : &d->door_closed_ns) = now_ns;
+    ttf_guardian_door(&d->guardian, now_ns, open);
+}
+
 /* Lines that come back are dark; what was commanded before is not lit again by itself. */
 static void look_for_chip(struct ttf_lampd *d, int64_t now_ns)
 {
@@ -50,8 +58,7 @@ static void look_for_chip(struct ttf_lampd *d, int64_t now_ns)
         d->failed[i] = false;
     }
     if (d->config.door >= 0)
-        ttf_guardian_door(&d->guardian, now_ns,
-                          ttf_lines_get(d->config.lines, (unsigned)d->config.door) != 0);
+        feel_door(d, now_ns, ttf_lines_get(d->config.lines, (unsigned)d->config.door) != 0);
 }
 
 void lampd_drive(struct ttf_lampd *d, int64_t now_ns)
@@ -72,7 +79,7 @@ static void feel_lines(struct ttf_lampd *d, int64_t now_ns)
 
     while ((r = ttf_lines_event(d->config.lines, &event)) > 0)
         if ((int)event.i == d->config.door)
-            ttf_guardian_door(&d->guardian, now_ns, event.active);
+            feel_door(d, now_ns, event.active);
     if (r == -ENODEV)
         d->lost = true;
 }
@@ -231,6 +238,7 @@ int ttf_lampd_create(const struct ttf_lampd_config *config, struct ttf_lampd **r
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     d->config = *config;
     d->listening = d->holder = -1;
+    d->door_opened_ns = d->door_closed_ns = TTF_NS_UNKNOWN;
     for (unsigned c = 0; c < LAMPD_CLIENTS_MAX; c++)
         d->client[c] = -1;
     now_ns = ttf_clock_now_ns(config->clock);
