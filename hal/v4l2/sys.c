@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sys.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "ttf/base/time.h"
+
+/* The kernel's own bound for video nodes is 256 minors over four kinds. */
+#define NODES_MAX 64
+
+/* A wait is cut up so that one through which the machine slept is not late by its sleep. */
+#define WAIT_MAX_NS (500 * TTF_NS_PER_MS)
+
+static int kernel_list(void *ctx, unsigned i, char ret_path[64])
+{
+    unsigned seen = 0;
+
+    (void)ctx;
+    for (unsigned node = 0; node < NODES_MAX; node++) {
+        struct stat st;
+
+        (void)snprintf(ret_path, 64, "/dev/video%u", node);
+        if (stat(ret_path, &st) == 0 && S_ISCHR(st.st_mode) && seen++ == i)
+            return 1;
+    }
+    return 0;
+}
+
+static int kernel_open(void *ctx, const char *path)
+{
+    int fd;
+
+    (void)ctx;
+    fd = open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    return fd < 0 ? -errno : fd;
+}
+
+static void kernel_close(void *ctx, int fd)
+{
+    (void)ctx;
+    (void)close(fd);
+}
+
+static int kernel_ioctl(void *ctx, int fd, unsigned long request, void *arg)
+{
+    int r;
+
+    (void)ctx;
+    do
+        r = ioctl(fd, request, arg);
+    while (r < 0 && errno == EINTR);
+    return r < 0 ? -errno : 0;
+}
+
+static int kernel_map(void *ctx, int fd, size_t length, int64_t offset, void **ret)
+{
+    void *at = mmap(NULL, length, PROT_READ | PROT_WRITE, MAP_SHARED, fd, (off_t)offset);
+
+    (void)ctx;
+    if (at == MAP_FAILED)
+        return -errno;
+    *ret = at;
+    return 0;
+}
+
+static void kernel_unmap(void *ctx, void *at, size_t length)
+{
+    (void)ctx;
+    (void)munmap(at, length);
+}
+
+static int kernel_wait(void *ctx, int fd, struct ttf_clock *clock, int64_t deadline_ns)
+{
+    struct pollfd waiting = {.fd = fd, .events = POLLIN};
+
+    (void)ctx;
+    for (;;) {
+        int64_t left = deadline_ns - ttf_clock_now_ns(clock);
+        struct timespec wait;
+        int n;
+
+        left = left < 0 ? 0 : left > WAIT_MAX_NS ? WAIT_MAX_NS : left;
+        wait = (struct timespec){.tv_nsec = (long)left};
+        n = ppoll(&waiting, 1, &wait, NULL);
+        if (n > 0)
+            return 0;
+        if (n < 0 && errno != EINTR)
+            return -errno;
+        if (ttf_clock_now_ns(clock) >= deadline_ns)
+            return -ETIMEDOUT;
+    }
+}
+
+const struct v4l2_sys v4l2_sys_kernel = {
+    .list = kernel_list,
+    .open = kernel_open,
+    .close = kernel_close,
+    .ioctl = kernel_ioctl,
+    .map = kernel_map,
+    .unmap = kernel_unmap,
+    .wait = kernel_wait,
+};
