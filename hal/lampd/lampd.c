@@ -17,6 +17,9 @@
 #define ROUND_NS  (50 * TTF_NS_PER_MS) /* the longest that the loop sleeps */
 #define REOPEN_NS TTF_NS_PER_S         /* how often a chip that is gone is looked for */
 
+/* An input that floats gives edges without end: more than these wait for the next round. */
+#define EDGES_A_ROUND 32
+
 /* ---- lines ---- */
 
 static void drive_lamp(struct ttf_lampd *d, unsigned i)
@@ -34,6 +37,14 @@ static void drive_lamp(struct ttf_lampd *d, unsigned i)
         d->driven[i] = want;
 }
 
+/* A switch that cannot be read is a door that may be open. */
+static void feel_door(struct ttf_lampd *d, int64_t now_ns)
+{
+    if (d->config.door >= 0)
+        ttf_guardian_door(&d->guardian, now_ns,
+                          ttf_lines_get(d->config.lines, (unsigned)d->config.door) != 0);
+}
+
 /* Lines that come back are dark; what was commanded before is not lit again by itself. */
 static void look_for_chip(struct ttf_lampd *d, int64_t now_ns)
 {
@@ -49,9 +60,7 @@ static void look_for_chip(struct ttf_lampd *d, int64_t now_ns)
         d->driven[i] = 0;
         d->failed[i] = false;
     }
-    if (d->config.door >= 0)
-        ttf_guardian_door(&d->guardian, now_ns,
-                          ttf_lines_get(d->config.lines, (unsigned)d->config.door) != 0);
+    feel_door(d, now_ns);
 }
 
 void lampd_drive(struct ttf_lampd *d, int64_t now_ns)
@@ -68,13 +77,21 @@ void lampd_drive(struct ttf_lampd *d, int64_t now_ns)
 static void feel_lines(struct ttf_lampd *d, int64_t now_ns)
 {
     struct ttf_line_event event;
-    int r;
+    bool moved = false;
+    int r = 1;
 
-    while ((r = ttf_lines_event(d->config.lines, &event)) > 0)
-        if ((int)event.i == d->config.door)
-            ttf_guardian_door(&d->guardian, now_ns, event.active);
+    for (unsigned n = 0; r > 0 && n < EDGES_A_ROUND; n++) {
+        r = ttf_lines_event(d->config.lines, &event);
+        if (r <= 0 || (int)event.i != d->config.door)
+            continue;
+        ttf_guardian_door(&d->guardian, now_ns, event.active);
+        moved = true;
+    }
     if (r == -ENODEV)
         d->lost = true;
+    else if (
+        moved) /* the kernel drops edges of a switch that bounces: where it came to rest is looked at */
+        feel_door(d, now_ns);
 }
 
 static void feel_heat(struct ttf_lampd *d)
@@ -147,9 +164,11 @@ int ttf_lampd_run(struct ttf_lampd *d, const volatile int *stop)
         d->config.watchdog && ttf_watchdog_arm(d->config.watchdog, d->config.watchdog_ns) == 0;
 
     while (!*stop) {
+        int fed;
+
         one_round(d);
-        if (armed)
-            armed = ttf_watchdog_feed(d->config.watchdog) == 0;
+        fed = armed ? ttf_watchdog_feed(d->config.watchdog) : 0;
+        (void)fed; /* what it did not take this time it may take the next */
     }
     ttf_guardian_release(&d->guardian, ttf_clock_now_ns(d->config.clock));
     d->holder = -1;
@@ -237,9 +256,7 @@ int ttf_lampd_create(const struct ttf_lampd_config *config, struct ttf_lampd **r
     now_ns = ttf_clock_now_ns(config->clock);
     ttf_guardian_init(&d->guardian, config->info, config->n, now_ns);
     ttf_guardian_assume_used(&d->guardian);
-    if (config->door >= 0) /* a switch that cannot be read is a door that may be open */
-        ttf_guardian_door(&d->guardian, now_ns,
-                          ttf_lines_get(config->lines, (unsigned)config->door) != 0);
+    feel_door(d, now_ns);
     r = lampd_heat_start(&d->heat, config, err);
     if (r == 0)
         r = open_socket(d, err);
