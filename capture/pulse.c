@@ -33,7 +33,12 @@ void ttf_pulse_guard(struct ttf_pulse *pulse)
 {
     struct ttf_watchdog *watchdog = pulse->box->watchdog;
 
-    pulse->watchdog = watchdog && ttf_watchdog_arm(watchdog, TTF_WATCHDOG_NS) == 0;
+    int r = watchdog ? ttf_watchdog_arm(watchdog, TTF_WATCHDOG_NS) : 0;
+
+    if (r < 0)
+        ttf_events_emit(pulse->events, "watchdog", "cannot be armed for %d s: %s",
+                        (int)(TTF_WATCHDOG_NS / TTF_NS_PER_S), strerrordesc_np(-r));
+    pulse->watchdog = watchdog && r == 0;
 }
 
 void ttf_pulse_end(struct ttf_pulse *pulse)
@@ -248,7 +253,8 @@ int ttf_pulse_next(struct ttf_pulse *pulse, struct ttf_camera *camera, int64_t d
 
 void ttf_pulse_led(struct ttf_pulse *pulse, enum ttf_led led)
 {
-    if (!pulse->box->panel || pulse->led == led)
+    /* Told anew at each slot, a light that stands for capturing shows that slots are taken. */
+    if (!pulse->box->panel || (pulse->led == led && led != TTF_LED_CAPTURING))
         return;
     if (ttf_panel_led(pulse->box->panel, led) == 0)
         pulse->led = led;

@@ -368,7 +368,7 @@ int ttf_lamps_lampd_create(const char *socket, struct ttf_clock *clock, struct t
     return 0;
 }
 
-int ttf_lamps_lampd_door(struct ttf_lamps *base)
+int ttf_lamps_lampd_door(struct ttf_lamps *base, struct ttf_door_past *ret_past)
 {
     struct lampd_lamps *l = of(base);
     struct wire_answer a;
@@ -380,5 +380,7 @@ int ttf_lamps_lampd_door(struct ttf_lamps *base)
     (void)dial(l);
     r = ask(l, WIRE_DOOR, 0, 0, &a);
     pthread_mutex_unlock(&l->lock);
+    if (r >= 0 && ret_past)
+        *ret_past = (struct ttf_door_past){a.door_opened_ns, a.door_closed_ns};
     return r;
 }

@@ -37,12 +37,19 @@ static void drive_lamp(struct ttf_lampd *d, unsigned i)
         d->driven[i] = want;
 }
 
+/* A move that the guardian knows of already is none. */
+static void feel_door(struct ttf_lampd *d, int64_t now_ns, bool open)
+{
+    if (open != d->guardian.door_open)
+        *(open ? &d->door_opened_ns : &d->door_closed_ns) = now_ns;
+    ttf_guardian_door(&d->guardian, now_ns, open);
+}
+
 /* A switch that cannot be read is a door that may be open. */
-static void feel_door(struct ttf_lampd *d, int64_t now_ns)
+static void look_at_door(struct ttf_lampd *d, int64_t now_ns)
 {
     if (d->config.door >= 0)
-        ttf_guardian_door(&d->guardian, now_ns,
-                          ttf_lines_get(d->config.lines, (unsigned)d->config.door) != 0);
+        feel_door(d, now_ns, ttf_lines_get(d->config.lines, (unsigned)d->config.door) != 0);
 }
 
 /* Lines that come back are dark; what was commanded before is not lit again by itself. */
@@ -60,7 +67,7 @@ static void look_for_chip(struct ttf_lampd *d, int64_t now_ns)
         d->driven[i] = 0;
         d->failed[i] = false;
     }
-    feel_door(d, now_ns);
+    look_at_door(d, now_ns);
 }
 
 void lampd_drive(struct ttf_lampd *d, int64_t now_ns)
@@ -84,14 +91,13 @@ static void feel_lines(struct ttf_lampd *d, int64_t now_ns)
         r = ttf_lines_event(d->config.lines, &event);
         if (r <= 0 || (int)event.i != d->config.door)
             continue;
-        ttf_guardian_door(&d->guardian, now_ns, event.active);
+        feel_door(d, now_ns, event.active);
         moved = true;
     }
     if (r == -ENODEV)
         d->lost = true;
-    else if (
-        moved) /* the kernel drops edges of a switch that bounces: where it came to rest is looked at */
-        feel_door(d, now_ns);
+    else if (moved) /* the kernel drops edges of a switch that bounces: see where it came to rest */
+        look_at_door(d, now_ns);
 }
 
 static void feel_heat(struct ttf_lampd *d)
@@ -251,12 +257,15 @@ int ttf_lampd_create(const struct ttf_lampd_config *config, struct ttf_lampd **r
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     d->config = *config;
     d->listening = d->holder = -1;
+    d->door_opened_ns = d->door_closed_ns = TTF_NS_UNKNOWN;
     for (unsigned c = 0; c < LAMPD_CLIENTS_MAX; c++)
         d->client[c] = -1;
     now_ns = ttf_clock_now_ns(config->clock);
     ttf_guardian_init(&d->guardian, config->info, config->n, now_ns);
     ttf_guardian_assume_used(&d->guardian);
-    feel_door(d, now_ns);
+    if (config->door >= 0) /* a switch that cannot be read is a door that may be open */
+        ttf_guardian_door(&d->guardian, now_ns,
+                          ttf_lines_get(config->lines, (unsigned)config->door) != 0);
     r = lampd_heat_start(&d->heat, config, err);
     if (r == 0)
         r = open_socket(d, err);

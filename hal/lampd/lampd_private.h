@@ -39,9 +39,10 @@ struct ttf_lampd {
     int client[LAMPD_CLIENTS_MAX]; /* -1: free */
     int holder;                    /* of the lease: an index of client; -1: nobody */
     struct ttf_guardian guardian;
-    unsigned driven[TTF_LAMPS_MAX]; /* what the lines were last told */
-    bool failed[TTF_LAMPS_MAX];     /* and did not take */
-    bool lost;                      /* the chip is gone */
+    unsigned driven[TTF_LAMPS_MAX];         /* what the lines were last told */
+    bool failed[TTF_LAMPS_MAX];             /* and did not take */
+    bool lost;                              /* the chip is gone */
+    int64_t door_opened_ns, door_closed_ns; /* the last time each was felt; TTF_NS_UNKNOWN */
     int64_t reopen_at_ns;
     struct lampd_heat heat;
 };

@@ -124,6 +124,8 @@ void lampd_hear(struct ttf_lampd *d, unsigned c)
     answer.number = q.number;
     answer.n_lamps = (uint16_t)d->guardian.n;
     answer.result = do_op(d, c, &q, now_ns);
+    answer.door_opened_ns = d->door_opened_ns;
+    answer.door_closed_ns = d->door_closed_ns;
     lampd_drive(d, now_ns);
     if (q.flags & WIRE_SILENT)
         return;

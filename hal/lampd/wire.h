@@ -7,7 +7,7 @@
 
 #include "ttf/hal/lamps.h"
 
-#define WIRE_MAGIC 0x31444c54u /* "TLD1": another layout has another digit */
+#define WIRE_MAGIC 0x32444c54u /* "TLD2": another layout has another digit */
 
 enum wire_op {
     WIRE_HELLO = 1, /* how many lamps */
@@ -37,9 +37,10 @@ struct wire_answer {
     uint16_t op;
     uint16_t n_lamps;
     uint32_t number;
-    int32_t result;              /* 0 (of DOOR: 0, 1), or a negative errno */
-    struct ttf_lamp_state state; /* of SET, STATE, CLEAR */
-    struct ttf_lamp_info info;   /* of INFO */
+    int32_t result;                         /* 0 (of DOOR: 0, 1), or a negative errno */
+    struct ttf_lamp_state state;            /* of SET, STATE, CLEAR */
+    struct ttf_lamp_info info;              /* of INFO */
+    int64_t door_opened_ns, door_closed_ns; /* the last time each; TTF_NS_UNKNOWN */
 };
 
 #endif

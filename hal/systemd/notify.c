@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <errno.h>
+#include <inttypes.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "ttf/base/time.h"
 #include "ttf/hal/systemd.h"
 
 int ttf_systemd_notify(const char *socket_path, const char *state)
@@ -51,20 +54,35 @@ static int feed(struct ttf_watchdog *base)
     return r < 0 && r != -EAGAIN ? r : 0;
 }
 
+/* By itself a manager counts from the service's start to its end: sealing a dataset, for one, takes as long as it takes. */
+static int set_limit(struct systemd_watchdog *w, int64_t limit_ns)
+{
+    char text[64];
+
+    (void)snprintf(text, sizeof(text), "WATCHDOG_USEC=%" PRId64, limit_ns / TTF_NS_PER_US);
+    return ttf_systemd_notify(w->socket, text);
+}
+
 static int arm(struct ttf_watchdog *base, int64_t timeout_ns)
 {
     struct systemd_watchdog *w = (struct systemd_watchdog *)base;
+    int r;
 
     if (timeout_ns > w->limit_ns)
         return -EINVAL;
+    r = set_limit(w, w->limit_ns);
+    if (r < 0)
+        return r;
     w->armed = true;
     return feed(base);
 }
 
-/* The manager expects to be told for as long as the service runs; a stop is told by "STOPPING=1". */
 static void disarm(struct ttf_watchdog *base)
 {
-    ((struct systemd_watchdog *)base)->armed = false;
+    struct systemd_watchdog *w = (struct systemd_watchdog *)base;
+
+    w->armed = false;
+    (void)set_limit(w, 0);
 }
 
 static void destroy(struct ttf_watchdog *base)
@@ -90,6 +108,7 @@ int ttf_watchdog_systemd_create(const char *socket_path, int64_t limit_ns,
     w->base.ops = &OPS;
     memcpy(w->socket, socket_path, strlen(socket_path) + 1);
     w->limit_ns = limit_ns;
+    disarm(&w->base); /* until it is armed */
     *ret = &w->base;
     return 0;
 }

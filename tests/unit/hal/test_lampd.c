@@ -193,15 +193,15 @@ static void an_open_door_darkens_what_is_interlocked(void **state)
     lampd_fixture_start(f);
     lamps = lit_client(f);
     assert_int_equal(ttf_lamps_set(lamps, 1, 1000, NULL), 0);
-    assert_int_equal(ttf_lamps_lampd_door(lamps), 0);
+    assert_int_equal(ttf_lamps_lampd_door(lamps, NULL), 0);
     move_wire(f, 2, '1');
     wait_for_wire(f, 0, '0', MUCH_LATER_NS);
-    assert_int_equal(ttf_lamps_lampd_door(lamps), 1);
+    assert_int_equal(ttf_lamps_lampd_door(lamps, NULL), 1);
     assert_int_equal(wire(f, 1), '0'); /* active low: lit, as it has no interlock */
     assert_int_equal(look(lamps, 0).trip, TTF_TRIP_DOOR);
     assert_int_equal(ttf_lamps_set(lamps, 0, 1000, NULL), -EPERM);
     move_wire(f, 2, '0');
-    while (ttf_lamps_lampd_door(lamps) == 1)
+    while (ttf_lamps_lampd_door(lamps, NULL) == 1)
         ;
     assert_int_equal(wire(f, 0), '0'); /* nothing lights by itself */
     assert_int_equal(ttf_lamps_set(lamps, 0, 1000, NULL), 0);

@@ -100,13 +100,13 @@ static void a_door_whose_switch_bounced_is_where_it_came_to_rest(void **state)
     struct lampd_fixture *f = guarded_bank(&bank, state);
     struct ttf_lamps *lamps = client(f);
 
-    assert_int_equal(ttf_lamps_lampd_door(lamps), 0);
+    assert_int_equal(ttf_lamps_lampd_door(lamps, NULL), 0);
     /* Of opening, the kernel had room for the first edges alone, and the last of them closed it. */
     atomic_store(&bank.rest, 1);
     atomic_store(&bank.edges, 3);
     while (atomic_load(&bank.edges) > 0)
         (void)ttf_clock_wait_until(f->clock, ttf_clock_now_ns(f->clock) + TTF_NS_PER_MS);
-    assert_int_equal(ttf_lamps_lampd_door(lamps), 1);
+    assert_int_equal(ttf_lamps_lampd_door(lamps, NULL), 1);
     ttf_lamps_destroy(lamps);
 }
 
@@ -119,7 +119,7 @@ static void edges_without_end_do_not_keep_the_guardian_from_its_clients(void **s
     (void)alarm(30); /* a guardian that never comes round again would not end either */
     atomic_store(&bank.edges, -1);
     for (unsigned i = 0; i < 3; i++)
-        assert_int_equal(ttf_lamps_lampd_door(lamps), 0);
+        assert_int_equal(ttf_lamps_lampd_door(lamps, NULL), 0);
     ttf_lamps_destroy(lamps);
     lampd_fixture_stop(f);
     (void)alarm(0);

@@ -80,12 +80,33 @@ static void the_watchdog_is_fed_by_the_unit_s_limit(void **state)
     char text[128];
 
     assert_int_equal(ttf_watchdog_systemd_create(m->path, 5 * TTF_NS_PER_S, &dog, NULL), 0);
+    assert_string_equal(heard(m, text, sizeof(text)), "WATCHDOG_USEC=0");
     assert_int_equal(ttf_watchdog_arm(dog, 6 * TTF_NS_PER_S), -EINVAL);
     assert_string_equal(heard(m, text, sizeof(text)), "");
     assert_int_equal(ttf_watchdog_arm(dog, 5 * TTF_NS_PER_S), 0);
+    assert_string_equal(heard(m, text, sizeof(text)), "WATCHDOG_USEC=5000000");
     assert_string_equal(heard(m, text, sizeof(text)), "WATCHDOG=1");
     assert_int_equal(ttf_watchdog_feed(dog), 0);
     assert_string_equal(heard(m, text, sizeof(text)), "WATCHDOG=1");
+    ttf_watchdog_destroy(dog);
+}
+
+/* Opening a long dataset, or sealing it, feeds nothing. */
+static void the_manager_counts_no_time_while_it_is_not_armed(void **state)
+{
+    struct manager *m = *state;
+    struct ttf_watchdog *dog;
+    char text[128];
+
+    assert_int_equal(ttf_watchdog_systemd_create(m->path, 5 * TTF_NS_PER_S, &dog, NULL), 0);
+    assert_string_equal(heard(m, text, sizeof(text)), "WATCHDOG_USEC=0");
+    assert_int_equal(ttf_watchdog_arm(dog, TTF_NS_PER_S), 0);
+    while (*heard(m, text, sizeof(text)))
+        ;
+    ttf_watchdog_disarm(dog);
+    assert_string_equal(heard(m, text, sizeof(text)), "WATCHDOG_USEC=0");
+    assert_int_equal(ttf_watchdog_arm(dog, TTF_NS_PER_S), 0);
+    assert_string_equal(heard(m, text, sizeof(text)), "WATCHDOG_USEC=5000000");
     ttf_watchdog_destroy(dog);
 }
 
@@ -142,6 +163,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         MANAGED(states_arrive_as_they_are_said),
         MANAGED(the_watchdog_is_fed_by_the_unit_s_limit),
+        MANAGED(the_manager_counts_no_time_while_it_is_not_armed),
         MANAGED(a_manager_that_is_busy_does_not_hold_the_loop),
         MANAGED(without_a_manager_there_is_no_watchdog),
     };

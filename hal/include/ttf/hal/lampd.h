@@ -58,7 +58,15 @@ void ttf_lampd_destroy(struct ttf_lampd *lampd);
 TTF_MUST_USE int ttf_lamps_lampd_create(const char *socket, struct ttf_clock *clock,
                                         struct ttf_lamps **ret, struct ttf_err *err);
 
-/* Of such lamps: 1 door open, 0 closed, -ENOTSUP without a door switch, -ENODEV without a guardian. */
-TTF_MUST_USE int ttf_lamps_lampd_door(struct ttf_lamps *lamps);
+/* When the guardian last felt the door move, on the boot clock; TTF_NS_UNKNOWN: not since it began. */
+struct ttf_door_past {
+    int64_t opened_ns, closed_ns;
+};
+
+/*
+ * Of such lamps: 1 door open, 0 closed, -ENOTSUP without a door switch, -ENODEV without a guardian. ret_past: NULL
+ * allowed; written unless it fails. Any thread.
+ */
+TTF_MUST_USE int ttf_lamps_lampd_door(struct ttf_lamps *lamps, struct ttf_door_past *ret_past);
 
 #endif

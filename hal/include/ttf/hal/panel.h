@@ -16,7 +16,7 @@ struct ttf_panel;
 enum ttf_led {
     TTF_LED_OFF = 0,
     TTF_LED_IDLE,      /* slow pulse */
-    TTF_LED_CAPTURING, /* a blink at each slot */
+    TTF_LED_CAPTURING, /* told anew at each slot, which is a wink */
     TTF_LED_WARNING,
     TTF_LED_STOPPED, /* fast blink: something needs a person */
     TTF_LED_COUNT

@@ -19,8 +19,9 @@
 int ttf_systemd_notify(const char *socket, const char *state);
 
 /*
- * A watchdog that tells the manager "WATCHDOG=1". limit_ns: what WATCHDOG_USEC says, as armed by the unit file; arming it
- * for longer than that is refused (-EINVAL), since the unit's limit is what bites. -ENOTSUP: nobody listens; -ENOMEM.
+ * A watchdog that tells the manager "WATCHDOG=1". limit_ns: what WATCHDOG_USEC says, by the unit file; arming it
+ * for longer than that is refused (-EINVAL), since the unit's limit is what bites. While it is not armed the manager is
+ * told to count no time ("WATCHDOG_USEC=0"), from here on. -ENOTSUP: nobody listens; -ENOMEM.
  */
 TTF_MUST_USE int ttf_watchdog_systemd_create(const char *socket, int64_t limit_ns,
                                              struct ttf_watchdog **ret, struct ttf_err *err);
