@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * image_flags.h: the words that mark an image: "wrong-settings", "short-average",
- * "late", "saturated", "lamp-tripped", "lamp-level", "lamp-unsettled", "door-open", "raw-lost",
- * "developed-lost".
+ * "late", "saturated", "lamp-tripped", "lamp-level", "lamp-unsettled", "lamp-unknown", "door-open",
+ * "raw-lost", "developed-lost".
  */
 #ifndef TTF_CAPTURE_PRIVATE_IMAGE_FLAGS_H
 #define TTF_CAPTURE_PRIVATE_IMAGE_FLAGS_H

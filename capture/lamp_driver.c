@@ -65,12 +65,25 @@ bool ttf_lamp_driver_want(struct ttf_lamp_driver *driver, const unsigned levels[
     return changed;
 }
 
+/* Whether it is known what the lamp does. */
+static bool look(struct ttf_lamp_driver *driver, unsigned i, struct ttf_lamp_state *ret)
+{
+    bool silent = ttf_lamps_state(driver->lamps, i, ret) < 0;
+
+    if (silent != driver->silent[i])
+        ttf_events_emit(driver->events, "lamp-trip",
+                        silent ? "what lamp %s does cannot be known" : "lamp %s is heard of again",
+                        ttf_lamps_info(driver->lamps, i)->name);
+    driver->silent[i] = silent;
+    return !silent;
+}
+
 static void look_after(struct ttf_lamp_driver *driver, unsigned i)
 {
     const char *name = ttf_lamps_info(driver->lamps, i)->name;
     struct ttf_lamp_state state;
 
-    if (ttf_lamps_state(driver->lamps, i, &state) < 0)
+    if (!look(driver, i, &state))
         return;
     if (state.trip != driver->trip[i]) {
         if (state.trip != TTF_TRIP_NONE)
@@ -88,20 +101,26 @@ static void look_after(struct ttf_lamp_driver *driver, unsigned i)
         command(driver, i);
 }
 
-void ttf_lamp_driver_alive(struct ttf_lamp_driver *driver, int64_t alive_until_ns)
+/* A guardian that is away is asked at every tick, and told of once. */
+static void take_lease_anew(struct ttf_lamp_driver *driver, int64_t alive_until_ns)
 {
     struct ttf_err err = {0};
-    int r;
+    bool none = ttf_lamps_acquire(driver->lamps, alive_until_ns, &err) < 0;
 
+    if (!none)
+        ttf_events_emit(driver->events, "lamp-trip", "the lamps' lease had lapsed: taken anew");
+    else if (!driver->no_lease)
+        ttf_events_emit(driver->events, "lamp-trip",
+                        "the lamps' lease has lapsed; no new lease on the lamps: %s", err.what);
+    driver->no_lease = none;
+}
+
+void ttf_lamp_driver_alive(struct ttf_lamp_driver *driver, int64_t alive_until_ns)
+{
     if (!driver->lamps || driver->n == 0)
         return;
-    r = ttf_lamps_alive(driver->lamps, alive_until_ns, NULL);
-    if (r == -ESTALE) {
-        ttf_events_emit(driver->events, "lamp-trip", "the lamps' lease had lapsed: taken anew");
-        r = ttf_lamps_acquire(driver->lamps, alive_until_ns, &err);
-        if (r < 0)
-            ttf_events_emit(driver->events, "lamp-trip", "no new lease on the lamps: %s", err.what);
-    }
+    if (ttf_lamps_alive(driver->lamps, alive_until_ns, NULL) < 0)
+        take_lease_anew(driver, alive_until_ns);
     for (unsigned i = 0; i < driver->n; i++)
         look_after(driver, i);
 }
@@ -133,8 +152,10 @@ unsigned ttf_lamp_driver_sample(struct ttf_lamp_driver *driver, int64_t settle_n
         struct ttf_lamp_state state;
         bool off;
 
-        if (ttf_lamps_state(driver->lamps, i, &state) < 0)
+        if (!look(driver, i, &state)) {
+            marks |= TTF_LAMP_MARK_UNKNOWN;
             continue;
+        }
         shot->n_lamps++;
         snprintf(lamp->name, sizeof(lamp->name), "%s", ttf_lamps_info(driver->lamps, i)->name);
         lamp->commanded_permille = (int)driver->wanted[i];

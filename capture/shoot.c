@@ -91,6 +91,8 @@ static void note_lamps(struct ttf_shooter *shooter, struct ttf_take *take, struc
         ttf_image_flag(take->image, "lamp-level");
     if (marks & TTF_LAMP_MARK_UNSETTLED)
         ttf_image_flag(take->image, "lamp-unsettled");
+    if (marks & TTF_LAMP_MARK_UNKNOWN)
+        ttf_image_flag(take->image, "lamp-unknown");
     if (door)
         ttf_image_flag(take->image, "door-open");
     if (marks || door)

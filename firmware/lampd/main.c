@@ -19,7 +19,7 @@ struct lampd {
     struct ttf_board board;
     const char *socket;  /* given, or the board's */
     const char *notify;  /* NOTIFY_SOCKET; NULL: nobody listens */
-    int64_t watchdog_ns; /* half of what the unit allows; 0: no watchdog */
+    int64_t watchdog_ns; /* what the unit allows; 0: no watchdog */
     struct ttf_lamp_info info[TTF_LAMPS_MAX];
     struct ttf_clock *clock;
     struct ttf_lines *lines;

@@ -45,18 +45,19 @@ static void hang_up(struct lampd_lamps *l)
     l->leased = false;
 }
 
+/* Never waits: one that hangs takes no more callers at some time, nor what they say. -ENODEV: so it is. */
 static int dial(struct lampd_lamps *l)
 {
     int r;
 
     if (l->fd >= 0)
         return 0;
-    l->fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+    l->fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (l->fd < 0)
         return -errno;
     if (connect(l->fd, (const struct sockaddr *)&l->at, sizeof(l->at)) == 0)
         return 0;
-    r = -errno;
+    r = errno == EAGAIN ? -ENODEV : -errno;
     hang_up(l);
     return r;
 }
@@ -211,6 +212,8 @@ static int lampd_set(struct ttf_lamps *base, unsigned i, unsigned permille, stru
     pthread_mutex_lock(&l->lock);
     (void)dial(l); /* off needs no lease */
     r = permille > 0 && !l->leased ? -ESTALE : ask(l, WIRE_SET, i, permille, &a);
+    if (r < 0 && permille > 0 && l->fd < 0)
+        r = -ESTALE; /* no guardian, no lease; -ENODEV is its word for a line that is gone */
     pthread_mutex_unlock(&l->lock);
     switch (r) {
     case 0:

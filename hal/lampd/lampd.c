@@ -17,6 +17,9 @@
 #define ROUND_NS  (50 * TTF_NS_PER_MS) /* the longest that the loop sleeps */
 #define REOPEN_NS TTF_NS_PER_S         /* how often a chip that is gone is looked for */
 
+/* An input that floats gives edges without end: more than these wait for the next round. */
+#define EDGES_A_ROUND 32
+
 /* ---- lines ---- */
 
 static void drive_lamp(struct ttf_lampd *d, unsigned i)
@@ -42,6 +45,13 @@ static void feel_door(struct ttf_lampd *d, int64_t now_ns, bool open)
     ttf_guardian_door(&d->guardian, now_ns, open);
 }
 
+/* A switch that cannot be read is a door that may be open. */
+static void look_at_door(struct ttf_lampd *d, int64_t now_ns)
+{
+    if (d->config.door >= 0)
+        feel_door(d, now_ns, ttf_lines_get(d->config.lines, (unsigned)d->config.door) != 0);
+}
+
 /* Lines that come back are dark; what was commanded before is not lit again by itself. */
 static void look_for_chip(struct ttf_lampd *d, int64_t now_ns)
 {
@@ -57,8 +67,7 @@ static void look_for_chip(struct ttf_lampd *d, int64_t now_ns)
         d->driven[i] = 0;
         d->failed[i] = false;
     }
-    if (d->config.door >= 0)
-        feel_door(d, now_ns, ttf_lines_get(d->config.lines, (unsigned)d->config.door) != 0);
+    look_at_door(d, now_ns);
 }
 
 void lampd_drive(struct ttf_lampd *d, int64_t now_ns)
@@ -75,13 +84,20 @@ void lampd_drive(struct ttf_lampd *d, int64_t now_ns)
 static void feel_lines(struct ttf_lampd *d, int64_t now_ns)
 {
     struct ttf_line_event event;
-    int r;
+    bool moved = false;
+    int r = 1;
 
-    while ((r = ttf_lines_event(d->config.lines, &event)) > 0)
-        if ((int)event.i == d->config.door)
-            feel_door(d, now_ns, event.active);
+    for (unsigned n = 0; r > 0 && n < EDGES_A_ROUND; n++) {
+        r = ttf_lines_event(d->config.lines, &event);
+        if (r <= 0 || (int)event.i != d->config.door)
+            continue;
+        feel_door(d, now_ns, event.active);
+        moved = true;
+    }
     if (r == -ENODEV)
         d->lost = true;
+    else if (moved) /* the kernel drops edges of a switch that bounces: see where it came to rest */
+        look_at_door(d, now_ns);
 }
 
 static void feel_heat(struct ttf_lampd *d)
@@ -154,9 +170,11 @@ int ttf_lampd_run(struct ttf_lampd *d, const volatile int *stop)
         d->config.watchdog && ttf_watchdog_arm(d->config.watchdog, d->config.watchdog_ns) == 0;
 
     while (!*stop) {
+        int fed;
+
         one_round(d);
-        if (armed)
-            armed = ttf_watchdog_feed(d->config.watchdog) == 0;
+        fed = armed ? ttf_watchdog_feed(d->config.watchdog) : 0;
+        (void)fed; /* what it did not take this time it may take the next */
     }
     ttf_guardian_release(&d->guardian, ttf_clock_now_ns(d->config.clock));
     d->holder = -1;
@@ -177,11 +195,12 @@ static int address(const char *path, struct sockaddr_un *ret, struct ttf_err *er
     return 0;
 }
 
-/* A path that nobody answers at is a dead guardian's. */
+/* A path that nobody listens at is a dead guardian's. One that hangs may have too many callers already: EAGAIN. */
 static bool answers(const struct sockaddr_un *at)
 {
-    int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
-    bool yes = fd >= 0 && connect(fd, (const struct sockaddr *)at, sizeof(*at)) == 0;
+    int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    bool yes =
+        fd >= 0 && (connect(fd, (const struct sockaddr *)at, sizeof(*at)) == 0 || errno == EAGAIN);
 
     if (fd >= 0)
         (void)close(fd);

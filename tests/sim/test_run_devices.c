@@ -55,8 +55,8 @@ static void a_camera_and_a_clock_are_box_enough(void **state)
 
 static const struct ttf_lamps_ops *lamps_ops;
 static struct ttf_lamps_ops bad_lamps;
-static unsigned calls, stale_at, acquired;
-static int acquire_fails_from; /* the n-th on */
+static unsigned calls, stale_at, stale_to, acquired;
+static unsigned acquire_fails_from, acquire_fails_to; /* the n-th on, up to; 0: never */
 
 static int no_state(struct ttf_lamps *lamps, unsigned i, struct ttf_lamp_state *ret)
 {
@@ -75,7 +75,8 @@ static int no_set(struct ttf_lamps *lamps, unsigned i, unsigned permille, struct
 
 static int goes_stale(struct ttf_lamps *lamps, int64_t alive_until_ns, struct ttf_err *err)
 {
-    if (++calls == stale_at)
+    calls++;
+    if (stale_at > 0 && calls >= stale_at && calls <= stale_to)
         return -ESTALE;
     return lamps_ops->alive(lamps, alive_until_ns, err);
 }
@@ -83,7 +84,7 @@ static int goes_stale(struct ttf_lamps *lamps, int64_t alive_until_ns, struct tt
 static int counted_acquire(struct ttf_lamps *lamps, int64_t alive_until_ns, struct ttf_err *err)
 {
     acquired++;
-    if (acquire_fails_from > 0 && (int)acquired >= acquire_fails_from)
+    if (acquire_fails_from > 0 && acquired >= acquire_fails_from && acquired <= acquire_fails_to)
         return ttf_err_set(err, -EBUSY, "lamps", "somebody else has them");
     lamps_ops->release(lamps); /* a lease that has lapsed is none */
     return lamps_ops->acquire(lamps, alive_until_ns, err);
@@ -109,11 +110,11 @@ static void with_lamps(struct sim_run *run, struct ttf_lamps_ops ops)
     sim_run_init(run);
     run->on_box = swap_lamps;
     bad_lamps = ops;
-    acquire_fails_from = 0;
-    stale_at = 0;
+    acquire_fails_from = acquire_fails_to = 0;
+    stale_at = stale_to = 0;
 }
 
-static void lamps_that_tell_nothing_of_themselves_are_not_in_the_record(void **state)
+static void lamps_that_tell_nothing_of_themselves_are_flagged_unknown(void **state)
 {
     struct sim_run run;
     struct ttf_slot_record record;
@@ -125,6 +126,9 @@ static void lamps_that_tell_nothing_of_themselves_are_not_in_the_record(void **s
     sim_run_record(&run, 2, &record);
     assert_int_equal(record.images[0].shots[0].n_lamps, 0);
     ttf_slot_record_free(&record);
+    sim_run_expect_flag(&run, 0, "lamp-unknown");
+    sim_run_expect_flag(&run, 5, "lamp-unknown");
+    assert_int_equal(sim_run_events(&run, "lamp-trip", "lamp left does cannot be known"), 1);
     sim_run_finish(&run);
 }
 
@@ -148,7 +152,7 @@ static void a_lease_that_lapsed_is_taken_anew(void **state)
 
     (void)state;
     with_lamps(&run, (struct ttf_lamps_ops){.alive = goes_stale, .acquire = counted_acquire});
-    stale_at = 40;
+    stale_at = stale_to = 40;
     assert_int_equal(sim_run_boot(&run), 0);
     assert_int_equal(acquired, 2);
     assert_int_equal(sim_run_events(&run, "lamp-trip", "taken anew"), 1);
@@ -157,16 +161,20 @@ static void a_lease_that_lapsed_is_taken_anew(void **state)
     sim_run_finish(&run);
 }
 
-static void a_lease_that_is_not_to_be_had_again_is_told(void **state)
+static void a_lease_that_is_not_to_be_had_is_told_once_and_asked_for_until_it_is(void **state)
 {
     struct sim_run run;
 
     (void)state;
     with_lamps(&run, (struct ttf_lamps_ops){.alive = goes_stale, .acquire = counted_acquire});
-    stale_at = 40;
+    stale_at = 40; /* the guardian is away for ten ticks */
+    stale_to = 49;
     acquire_fails_from = 2;
+    acquire_fails_to = 10;
     assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(acquired, 11);
     assert_int_equal(sim_run_events(&run, "lamp-trip", "no new lease on the lamps"), 1);
+    assert_int_equal(sim_run_events(&run, "lamp-trip", "taken anew"), 1);
     sim_run_expect(&run, "cccccc");
     sim_run_finish(&run);
 }
@@ -177,7 +185,7 @@ static void lamps_that_somebody_else_has_refuse_the_run(void **state)
 
     (void)state;
     with_lamps(&run, (struct ttf_lamps_ops){.acquire = counted_acquire});
-    acquire_fails_from = 1;
+    acquire_fails_from = acquire_fails_to = 1;
     assert_int_equal(sim_run_boot(&run), -EBUSY);
     assert_string_equal(run.err.what, "somebody else has them");
     sim_run_finish(&run);
@@ -388,10 +396,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_camera_and_a_clock_are_box_enough),
-        cmocka_unit_test(lamps_that_tell_nothing_of_themselves_are_not_in_the_record),
+        cmocka_unit_test(lamps_that_tell_nothing_of_themselves_are_flagged_unknown),
         cmocka_unit_test(a_lamp_that_takes_no_command_is_told_once_and_flagged),
         cmocka_unit_test(a_lease_that_lapsed_is_taken_anew),
-        cmocka_unit_test(a_lease_that_is_not_to_be_had_again_is_told),
+        cmocka_unit_test(a_lease_that_is_not_to_be_had_is_told_once_and_asked_for_until_it_is),
         cmocka_unit_test(lamps_that_somebody_else_has_refuse_the_run),
         cmocka_unit_test(a_watchdog_that_was_disarmed_is_armed_again),
         cmocka_unit_test(without_a_watchdog_that_arms_the_run_goes_on),

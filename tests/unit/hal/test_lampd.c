@@ -273,8 +273,8 @@ static void a_guardian_that_ends_darkens_and_another_is_found(void **state)
 
     lampd_fixture_stop(f);
     assert_int_equal(wire(f, 0), '0');
-    assert_int_equal(ttf_lamps_alive(lamps, in(f, TTF_NS_PER_H), &err), -ESTALE);
     assert_int_equal(ttf_lamps_set(lamps, 0, 1000, NULL), -ESTALE);
+    assert_int_equal(ttf_lamps_alive(lamps, in(f, TTF_NS_PER_H), &err), -ESTALE);
     assert_int_equal(ttf_lamps_set(lamps, 0, 0, NULL), -ENODEV);
     assert_int_equal(ttf_lamps_acquire(lamps, in(f, TTF_NS_PER_H), &err), -ENODEV);
     assert_non_null(strstr(err.hint, "ttfbox-lampd"));
@@ -283,6 +283,51 @@ static void a_guardian_that_ends_darkens_and_another_is_found(void **state)
     assert_int_equal(ttf_lamps_set(lamps, 0, 1000, NULL), 0);
     assert_int_equal(wire(f, 0), '1');
     ttf_lamps_destroy(lamps);
+}
+
+/* A guardian that hangs: it listens, and hears nobody. */
+static int deaf_guardian(const struct lampd_fixture *f)
+{
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+
+    snprintf(at.sun_path, sizeof(at.sun_path), "%s", f->socket);
+    assert_true(fd >= 0);
+    assert_int_equal(bind(fd, (struct sockaddr *)&at, sizeof(at)), 0);
+    assert_int_equal(listen(fd, 1), 0);
+    return fd;
+}
+
+static void a_guardian_that_hangs_does_not_hang_its_clients(void **state)
+{
+    struct lampd_fixture *f = *state;
+    const struct ttf_lampd_config config = {.socket = f->socket,
+                                            .n = LAMPD_LAMPS,
+                                            .info = f->info,
+                                            .lines = f->lines,
+                                            .door = -1,
+                                            .clock = f->clock};
+    struct ttf_lamps *lamps = lit_client(f);
+    struct ttf_lamp_state s;
+    struct ttf_lampd *second;
+    struct ttf_lamps *another;
+    int deaf;
+
+    lampd_fixture_stop(f);
+    deaf = deaf_guardian(f);
+    (void)alarm(30); /* a call that waits for ever ends the test */
+    assert_int_equal(ttf_lamps_set(lamps, 0, 1000, NULL), -ESTALE);
+    for (unsigned i = 0; i < 2; i++) { /* more calls than it has room for callers */
+        assert_int_equal(ttf_lamps_acquire(lamps, in(f, TTF_NS_PER_H), NULL), -ENODEV);
+        assert_int_equal(ttf_lamps_set(lamps, 0, 0, NULL), -ENODEV);
+        assert_int_equal(ttf_lamps_state(lamps, 0, &s), -ENODEV);
+    }
+    assert_int_equal(ttf_lamps_lampd_create(f->socket, f->clock, &another, NULL), -ENODEV);
+    assert_int_equal(ttf_lampd_create(&config, &second, NULL), -EADDRINUSE);
+    (void)alarm(0);
+    ttf_lamps_destroy(lamps);
+    (void)close(deaf);
+    (void)unlink(f->socket);
 }
 
 static void two_guardians_are_one_too_many(void **state)
@@ -359,6 +404,7 @@ int main(void)
         OWN(heat_darkens_a_lamp_until_it_has_cooled),
         OWN(a_sensor_that_hangs_does_not_hang_the_guardian),
         GUARDED(a_guardian_that_ends_darkens_and_another_is_found),
+        GUARDED(a_guardian_that_hangs_does_not_hang_its_clients),
         GUARDED(two_guardians_are_one_too_many),
         GUARDED(a_chip_that_vanishes_is_found_again_dark),
         GUARDED(a_running_guardian_allocates_nothing),

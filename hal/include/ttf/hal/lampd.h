@@ -52,7 +52,8 @@ void ttf_lampd_destroy(struct ttf_lampd *lampd);
 /*
  * A client. What the lamps are is asked of the guardian. A thread of its own renews the lease. If the guardian
  * ends, commands fail with -ESTALE (off: -ENODEV, its lines are dark or beyond anyone's reach) until acquire finds it
- * again. -ENOENT, -ECONNREFUSED: no guardian there; -EPROTO: another version; -ENOMEM.
+ * again. One that hangs is waited for 300 ms a call, and is then as one that has ended.
+ * -ENOENT, -ECONNREFUSED: no guardian there; -ENODEV: it does not answer; -EPROTO: another version; -ENOMEM.
  */
 TTF_MUST_USE int ttf_lamps_lampd_create(const char *socket, struct ttf_clock *clock,
                                         struct ttf_lamps **ret, struct ttf_err *err);
