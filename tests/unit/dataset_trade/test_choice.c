@@ -352,15 +352,16 @@ static void a_note_of_more_than_a_note_holds_is_told(void **state)
         const struct ttf_note_visitor visitor = {see_note, see_wrong, &seen};
         unsigned n = tags ? TTF_NOTE_TAGS_MAX : TTF_NOTE_SLOTS_MAX;
         const char *one = tags ? "\"mine\"" : "[1,2]";
-        char *text = calloc(n + 2, 8 + strlen(one));
+        size_t size = 64 + (size_t)(n + 1) * (strlen(one) + 1);
+        char *text = malloc(size);
+        size_t used;
 
-        assert_non_null(text);
-        strcpy(text, tags ? "{\"tags\":[" : "{\"slots\":[");
-        for (unsigned i = 0; i <= n; i++) {
-            strcat(text, i ? "," : "");
-            strcat(text, one);
-        }
-        strcat(text, "]}\n");
+        if (!text)
+            fail_msg("no memory");
+        used = (size_t)snprintf(text, size, "{\"%s\":[%s", tags ? "tags" : "slots", one);
+        for (unsigned i = 0; i < n; i++) /* one more than fits */
+            used += (size_t)snprintf(text + used, size - used, ",%s", one);
+        (void)snprintf(text + used, size - used, "]}\n");
         write_bytes(in_folder(state, "data/notes.jsonl"), text, strlen(text));
         free(text);
         assert_int_equal(ttf_notes_read(ttf_io_posix(), path, &visitor, NULL), 0);
