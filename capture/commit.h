@@ -8,6 +8,7 @@
 #define TTF_CAPTURE_PRIVATE_COMMIT_H
 
 #include "events.h"
+#include "focus_watch.h"
 #include "image_files.h"
 #include "ledger.h"
 #include "pulse.h"
@@ -42,6 +43,7 @@ struct ttf_committer {
     size_t line_bytes; /* of a record, at the most: the writer is made to hold it */
     struct ttf_darkroom *rooms[TTF_PLAN_SHOTS_MAX]; /* of each shot of the plan */
     struct ttf_rehearsal *rehearsal;                /* NULL: none */
+    struct ttf_focus_watch focus[TTF_PLAN_SHOTS_MAX]; /* of each shot; the committer's own */
     ttf_progress_fn *progress;
     void *progress_ctx;
     struct ttf_control *control; /* for answers; NULL allowed */
