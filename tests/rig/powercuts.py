@@ -111,6 +111,8 @@ class Count:
 
     def add(self, what, wrong, owed):
         self.cases += 1
+        if self.cases % 500 == 0:
+            print("    %d cuts judged" % self.cases, flush=True)
         self.owed = max(self.owed, len(owed))
         if wrong:
             self.wrong.append("%s: %s" % (what, wrong))
