@@ -47,13 +47,23 @@ static int missing_folder(struct ttf_io *io, const char *first, const char *seco
     char folder[4096];
     const char *slash = strrchr(second, '/');
     bool open_end;
+    int r;
 
     snprintf(folder, sizeof(folder), "%.*s", slash > second ? (int)(slash - second) : 1, second);
-    if (io->ops->stat(io, folder, &st) != -ENOENT ||
-        ttf_manifest_load(io, first, &of_first, NULL) < 0 ||
-        strcmp(of_first.group_member, TTF_MEMBER_FIRST) != 0 ||
-        ttf_reader_open(io, first, &reader, NULL) < 0)
+    if (io->ops->stat(io, folder, &st) != -ENOENT)
         return 0;
+    r = ttf_manifest_load(io, first, &of_first, err);
+    if (r == 0 && strcmp(of_first.group_member, TTF_MEMBER_FIRST) != 0)
+        return 0;
+    if (r == 0)
+        r = ttf_reader_open(io, first, &reader, err);
+    if (r == -ENOMEM)
+        return r; /* it may be begun: who went on in it would do so beside the second one */
+    if (r < 0) {  /* opening it will say what is wrong with it */
+        if (err)
+            *err = (struct ttf_err){0};
+        return 0;
+    }
     open_end = !ttf_reader_summary(reader)->sealed && ttf_reader_summary(reader)->n_segments > 0;
     ttf_reader_close(reader);
     if (!open_end)
