@@ -18,7 +18,7 @@ const char *ttf_frame_refused(const struct ttf_frame *frame, const struct ttf_fr
     if (!ttf_frame_format_equal(&frame->format, format))
         return TTF_REFUSED_FORMAT;
     if ((frame->flags & TTF_FRAME_SHORT) || !frame->data ||
-        frame->bytes < (size_t)frame->format.height * frame->format.stride)
+        frame->bytes < ttf_frame_rows(&frame->format) * frame->format.stride)
         return TTF_REFUSED_SHORT;
     if (!ttf_exposure_equal(&frame->settings, granted))
         return TTF_REFUSED_SETTINGS;

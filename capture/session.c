@@ -178,7 +178,11 @@ static void tell_exposure(struct ttf_session *s, int64_t asked_ns, int64_t grant
 {
     int64_t off = granted_ns - asked_ns;
 
-    if (off > asked_ns / EXPOSURE_OFF_SHARE || -off > asked_ns / EXPOSURE_OFF_SHARE)
+    if (granted_ns == 0)
+        ttf_events_emit(&s->events, "camera",
+                        "%.3f ms were asked for, and the camera's exposure cannot be set",
+                        (double)asked_ns / 1e6);
+    else if (off > asked_ns / EXPOSURE_OFF_SHARE || -off > asked_ns / EXPOSURE_OFF_SHARE)
         ttf_events_emit(&s->events, "camera", "%.3f ms were asked for, %.3f ms granted and locked",
                         (double)asked_ns / 1e6, (double)granted_ns / 1e6);
 }

@@ -392,6 +392,8 @@ static bool granted_as_asked(const struct ttf_shooter *shooter, const struct ttf
     const struct ttf_camera_caps *caps = ttf_camera_caps(shooter->camera);
     struct ttf_exposure possible = *asked;
 
+    if (caps->exposure_max_ns == 0)
+        possible.exposure_ns = 0;
     if (caps->gain_max_milli == 0)
         possible.gain_milli = 0;
     if (!caps->has_white_balance)

@@ -12,7 +12,8 @@ set(TTF_MAY_USE_hal_v4l2 "base;hal")
 set(TTF_MAY_USE_dataset "base")
 set(TTF_MAY_USE_capture "base;hal;dataset")
 set(TTF_MAY_USE_synth "base;dataset")
-set(TTF_MAY_USE_config "base;hal;hal_sim;dataset;capture;synth")
+# config knows the structs that it fills; it links no driver.
+set(TTF_MAY_USE_config "base;hal;hal_sim;hal_v4l2;dataset;capture;synth")
 set(TTF_MAY_USE_firmware "base;hal;hal_sim;hal_gpiod;hal_v4l2;dataset;capture;synth;config")
 
 function(ttf_check_arrows name)

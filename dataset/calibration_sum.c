@@ -9,27 +9,17 @@
 
 #define FRAMES_MAX 65535u
 
-/* Bytes that a row of width pixels takes, 0 for an unknown packing. */
-static size_t row_bytes(const struct ttf_frame_format *format)
-{
-    switch (format->packing) {
-    case TTF_PACKING_RAW16:
-    case TTF_PACKING_GREY16:
-        return (size_t)format->width * 2;
-    case TTF_PACKING_GREY8:
-        return format->width;
-    case TTF_PACKING_RGB8:
-        return (size_t)format->width * 3;
-    case TTF_PACKING_YUYV8:
-        return ((size_t)format->width + 1) / 2 * 4;
-    default:
-        return 0;
-    }
-}
-
 static bool is_raw(enum ttf_packing packing)
 {
-    return packing == TTF_PACKING_RAW16 || packing == TTF_PACKING_GREY16;
+    return packing == TTF_PACKING_RAW16 || packing == TTF_PACKING_GREY16 ||
+           packing == TTF_PACKING_RAW8 || packing == TTF_PACKING_RAW10P ||
+           packing == TTF_PACKING_RAW12P;
+}
+
+static bool is_colour(enum ttf_packing packing)
+{
+    return packing == TTF_PACKING_RGB8 || packing == TTF_PACKING_YUYV8 ||
+           packing == TTF_PACKING_NV12;
 }
 
 void ttf_raw_sum_levels(const struct ttf_frame_format *format, uint16_t *ret_black,
@@ -46,12 +36,12 @@ int calibration_samples(const struct ttf_frame_format *format)
     if (format->width == 0 || format->height == 0 || format->width > 65535 ||
         format->height > 65535 || (unsigned)format->cfa >= TTF_CFA_COUNT)
         return -EINVAL;
-    if (row_bytes(format) == 0)
+    if (ttf_row_bytes(format->packing, format->width) == 0)
         return -ENOTSUP;
     if (is_raw(format->packing) &&
         (format->bits < 1 || format->bits > 16 || format->white_level <= format->black_level))
         return -EINVAL;
-    return format->packing == TTF_PACKING_RGB8 || format->packing == TTF_PACKING_YUYV8 ? 3 : 1;
+    return is_colour(format->packing) ? 3 : 1;
 }
 
 /* Samples per pixel, and of a frame into *ret; negative as init. */
@@ -135,46 +125,115 @@ static void rgb_of_yuv(int y, int cb, int cr, uint8_t ret[3])
     }
 }
 
+static void put_yuv(uint32_t *sum, int y, int cb, int cr, uint32_t keep)
+{
+    uint8_t rgb[3];
+
+    rgb_of_yuv(y, cb, cr, rgb);
+    for (int c = 0; c < 3; c++)
+        sum[c] = sum[c] * keep + ttf_srgb8_to_linear16(rgb[c]);
+}
+
 static void add_yuyv(uint32_t *sum, const uint8_t *row, uint32_t width, uint32_t keep)
 {
     for (uint32_t x = 0; x < width; x++) {
         const uint8_t *pair = row + (size_t)(x / 2) * 4;
-        uint8_t rgb[3];
 
-        rgb_of_yuv(pair[x % 2 ? 2 : 0], pair[1], pair[3], rgb);
-        for (int c = 0; c < 3; c++)
-            sum[3 * x + c] = sum[3 * x + c] * keep + ttf_srgb8_to_linear16(rgb[c]);
+        put_yuv(sum + 3 * (size_t)x, pair[x % 2 ? 2 : 0], pair[1], pair[3], keep);
     }
 }
 
-/* keep: 1 adds to what is there, 0 begins anew. */
-static void add_row(uint32_t *sum, const void *row, const struct ttf_frame_format *format,
-                    uint32_t keep)
+/* colour: the row of pairs that this row of brightness shares with its neighbour. */
+static void add_nv12(uint32_t *sum, const uint8_t *row, const uint8_t *colour, uint32_t width,
+                     uint32_t keep)
 {
-    uint32_t n = format->packing == TTF_PACKING_RGB8 ? 3 * format->width : format->width;
-    const uint16_t *words = row;
-    const uint8_t *bytes = row;
+    for (uint32_t x = 0; x < width; x++) {
+        const uint8_t *pair = colour + (size_t)(x / 2) * 2;
 
-    if (is_raw(format->packing)) {
-        for (uint32_t i = 0; i < n; i++)
-            sum[i] = sum[i] * keep + words[i];
-    } else if (format->packing == TTF_PACKING_YUYV8) {
-        add_yuyv(sum, bytes, format->width, keep);
-    } else {
-        for (uint32_t i = 0; i < n; i++)
-            sum[i] = sum[i] * keep + ttf_srgb8_to_linear16(bytes[i]);
+        put_yuv(sum + 3 * (size_t)x, row[x], pair[0], pair[1], keep);
     }
+}
+
+/* `together` samples: their high bytes, then one byte with the low 8 / together bits of each, the first lowest. */
+static void add_packed(uint32_t *sum, const uint8_t *row, uint32_t width, unsigned together,
+                       uint32_t keep)
+{
+    unsigned low_bits = 8 / together;
+
+    for (uint32_t x = 0; x < width; x++) {
+        const uint8_t *group = row + (size_t)(x / together) * (together + 1);
+        unsigned i = x % together;
+        unsigned low = group[together] >> (i * low_bits) & ((1u << low_bits) - 1);
+
+        sum[x] = sum[x] * keep + ((unsigned)group[i] << low_bits | low);
+    }
+}
+
+static void add_words(uint32_t *sum, const uint16_t *row, uint32_t n, uint32_t keep)
+{
+    for (uint32_t i = 0; i < n; i++)
+        sum[i] = sum[i] * keep + row[i];
+}
+
+static void add_bytes(uint32_t *sum, const uint8_t *row, uint32_t n, uint32_t keep)
+{
+    for (uint32_t i = 0; i < n; i++)
+        sum[i] = sum[i] * keep + row[i];
+}
+
+/* Bytes that are sRGB-encoded. */
+static void add_pictures(uint32_t *sum, const uint8_t *row, uint32_t n, uint32_t keep)
+{
+    for (uint32_t i = 0; i < n; i++)
+        sum[i] = sum[i] * keep + ttf_srgb8_to_linear16(row[i]);
+}
+
+/* keep: 1 adds to what is there, 0 begins anew. */
+static void add_row(uint32_t *sum, const struct ttf_frame *frame, uint32_t y, uint32_t keep)
+{
+    const struct ttf_frame_format *format = &frame->format;
+    const uint8_t *data = frame->data, *row = data + (size_t)y * format->stride;
+    uint32_t n = format->width;
+
+    switch (format->packing) {
+    case TTF_PACKING_RAW16:
+    case TTF_PACKING_GREY16:
+        add_words(sum, (const uint16_t *)(const void *)row, n, keep);
+        break;
+    case TTF_PACKING_RAW8:
+        add_bytes(sum, row, n, keep);
+        break;
+    case TTF_PACKING_RAW10P:
+        add_packed(sum, row, n, 4, keep);
+        break;
+    case TTF_PACKING_RAW12P:
+        add_packed(sum, row, n, 2, keep);
+        break;
+    case TTF_PACKING_YUYV8:
+        add_yuyv(sum, row, n, keep);
+        break;
+    case TTF_PACKING_NV12:
+        add_nv12(sum, row, data + ((size_t)format->height + y / 2) * format->stride, n, keep);
+        break;
+    default:
+        add_pictures(sum, row, format->packing == TTF_PACKING_RGB8 ? 3 * n : n, keep);
+    }
+}
+
+static bool in_words(enum ttf_packing packing)
+{
+    return packing == TTF_PACKING_RAW16 || packing == TTF_PACKING_GREY16;
 }
 
 int ttf_raw_sum_add(struct ttf_raw_sum *sum, const struct ttf_frame *frame)
 {
     const struct ttf_frame_format *format = &frame->format;
-    size_t row = row_bytes(format), need;
+    size_t row = ttf_row_bytes(format->packing, format->width), need;
 
     if (!same_kind(format, &sum->format) || format->stride < row || !frame->data ||
-        (is_raw(format->packing) && format->stride % 2 != 0))
+        (in_words(format->packing) && format->stride % 2 != 0))
         return -EINVAL;
-    if (!ttf_mul_size(format->stride, format->height - 1, &need) ||
+    if (!ttf_mul_size(format->stride, ttf_frame_rows(format) - 1, &need) ||
         !ttf_add_size(need, row, &need) || frame->bytes < need)
         return -EINVAL;
     if (sum->n >= FRAMES_MAX)
@@ -182,8 +241,7 @@ int ttf_raw_sum_add(struct ttf_raw_sum *sum, const struct ttf_frame *frame)
     for (uint32_t y = 0; y < format->height; y++) {
         uint32_t *to = sum->sum + (size_t)y * format->width * sum->samples;
 
-        add_row(to, (const char *)frame->data + (size_t)y * format->stride, format,
-                sum->n > 0 ? 1 : 0);
+        add_row(to, frame, y, sum->n > 0 ? 1 : 0);
     }
     if (sum->n == 0)
         sum->settings = frame->settings;

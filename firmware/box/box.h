@@ -11,15 +11,34 @@
 #include "ttf/dataset/io.h"
 #include "ttf/hal/box.h"
 
-/*
- * Makes the devices. io: for pictures that a simulated camera looks at; must
- * outlive the box. Free with ttf_box_destroy. -ENOTSUP for a back-end that is not
- * built in, -EINVAL, -ENOMEM, errors of the pictures.
- */
-TTF_MUST_USE int box_create(const struct ttf_board *board, struct ttf_io *io, struct ttf_box *ret,
-                            struct ttf_err *err);
+/* What the machine around a box offers. All of it may be missing: NULL stands for this machine as a program by hand finds it. */
+struct box_host {
+    const char *notify;  /* the service manager's socket (NOTIFY_SOCKET), "" or NULL: none */
+    int64_t watchdog_ns; /* within which it wants to be told (WATCHDOG_USEC); 0: not at all */
+    const char *sys;     /* "/sys", or a folder laid out like it */
+};
 
-/* Configures all cameras as the board asks. */
+/*
+ * Makes the devices, simulated and real ones. io: for pictures that a simulated camera looks at; must
+ * outlive the box. host: NULL allowed; its texts must outlive the box. Free with ttf_box_destroy. -ENOTSUP for a
+ * back-end that is not built in, -EINVAL, -ENOMEM, errors of the pictures, -ENODEV, -ENOENT, -EACCES, -EBUSY,
+ * -ECONNREFUSED: a device does not answer; err says which and what to do.
+ */
+TTF_MUST_USE int box_create(const struct ttf_board *board, struct ttf_io *io,
+                            const struct box_host *host, struct ttf_box *ret, struct ttf_err *err);
+
+/* Whether such an error may pass by itself: a device that is not there yet, busy, or lost. */
+bool box_may_answer_later(int error);
+
+/*
+ * The same, but a device that does not answer is left out: errs[kind].code says so, in words. Fails only without a
+ * clock (errs[TTF_DEVICE_CLOCK]).
+ */
+TTF_MUST_USE int box_create_what_answers(const struct ttf_board *board, struct ttf_io *io,
+                                         const struct box_host *host, struct ttf_box *ret,
+                                         struct ttf_err errs[TTF_DEVICE_KIND_COUNT]);
+
+/* Configures all cameras of a box that has all its board's, as the board asks. */
 TTF_MUST_USE int box_configure(const struct ttf_board *board, const struct ttf_box *box,
                                struct ttf_err *err);
 

@@ -165,7 +165,7 @@ int cmd_board_probe(struct cli *cli)
     int r = cli_load_board(cli, &board);
 
     if (r == 0)
-        r = box_create(&board, cli->io, &p.box, &cli->err);
+        r = box_create(&board, cli->io, NULL, &p.box, &cli->err);
     if (r < 0)
         return r;
     cli_say(cli, "board             %s, serial %s%s", p.box.board, p.box.serial,

@@ -160,7 +160,7 @@ static int calibrate(struct cli *cli, bool flat)
     if (r == 0)
         r = cli_load_board(cli, board);
     if (r == 0)
-        r = box_create(board, cli->io, &g->box, &cli->err);
+        r = box_create(board, cli->io, NULL, &g->box, &cli->err);
     if (r == 0)
         r = box_configure(board, &g->box, &cli->err);
     if (r == 0)

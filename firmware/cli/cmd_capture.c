@@ -65,7 +65,7 @@ static int one_boot(struct capture *c, int64_t *ret_back_ns)
     struct ttf_plan_figures figures;
     struct box_disk disk = {0};
     struct ttf_utc utc;
-    int r = box_create(&c->board, cli->io, &box, &cli->err);
+    int r = box_create(&c->board, cli->io, NULL, &box, &cli->err);
 
     if (r == 0)
         r = box_configure(&c->board, &box, &cli->err);

@@ -168,7 +168,7 @@ static int check(struct cli *cli, struct check *c, const struct ttf_board *board
 {
     const struct ttf_plan *plan = ttf_plan_file_plan(c->file);
     struct ttf_utc utc;
-    int r = box_create(board, cli->io, &c->box, &cli->err);
+    int r = box_create(board, cli->io, NULL, &c->box, &cli->err);
 
     if (r < 0)
         return r;

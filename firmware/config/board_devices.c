@@ -202,6 +202,8 @@ int board_read_sensors(const struct cfg_field *field, struct yaml_node *node, vo
         memcpy(board->sim.sensors[n].name, sensor->name, sizeof board->sim.sensors[n].name);
         board->sim.sensors[n].kind = sensor->kind;
     }
-    board->sim.n_sensors = board->n_sysfs = n;
+    board->sim.n_sensors = n;
+    if (n > 0 && strcmp(board->device[TTF_DEVICE_SENSORS]->name, "sysfs") == 0)
+        board->n_sysfs = n;
     return 0;
 }

@@ -41,102 +41,23 @@ int board_backend(struct yaml_node *map, enum ttf_device_kind kind,
     return 0;
 }
 
-#define C(member) offsetof(struct ttf_board_camera, member)
-
-static const struct cfg_field CAMERA[] = {
-    {"backend", NULL, 0, 0, 0, NULL, 0, 0},
-    {"width", cfg_u32_px, C(mode.width), 16, 65535, "width of the mode asked for", 0, 0},
-    {"height", cfg_u32_px, C(mode.height), 16, 65535, "height of the mode asked for", 0, 0},
-    {0}};
-
-static int read_cameras(const struct cfg_field *field, struct yaml_node *node, void *at,
-                        struct ttf_err *err)
-{
-    struct ttf_board *board = at;
-    unsigned n = 0;
-
-    if (node->kind != YAML_MAP || node->n == 0)
-        return cfg_error(node, err, field->meant, "a map of cameras is meant");
-    if (node->n > TTF_BOX_CAMERAS_MAX)
-        return cfg_error(node, err, field->meant, "more than %d cameras", TTF_BOX_CAMERAS_MAX);
-    for (struct yaml_node *c = node->child; c; c = c->next, n++) {
-        struct ttf_board_camera *camera = &board->cameras[n];
-        int r;
-
-        c->used = true;
-        if (strlen(c->key) >= sizeof camera->name || !*c->key)
-            return cfg_error_at_key(c, err, "1 to 31 letters", "no name of a camera");
-        memcpy(camera->name, c->key, strlen(c->key) + 1);
-        if (c->kind != YAML_MAP)
-            return cfg_error(c, err, "write {backend: sim}", "a camera's description is meant");
-        r = board_backend(c, TTF_DEVICE_CAMERA, &camera->backend, err);
-        if (r == 0)
-            r = cfg_map(CAMERA, c, camera, err);
-        if (r < 0)
-            return r;
-    }
-    board->n_cameras = n;
-    board->device[TTF_DEVICE_CAMERA] = board->cameras[0].backend;
-    return 0;
-}
-
-static const struct cfg_field DEVICE[] = {{"backend", NULL, 0, 0, 0, NULL, 0, 0}, {0}};
-
-/* `clock:` and `watchdog:`. The field's lo is the kind of device. */
-static int read_device(const struct cfg_field *field, struct yaml_node *node, void *at,
-                       struct ttf_err *err)
-{
-    enum ttf_device_kind kind = (enum ttf_device_kind)(int)field->lo;
-    struct ttf_board *board = at;
-    int r;
-
-    if (node->kind == YAML_SCALAR && strcmp(node->text, "none") == 0 && kind != TTF_DEVICE_CLOCK) {
-        board->device[kind] = NULL;
-        return 0;
-    }
-    if (node->kind != YAML_MAP)
-        return cfg_error(node, err, "write {backend: sim}", "a device's description is meant");
-    r = board_backend(node, kind, &board->device[kind], err);
-    return r < 0 ? r : cfg_map(DEVICE, node, board, err);
-}
-
-static const struct cfg_field PANEL[] = {{"backend", NULL, 0, 0, 0, NULL, 0, 0},
-                                         {"door_switch", cfg_bool,
-                                          offsetof(struct ttf_board, sim.door_switch), 0, 0,
-                                          "whether the box feels its door, true or false", 0, 0},
-                                         {0}};
-
-static int read_panel(const struct cfg_field *field, struct yaml_node *node, void *at,
-                      struct ttf_err *err)
-{
-    struct ttf_board *board = at;
-    int r;
-
-    (void)field;
-    if (node->kind == YAML_SCALAR && strcmp(node->text, "none") == 0) {
-        board->device[TTF_DEVICE_PANEL] = NULL;
-        return 0;
-    }
-    if (node->kind != YAML_MAP)
-        return cfg_error(node, err, "write {backend: sim}", "a device's description is meant");
-    r = board_backend(node, TTF_DEVICE_PANEL, &board->device[TTF_DEVICE_PANEL], err);
-    return r < 0 ? r : cfg_map(PANEL, node, board, err);
-}
-
 #define B(member) offsetof(struct ttf_board, member)
 
 static const struct cfg_field BOARD[] = {
     {"board", cfg_text64, B(name), 0, 0, "the board's name, as 'board: sim'", 0, true},
     {"title", cfg_text128, B(title), 0, 0, "a line for people", 0, 0},
     {"serial", cfg_text64, B(serial), 0, 0, "the box's serial number", 0, 0},
-    {"cameras", read_cameras, 0, 0, 0, "a map, as 'cameras: {main: {backend: sim}}'", 0, true},
-    {"clock", read_device, 0, TTF_DEVICE_CLOCK, 0, "the clock's back-end", 0, true},
+    {"cameras", board_read_cameras, 0, 0, 0, "a map, as 'cameras: {main: {backend: sim}}'", 0,
+     true},
+    {"clock", board_read_device, 0, TTF_DEVICE_CLOCK, 0, "the clock's back-end", 0, true},
     {"lamps", board_read_lamps, 0, 0, 0, "a map of lamps, or none", 0, 0},
     {"sensors", board_read_sensors, 0, 0, 0, "a map of sensors, or none", 0, 0},
     {"guardian", board_read_guardian, 0, 0, 0, "the lamp guardian's socket, door and temperature",
      0, 0},
-    {"panel", read_panel, 0, 0, 0, "light, button and door, or none", 0, 0},
-    {"watchdog", read_device, 0, TTF_DEVICE_WATCHDOG, 0, "the watchdog's back-end, or none", 0, 0},
+    {"panel", board_read_panel, 0, 0, 0, "light, button and door, or none", 0, 0},
+    {"watchdog", board_read_device, 0, TTF_DEVICE_WATCHDOG, 0, "the watchdog's back-end, or none",
+     0, 0},
+    {"lock", cfg_path512, B(lock), 0, 0, "the file that says who owns the box, or none", 0, 0},
     {"sim", board_read_sim, 0, 0, 0, "the simulated box's model", 0, 0},
     {0}};
 
@@ -153,6 +74,49 @@ static void from_folder_of(const char *file, char path[512])
         memcpy(path, whole, strlen(whole) + 1);
 }
 
+/*
+ * Simulated devices may stand beside real ones, to try out a box: whatever such a box yields says SIMULATED. Real ones
+ * live in real time.
+ */
+static int finish_mixture(struct ttf_board *board, struct yaml_node *root, struct ttf_err *err)
+{
+    bool machine = strcmp(board->device[TTF_DEVICE_CLOCK]->name, "machine") == 0;
+    struct yaml_node *clock = yaml_child(root, "clock"), *sim = yaml_child(root, "sim");
+    const char *real = NULL;
+
+    for (int i = 0; i < TTF_DEVICE_KIND_COUNT; i++) {
+        bool simulated = board->device[i] && strcmp(board->device[i]->name, "sim") == 0;
+
+        for (unsigned c = 0; i == TTF_DEVICE_CAMERA && c < board->n_cameras; c++)
+            if (strcmp(board->cameras[c].backend->name, "sim") == 0)
+                simulated = true;
+            else
+                real = DEVICE_KEYS[i];
+        board->simulated |= simulated;
+        if (board->device[i] && !simulated && i != TTF_DEVICE_CLOCK)
+            real = DEVICE_KEYS[i];
+    }
+    board->real = real != NULL;
+    if (machine && sim && sim->kind == YAML_MAP && yaml_child(sim, "clock") &&
+        !board->sim.real_time)
+        return cfg_error(yaml_child(sim, "clock"), err, "leave it out, or write clock: real",
+                         "a virtual clock beside the machine's");
+    board->sim.real_time |= machine;
+    if (real && !board->sim.real_time)
+        return cfg_error(clock, err, "write clock: {backend: machine}",
+                         "the clock is virtual, and '%s' lives in real time", real);
+    return 0;
+}
+
+/* Two programs must not have one box. A box without real devices is nobody's. */
+static void finish_lock(struct ttf_board *board)
+{
+    if (strcmp(board->lock, "none") == 0)
+        board->lock[0] = '\0';
+    else if (board->lock[0] == '\0' && board->real)
+        (void)snprintf(board->lock, sizeof board->lock, "%s", TTF_BOARD_LOCK);
+}
+
 static int decode_board(struct yaml_node *root, struct ttf_board *board, struct ttf_err *err)
 {
     int r;
@@ -160,7 +124,6 @@ static int decode_board(struct yaml_node *root, struct ttf_board *board, struct 
     ttf_sim_config_defaults(&board->sim);
     snprintf(board->scene.name, sizeof board->scene.name, "grass");
     board->scene.span_ns = 7 * TTF_NS_PER_DAY;
-    snprintf(board->serial, sizeof board->serial, "SIM-0001");
     if (root->kind != YAML_MAP)
         return cfg_error(root, err, "write 'board: NAME', 'cameras:' and 'clock:'",
                          "a board's description holds keys");
@@ -170,8 +133,14 @@ static int decode_board(struct yaml_node *root, struct ttf_board *board, struct 
         r = board_finish_guardian(board, root, err);
     if (r < 0)
         return r;
-    for (int i = 0; i < TTF_DEVICE_KIND_COUNT; i++)
-        board->simulated |= board->device[i] && strcmp(board->device[i]->name, "sim") == 0;
+    r = finish_mixture(board, root, err);
+    if (r < 0)
+        return r;
+    finish_lock(board);
+    if (board->simulated && board->serial[0] == '\0')
+        snprintf(board->serial, sizeof board->serial, "SIM-0001");
+    from_folder_of(board->path, board->lock);
+    from_folder_of(board->path, board->panel.file);
     from_folder_of(board->path, board->scene.images);
     from_folder_of(board->path, board->scene.dataset);
     from_folder_of(board->path, board->guardian.file);

@@ -6,6 +6,16 @@
 #include "decode.h"
 #include "ttf/config/board_file.h"
 
+/* `cameras:` */
+int board_read_cameras(const struct cfg_field *field, struct yaml_node *node, void *at,
+                       struct ttf_err *err);
+
+/* `clock:` and `watchdog:`: the field's lo is the kind of device; and `panel:`. */
+int board_read_device(const struct cfg_field *field, struct yaml_node *node, void *at,
+                      struct ttf_err *err);
+int board_read_panel(const struct cfg_field *field, struct yaml_node *node, void *at,
+                     struct ttf_err *err);
+
 /* The board's `lamps:` map (name -> facts) into board->sim.lamps[].info, replacing the defaults. */
 int board_read_lamps(const struct cfg_field *field, struct yaml_node *node, void *at,
                      struct ttf_err *err);

@@ -9,10 +9,13 @@
 
 static const struct ttf_backend_entry BACKENDS[] = {
     {"sim", ALL_DEVICES, "the simulated box"},
-    {"gpiod", 1u << TTF_DEVICE_LAMPS, "lines of a GPIO chip, held by ttfbox-lampd"},
-    {"file", 1u << TTF_DEVICE_LAMPS, "wires in a file, for tests, held by ttfbox-lampd"},
+    {"v4l2", 1u << TTF_DEVICE_CAMERA, "a camera of the kernel's Video4Linux2"},
+    {"gpiod", 1u << TTF_DEVICE_LAMPS | 1u << TTF_DEVICE_PANEL,
+     "lines of a GPIO chip; those of lamps are held by ttfbox-lampd"},
+    {"file", 1u << TTF_DEVICE_LAMPS | 1u << TTF_DEVICE_PANEL, "wires in a file, for tests"},
     {"sysfs", 1u << TTF_DEVICE_SENSORS, "what kernel drivers show under /sys"},
     {"systemd", 1u << TTF_DEVICE_WATCHDOG, "the service manager"},
+    {"device", 1u << TTF_DEVICE_WATCHDOG, "the machine's own watchdog"},
     {"machine", 1u << TTF_DEVICE_CLOCK, "the machine's own clock"},
 };
 

@@ -80,7 +80,8 @@ int ttf_camera_submit(struct ttf_camera *camera, const struct ttf_camera_set *se
         return ttf_err_set(err, -EINVAL, camera->ops->name, "a set has 1 to %d settings, not %u",
                            TTF_CAMERA_SET_MAX, set->n);
     for (unsigned i = 0; i < set->n; i++)
-        if (set->settings[i].exposure_ns <= 0)
+        if (set->settings[i].exposure_ns < 0 ||
+            (set->settings[i].exposure_ns == 0 && camera->caps.exposure_max_ns > 0))
             return ttf_err_set(err, -EINVAL, camera->ops->name,
                                "exposure %u of the set is not longer than nothing", i);
     if (!camera->streaming)

@@ -22,6 +22,17 @@ void ttf_clock_utc(struct ttf_clock *clock, struct ttf_utc *ret)
     clock->ops->utc(clock, ret);
 }
 
+int64_t ttf_clock_monotonic_offset_ns(struct ttf_clock *clock, int64_t *ret_uncertainty_ns)
+{
+    int64_t uncertainty_ns = 0, offset_ns = 0;
+
+    if (clock->ops->monotonic_offset_ns)
+        offset_ns = clock->ops->monotonic_offset_ns(clock, &uncertainty_ns);
+    if (ret_uncertainty_ns)
+        *ret_uncertainty_ns = uncertainty_ns;
+    return offset_ns;
+}
+
 const char *ttf_clock_boot_id(struct ttf_clock *clock)
 {
     return clock->ops->boot_id(clock);

@@ -32,6 +32,12 @@ static void clock_utc(struct ttf_clock *base, struct ttf_utc *ret)
     pthread_mutex_unlock(&clock->lock);
 }
 
+static int64_t clock_monotonic_offset_ns(struct ttf_clock *base, int64_t *ret_uncertainty_ns)
+{
+    (void)base;
+    return real_monotonic_offset_ns(ret_uncertainty_ns);
+}
+
 static const char *clock_boot_id(struct ttf_clock *base)
 {
     return ((struct real_clock *)base)->boot_id;
@@ -82,6 +88,7 @@ static const struct ttf_clock_ops real_clock_ops = {
     .is_virtual = false,
     .now_ns = clock_now_ns,
     .utc = clock_utc,
+    .monotonic_offset_ns = clock_monotonic_offset_ns,
     .boot_id = clock_boot_id,
     .join = clock_join,
     .leave = clock_leave,

@@ -50,28 +50,36 @@ void real_utc_note(struct real_utc *u, int64_t boot_ns, int64_t utc_ns, int64_t 
     u->utc_ns = utc_ns;
 }
 
-/* UTC between two readings of the boot clock; the tightest of a few. */
-static int64_t bracket(int64_t *ret_boot, int64_t *ret_utc)
+/* Another clock between two readings of the boot clock; the tightest of a few. */
+static int64_t bracket(clockid_t other, int64_t *ret_boot, int64_t *ret_other)
 {
     int64_t best = TTF_NS_NEVER;
 
     for (int i = 0; i < 4; i++) {
-        int64_t before = real_boot_ns(), utc = read_ns(CLOCK_REALTIME), after = real_boot_ns();
+        int64_t before = real_boot_ns(), found = read_ns(other), after = real_boot_ns();
 
         if (after - before < best) {
             best = after - before;
             *ret_boot = before + best / 2;
-            *ret_utc = utc;
+            *ret_other = found;
         }
     }
     return best;
+}
+
+int64_t real_monotonic_offset_ns(int64_t *ret_uncertainty_ns)
+{
+    int64_t boot = 0, monotonic = 0;
+
+    *ret_uncertainty_ns = bracket(CLOCK_MONOTONIC, &boot, &monotonic) / 2;
+    return boot - monotonic;
 }
 
 void real_utc_look(struct real_utc *u, struct ttf_utc *ret)
 {
     struct timex tx = {.modes = 0};
     int64_t boot = 0, utc = 0;
-    int64_t reading = bracket(&boot, &utc);
+    int64_t reading = bracket(CLOCK_REALTIME, &boot, &utc);
     int state = adjtimex(&tx);
 
     real_utc_note(u, boot, utc, reading);

@@ -28,6 +28,9 @@ void real_utc_look(struct real_utc *u, struct ttf_utc *ret);
  */
 void real_utc_note(struct real_utc *u, int64_t boot_ns, int64_t utc_ns, int64_t reading_ns);
 
+/* What CLOCK_MONOTONIC lacks of the boot clock, and the half-width of this look. */
+int64_t real_monotonic_offset_ns(int64_t *ret_uncertainty_ns);
+
 /* The machine's boot clock. */
 int64_t real_boot_ns(void);
 

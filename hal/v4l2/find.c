@@ -85,7 +85,7 @@ static int not_found(const struct ttf_v4l2_config *config, const struct v4l2_ide
                     known->bus);
     else if (seen->denied)
         return ttf_err_set(err, seen->denied, seen->denied_path, "the camera cannot be opened: %s",
-                           strerror(-seen->denied));
+                           strerrordesc_np(-seen->denied));
     else
         ttf_err_set(err, -ENODEV, config->device[0] ? config->device : NULL, "no such camera%s%s%s",
                     config->name[0] || config->bus[0] ? " as " : "", config->name, config->bus);

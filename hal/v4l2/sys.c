@@ -92,7 +92,7 @@ static int kernel_wait(void *ctx, int fd, struct ttf_clock *clock, int64_t deadl
         wait = (struct timespec){.tv_nsec = (long)left};
         n = ppoll(&waiting, 1, &wait, NULL);
         if (n > 0)
-            return 0;
+            return waiting.revents & (POLLERR | POLLHUP | POLLNVAL) ? 1 : 0;
         if (n < 0 && errno != EINTR)
             return -errno;
         if (ttf_clock_now_ns(clock) >= deadline_ns)

@@ -21,7 +21,7 @@ MAY_USE = {
     "dataset": {"base"},
     "capture": {"base", "hal", "dataset"},
     "synth": {"base", "dataset"},
-    "config": {"base", "hal", "hal_sim", "dataset", "capture", "synth"},
+    "config": {"base", "hal", "hal_sim", "hal_v4l2", "dataset", "capture", "synth"},
     "firmware": {"base", "hal", "hal_sim", "hal_gpiod", "hal_v4l2", "dataset", "capture", "synth", "config"},
 }
 # Most specific folder first.

@@ -21,6 +21,10 @@
     "board: t\n"                        \
     "cameras: {main: {backend: sim}}\n" \
     "clock: {backend: sim}\n"
+#define REAL                            \
+    "board: t\n"                        \
+    "cameras: {main: {backend: sim}}\n" \
+    "clock: {backend: machine}\n"
 #define LAMPS "lamps: {left: {backend: sim}, right: {backend: sim}}\n"
 
 static int parse(const char *text, const struct ttf_board_set *sets, unsigned n,
@@ -170,7 +174,7 @@ static void wires_of_a_real_box_come_in_the_lamps_order_with_the_door_behind(voi
     struct ttf_board b;
 
     (void)state;
-    parse_ok(HEAD "guardian: {temperature: t, door: {chip: c, line: 3, active_low: true,"
+    parse_ok(REAL "guardian: {temperature: t, door: {chip: c, line: 3, active_low: true,"
                   " pull_up: true}}\n"
                   "lamps:\n"
                   "  left: {backend: gpiod, line: GPIO17, max_on: 2h, interlock: door,\n"
@@ -199,6 +203,110 @@ static void wires_of_a_real_box_come_in_the_lamps_order_with_the_door_behind(voi
     assert_int_equal(b.sysfs[0].bus, TTF_SYSFS_IIO);
     assert_string_equal(b.sysfs[0].device, "bme280");
     assert_true(b.sysfs[1].full == 2000);
+}
+
+static void every_key_of_real_devices_reaches_its_field(void **state)
+{
+    struct ttf_board b;
+    const struct ttf_v4l2_config *v = &b.cameras[0].v4l2;
+
+    (void)state;
+    parse_ok("board: t\n"
+             "cameras:\n"
+             "  main: {backend: v4l2, device: /dev/video2, bus: usb-1, name: C920, format: Y10,\n"
+             "         width: 640px, height: 480px, frame_period: 40ms, buffers: 3,\n"
+             "         settle_frames: 6, readout: 19ms, black_level: 64, white_level: 1000,\n"
+             "         gain_unity: 16, balance_unity: 128, focus_per_dioptre: 5,\n"
+             "         white_balance_kelvin: 5000, flicker: 60Hz,\n"
+             "         controls: {sharpness: 0, backlight_compensation: -3}}\n"
+             "clock: {backend: machine}\n"
+             "panel: {backend: gpiod, button: {line: GPIO5, active_low: true, pull_up: true},\n"
+             "        led: {chip: gpiochip0, line: 6}}\n"
+             "watchdog: {backend: device, device: /dev/watchdog1}\n"
+             "lock: here.lock\n",
+             &b);
+    assert_false(b.simulated);
+    assert_true(b.real);
+    assert_string_equal(b.cameras[0].backend->name, "v4l2");
+    assert_int_equal(b.cameras[0].mode.width, 640);
+    assert_string_equal(v->device, "/dev/video2");
+    assert_string_equal(v->bus, "usb-1");
+    assert_string_equal(v->name, "C920");
+    assert_string_equal(v->pixel_format, "Y10 ");
+    assert_true(v->frame_period_ns == 40 * TTF_NS_PER_MS && v->readout_ns == 19 * TTF_NS_PER_MS);
+    assert_true(v->buffers == 3 && v->settle_frames == 6);
+    assert_true(v->black_level == 64 && v->white_level == 1000);
+    assert_true(v->gain_unity == 16 && v->balance_unity == 128 && v->focus_per_dioptre == 5);
+    assert_true(v->white_balance_kelvin == 5000 && v->flicker == TTF_V4L2_FLICKER_60HZ);
+    assert_int_equal(v->n_controls, 2);
+    assert_string_equal(v->controls[1].name, "backlight_compensation");
+    assert_int_equal(v->controls[1].value, -3);
+    assert_int_equal(b.panel.n_wires, 2);
+    assert_true(b.panel.button == 0 && b.panel.led == 1);
+    assert_true(b.panel.wires[0].input && b.panel.wires[0].active_low && b.panel.wires[0].pull_up);
+    assert_string_equal(b.panel.wires[0].line, "GPIO5");
+    assert_true(!b.panel.wires[1].input && !b.panel.wires[1].active_low);
+    assert_string_equal(b.panel.wires[1].label, "led");
+    assert_string_equal(b.watchdog_path, "/dev/watchdog1");
+    assert_string_equal(b.lock, "dir/here.lock");
+}
+
+static void a_panel_may_have_either_wire_or_none(void **state)
+{
+    struct ttf_board b;
+
+    (void)state;
+    parse_ok(REAL "panel: {backend: gpiod, led: {line: x}}\n", &b);
+    assert_true(b.panel.n_wires == 1 && b.panel.button == -1 && b.panel.led == 0);
+    parse_ok(REAL "panel: {backend: gpiod}\n", &b);
+    assert_true(b.panel.n_wires == 0 && b.panel.button == -1 && b.panel.led == -1);
+}
+
+static void one_simulated_device_makes_the_whole_box_simulated(void **state)
+{
+    struct ttf_board b;
+
+    (void)state;
+    parse_ok(REAL "lamps: {a: {backend: gpiod, line: x}}\n", &b);
+    assert_true(b.simulated && b.real && b.sim.real_time);
+    parse_ok("board: t\ncameras: {main: {backend: v4l2}}\nclock: {backend: machine}\n"
+             "watchdog: {backend: sim}\n",
+             &b);
+    assert_true(b.simulated && b.real);
+    parse_ok("board: t\ncameras: {main: {backend: v4l2}, side: {backend: sim}}\n"
+             "clock: {backend: machine}\n",
+             &b);
+    assert_true(b.simulated && b.real);
+    parse_ok(HEAD "sim: {clock: real}\nlamps: {a: {backend: gpiod, line: x}}\n", &b);
+    assert_true(b.simulated && b.real && b.sim.real_time);
+}
+
+static void a_box_with_real_devices_has_an_owner_and_a_simulated_one_needs_none(void **state)
+{
+    struct ttf_board b;
+
+    (void)state;
+    parse_ok(HEAD, &b);
+    assert_string_equal(b.lock, "");
+    parse_ok(HEAD "lock: x\n", &b);
+    assert_string_equal(b.lock, "dir/x");
+    parse_ok(REAL "watchdog: {backend: systemd}\n", &b);
+    assert_string_equal(b.lock, "/run/ttfbox/box.lock");
+    parse_ok(REAL "watchdog: {backend: systemd}\nlock: none\n", &b);
+    assert_string_equal(b.lock, "");
+}
+
+/* They have no driver, so a guardian must not look for one. */
+static void simulated_sensors_are_not_looked_for_in_the_kernel(void **state)
+{
+    struct ttf_board b;
+
+    (void)state;
+    parse_ok(REAL "sensors: {t: {backend: sim, kind: temperature}}\n"
+                  "lamps: {a: {backend: gpiod, line: x}}\n",
+             &b);
+    assert_int_equal(b.n_sysfs, 0);
+    assert_int_equal(b.sim.n_sensors, 1);
 }
 
 static const struct {
@@ -246,6 +354,33 @@ static const struct {
      "'full' is missing", "2000"},
     {HEAD "sensors: {t: {backend: sim, kind: light, device: d}}\n", "dir/b.yaml:4:14",
      "has no driver", ""},
+    /* real devices */
+    {HEAD "lamps: {a: {backend: gpiod, line: x}}\n", "dir/b.yaml:3:8", "lives in real time",
+     "machine"},
+    {HEAD "watchdog: {backend: systemd}\n", "dir/b.yaml:3:8", "'watchdog' lives in real time", ""},
+    {"board: t\ncameras: {main: {backend: v4l2}}\nclock: {backend: sim}\n", "dir/b.yaml:3:8",
+     "'cameras' lives in real time", ""},
+    {REAL "sim: {clock: virtual}\n", "dir/b.yaml:4:14", "virtual clock beside the machine's",
+     "real"},
+    {HEAD "sensors: {t: {backend: sim, kind: temperature}}\n"
+          "lamps: {a: {backend: gpiod, line: x, max_temp: 60degC}}\n",
+     "dir/b.yaml:5:12", "without a temperature", ""},
+    {"board: t\ncameras: {main: {backend: sim, device: /dev/video0}}\n", "dir/b.yaml:2:32",
+     "unknown key", ""},
+    {"board: t\ncameras: {main: {backend: v4l2, format: RGB}}\nclock: {backend: machine}\n"
+     "panel: {backend: file}\n",
+     "dir/b.yaml:4:8", "no 'file' is named", ""},
+    {"board: t\ncameras: {main: {backend: v4l2, format: RGGB10}}\n", "dir/b.yaml:2:41",
+     "no pixel format", "RG10"},
+    {"board: t\ncameras: {main: {backend: v4l2, black_level: 64, white_level: 64}}\n",
+     "dir/b.yaml:2:63", "is not above", ""},
+    {"board: t\ncameras: {main: {backend: v4l2, controls: {a: b}}}\n", "dir/b.yaml:2:47", "'b'",
+     ""},
+    {REAL "panel: {backend: gpiod, door_switch: true}\n", "dir/b.yaml:4:25", "unknown key", ""},
+    {REAL "panel: {backend: gpiod, button: {chip: c}}\n", "dir/b.yaml:4:33", "'line' is missing",
+     ""},
+    {REAL "watchdog: {backend: systemd, device: /dev/watchdog}\n", "dir/b.yaml:4:30", "unknown key",
+     ""},
     /* fields that only make sense together: ttf_sim_config_check's, placed all the same */
     {HEAD "sim: {timing: {exposure_min: 5s, exposure_max: 1s}}\n", "dir/b.yaml:4", "exposure", ""},
 };
@@ -352,6 +487,11 @@ int main(void)
         cmocka_unit_test(an_empty_section_gives_the_documented_defaults),
         cmocka_unit_test(a_board_without_lamps_has_none),
         cmocka_unit_test(wires_of_a_real_box_come_in_the_lamps_order_with_the_door_behind),
+        cmocka_unit_test(every_key_of_real_devices_reaches_its_field),
+        cmocka_unit_test(a_panel_may_have_either_wire_or_none),
+        cmocka_unit_test(one_simulated_device_makes_the_whole_box_simulated),
+        cmocka_unit_test(a_box_with_real_devices_has_an_owner_and_a_simulated_one_needs_none),
+        cmocka_unit_test(simulated_sensors_are_not_looked_for_in_the_kernel),
         cmocka_unit_test(what_is_wrong_is_named_with_line_column_and_what_was_meant),
         cmocka_unit_test(overrides_change_any_key_and_name_themselves_when_wrong),
         cmocka_unit_test(any_cut_of_a_board_is_read_or_refused_with_its_place),

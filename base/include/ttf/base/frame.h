@@ -20,6 +20,10 @@ enum ttf_packing {
     TTF_PACKING_GREY16, /* one 16-bit word per pixel, value in the low `bits` */
     TTF_PACKING_RGB8,   /* R, G, B bytes */
     TTF_PACKING_YUYV8,  /* Y0 Cb Y1 Cr bytes, BT.601 limited range */
+    TTF_PACKING_RAW8, /* one linear sample per byte: a mosaic, or a linear grey camera (cfa NONE) */
+    TTF_PACKING_RAW10P, /* MIPI RAW10: 4 samples in 5 bytes, high 8 bits each, then the low 2 of all, first lowest */
+    TTF_PACKING_RAW12P, /* MIPI RAW12: 2 samples in 3 bytes, high 8 bits each, then the low 4 of both */
+    TTF_PACKING_NV12, /* as YUYV8: a plane of Y bytes, then one of Cb Cr, half as wide and high, of one stride */
     TTF_PACKING_COUNT
 };
 
@@ -45,13 +49,46 @@ struct ttf_frame_format {
     uint16_t white_level; /* code at which the sensor saturates, > black_level */
 };
 
+/* Bytes that the samples of a row take (of NV12: of a row of either plane); 0 for no packing that is known. */
+static inline size_t ttf_row_bytes(enum ttf_packing packing, uint32_t width)
+{
+    switch (packing) {
+    case TTF_PACKING_RAW16:
+    case TTF_PACKING_GREY16:
+        return (size_t)width * 2;
+    case TTF_PACKING_GREY8:
+    case TTF_PACKING_RAW8:
+        return width;
+    case TTF_PACKING_RGB8:
+        return (size_t)width * 3;
+    case TTF_PACKING_YUYV8:
+        return ((size_t)width + 1) / 2 * 4;
+    case TTF_PACKING_RAW10P:
+        return ((size_t)width + 3) / 4 * 5;
+    case TTF_PACKING_RAW12P:
+        return ((size_t)width + 1) / 2 * 3;
+    case TTF_PACKING_NV12:
+        return ((size_t)width + 1) / 2 * 2;
+    default:
+        return 0;
+    }
+}
+
+/* Rows of stride bytes that a whole frame has. */
+static inline size_t ttf_frame_rows(const struct ttf_frame_format *format)
+{
+    return format->packing == TTF_PACKING_NV12
+               ? (size_t)format->height + ((size_t)format->height + 1) / 2
+               : format->height;
+}
+
 /*
  * What one exposure is taken with: as asked, or as the driver granted it and
  * read it back. Two exposures are of equal settings if all fields are equal.
  * A camera without some control leaves that field 0 in what it reads back.
  */
 struct ttf_exposure {
-    int64_t exposure_ns; /* duration of one row's exposure, > 0 */
+    int64_t exposure_ns; /* duration of one row's exposure, > 0; read back 0: it is not known */
     uint32_t gain_milli; /* analogue gain, 1000 = unity */
     uint32_t wb_r_milli; /* red gain relative to green applied by the camera; 1000 for raw */
     uint32_t wb_b_milli; /* blue gain relative to green; 1000 for raw */

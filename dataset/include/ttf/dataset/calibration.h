@@ -20,7 +20,7 @@
 /*
  * A sum of equal raw frames: averages accumulate as they come.
  *
- * Of RAW16 and GREY16 frames codes are summed. GREY8, RGB8 and YUYV8 frames are
+ * Of raw and GREY16 frames codes are summed. GREY8, RGB8, YUYV8 and NV12 frames are
  * finished pictures, encoded for display (sRGB): they are decoded first, and
  * linear-light codes 0..65535 are summed, whatever levels the format names.
  */

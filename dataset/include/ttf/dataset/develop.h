@@ -5,8 +5,8 @@
  * raw mean -> black and dark -> flat field, exposure normalisation -> hot pixels ->
  * demosaic -> colour matrix -> crop -> codes (pedestal, headroom). PICTURES.md has
  * the equations. By strips, no libm, no contraction: the same bits on every machine
- * and for any number of threads. RAW16 Bayer or grey frames; RGB8/YUYV8/GREY8 are
- * taken as sRGB-encoded.
+ * and for any number of threads. Bayer or linear grey frames (RAW16, RAW8,
+ * RAW10P, RAW12P, GREY16); RGB8/YUYV8/NV12/GREY8 are taken as sRGB-encoded.
  */
 #ifndef TTF_DATASET_DEVELOP_H
 #define TTF_DATASET_DEVELOP_H

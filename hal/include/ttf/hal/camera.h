@@ -27,7 +27,10 @@
 
 struct ttf_camera;
 
-/* What a camera can do; constant after configure. 0 in a max means: no such control. */
+/*
+ * What a camera can do; constant after configure. 0 in a max means: no such control; where that is the exposure, it
+ * is the camera's own and the time of each frame is not known.
+ */
 struct ttf_camera_caps {
     char model[64];
     int64_t exposure_min_ns, exposure_max_ns;
@@ -103,7 +106,7 @@ void ttf_camera_stop(struct ttf_camera *camera);
 /*
  * Submits a set. The driver may alter each setting to what it can do: what it
  * made of them is in the frames' `settings`. -EINVAL for n out of range or an
- * exposure <= 0; -EBUSY while a set is under way; -EPIPE when not streaming;
+ * exposure <= 0 (0 is allowed of a camera without that control); -EBUSY while a set is under way; -EPIPE when not streaming;
  * -ENODEV when gone.
  */
 TTF_MUST_USE int ttf_camera_submit(struct ttf_camera *camera, const struct ttf_camera_set *set,

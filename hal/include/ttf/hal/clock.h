@@ -58,6 +58,13 @@ int64_t ttf_clock_now_ns(struct ttf_clock *clock);
 /* What the clock believes of UTC now. */
 void ttf_clock_utc(struct ttf_clock *clock, struct ttf_utc *ret);
 
+/*
+ * What is to be added to an instant of the kernel's CLOCK_MONOTONIC, with which drivers stamp, to have it on the boot
+ * clock: all the time that the machine has slept, so it grows by each suspend. *ret_uncertainty_ns, which may be NULL,
+ * is the half-width of this look. 0 and 0 where time is simulated.
+ */
+int64_t ttf_clock_monotonic_offset_ns(struct ttf_clock *clock, int64_t *ret_uncertainty_ns);
+
 /* A random identifier of this boot, 36 characters and a zero; belongs to the clock. */
 const char *ttf_clock_boot_id(struct ttf_clock *clock);
 

@@ -2,7 +2,7 @@
 /*
  * clock_backend.h: what the author of a clock implements.
  *
- * All ops are mandatory. `struct ttf_clock` is embedded first in the back-end's
+ * All ops are mandatory but monotonic_offset_ns (NULL: the clocks are one). `struct ttf_clock` is embedded first in the back-end's
  * own struct. Ops are called from any thread; the back-end does its own locking.
  */
 #ifndef TTF_HAL_CLOCK_BACKEND_H
@@ -15,6 +15,7 @@ struct ttf_clock_ops {
     bool is_virtual;
     int64_t (*now_ns)(struct ttf_clock *clock);
     void (*utc)(struct ttf_clock *clock, struct ttf_utc *ret);
+    int64_t (*monotonic_offset_ns)(struct ttf_clock *clock, int64_t *ret_uncertainty_ns);
     const char *(*boot_id)(struct ttf_clock *clock);
     void (*join)(struct ttf_clock *clock);
     void (*leave)(struct ttf_clock *clock);

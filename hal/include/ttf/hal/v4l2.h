@@ -92,7 +92,7 @@ TTF_MUST_USE int ttf_v4l2_camera_create(const struct ttf_v4l2_config *config,
                                         struct ttf_clock *clock, struct ttf_camera **ret,
                                         struct ttf_err *err);
 
-/* camera: one made by ttf_v4l2_camera_create. Format and controls are known after configure. */
-void ttf_v4l2_camera_info(const struct ttf_camera *camera, struct ttf_v4l2_info *ret);
+/* base: one made by ttf_v4l2_camera_create. Format and controls are known after configure. */
+void ttf_v4l2_camera_info(const struct ttf_camera *base, struct ttf_v4l2_info *ret);
 
 #endif

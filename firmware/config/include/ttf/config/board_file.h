@@ -16,6 +16,10 @@
 #include "ttf/hal/lines.h"
 #include "ttf/hal/sim.h"
 #include "ttf/hal/sysfs.h"
+#include "ttf/hal/v4l2.h"
+
+/* Who owns a box with real devices, unless its board names another file. */
+#define TTF_BOARD_LOCK "/run/ttfbox/box.lock"
 
 /* The kinds of device that a back-end may drive. */
 enum ttf_device_kind {
@@ -51,6 +55,7 @@ struct ttf_board_camera {
     char name[32];
     const struct ttf_backend_entry *backend;
     struct ttf_camera_mode mode; /* asked for; 0: native */
+    struct ttf_v4l2_config v4l2; /* of that back-end */
 };
 
 /* What the lamp guardian of a real box needs: ttfbox-lampd reads it, and its clients where to find it. */
@@ -64,6 +69,14 @@ struct ttf_board_guardian {
         [32]; /* whose temperature lamps with max_temp are watched by; empty: the first */
 };
 
+/* A panel on wires. */
+struct ttf_board_panel {
+    char file[512];   /* of back-end "file": where the wires are */
+    unsigned n_wires; /* 0: the door alone, which is the guardian's */
+    struct ttf_line_spec wires[2];
+    int button, led; /* indices of wires; -1: none */
+};
+
 struct ttf_board {
     char path[512]; /* of the file */
     char name[64];
@@ -74,9 +87,13 @@ struct ttf_board {
     const struct ttf_backend_entry *device[TTF_DEVICE_KIND_COUNT]; /* NULL: the board has none */
     /* Facts of lamps and sensors lie in sim.lamps[].info and sim.sensors[], whatever drives them. */
     struct ttf_board_guardian guardian;
+    struct ttf_board_panel panel; /* of other back-ends than "sim" */
+    char watchdog_path[64];       /* of back-end "device" */
+    char lock[512];               /* the file that says who owns the box; empty: nobody asks */
     unsigned n_sysfs;
     struct ttf_sysfs_sensor sysfs[TTF_SENSORS_MAX];
-    bool simulated; /* some device is: then sim and scene hold */
+    bool simulated; /* some device is: then sim and scene hold, and all that it yields says so */
+    bool real;      /* some device is real (its clock apart) */
     struct ttf_sim_config sim;
     struct ttf_board_scene scene;
 };

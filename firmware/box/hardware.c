@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* hardware.c: back-ends that need a box's libraries or kernel. */
+#include "devices.h"
+#include "ttf/hal/gpiod.h"
+
+int box_gpiod_lines(const struct ttf_line_spec *specs, unsigned n, struct ttf_lines **ret,
+                    struct ttf_err *err)
+{
+    return ttf_lines_gpiod_create(specs, n, ret, err);
+}
+
+int box_v4l2_camera(const struct ttf_v4l2_config *config, struct ttf_clock *clock,
+                    struct ttf_camera **ret, struct ttf_err *err)
+{
+    return ttf_v4l2_camera_create(config, clock, ret, err);
+}

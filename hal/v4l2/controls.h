@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * controls.h: a camera's controls: all that is automatic off, what has a meaning mapped to settings, the rest fixed.
+ * Private to hal/v4l2.
+ */
+#ifndef TTF_HAL_V4L2_CONTROLS_H
+#define TTF_HAL_V4L2_CONTROLS_H
+
+#include <stdbool.h>
+
+#include "sys.h"
+
+/* One control that settings reach. */
+struct v4l2_dial {
+    uint32_t id; /* 0: the device has none, or none that can be set */
+    int32_t min, max, step;
+    bool read_only;
+};
+
+struct v4l2_controls {
+    const struct v4l2_sys *sys;
+    void *ctx;
+    int fd;
+    struct v4l2_dial exposure, gain, red, blue, focus;
+    int64_t exposure_unit_ns; /* of a code of exposure */
+    uint32_t gain_unity, balance_unity, focus_per_dioptre;
+    unsigned has, mapped, automatics_off; /* as in struct ttf_v4l2_info */
+};
+
+/*
+ * Looks what there is on an open device whose format is set, switches off what is automatic, fixes what the
+ * configuration fixes. c->sys, ctx and fd are set. width: pixels of a line, for sensors that expose in lines.
+ * -ENOTSUP for an exposure that stays automatic, -EINVAL for a control that there is not or a value it does not take,
+ * -EIO, -ENODEV, -EBUSY.
+ */
+TTF_MUST_USE int v4l2_controls_set_up(struct v4l2_controls *c, const struct ttf_v4l2_config *config,
+                                      uint32_t width, struct ttf_err *err);
+
+/* Limits and what there is not, into the capabilities. */
+void v4l2_controls_caps(const struct v4l2_controls *c, struct ttf_camera_caps *caps);
+
+/* Asks for settings, as far as they can be had. 0 or what the driver said. */
+TTF_MUST_USE int v4l2_controls_apply(const struct v4l2_controls *c,
+                                     const struct ttf_exposure *asked);
+
+/* What the driver says now; 0 in what cannot be set. */
+TTF_MUST_USE int v4l2_controls_read(const struct v4l2_controls *c, struct ttf_exposure *ret);
+
+#endif
