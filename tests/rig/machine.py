@@ -17,8 +17,8 @@ TRACE = re.compile(r"@(\d+\.\d+):pl061_set_output .*?setting output (\d+) to (\d
 class Machine:
     """Boots on entering, is killed on leaving."""
 
-    def __init__(self, rig, share, seconds=600):
-        self.rig, self.share, self.seconds = rig, share, seconds
+    def __init__(self, rig, share, seconds=600, devices=()):
+        self.rig, self.share, self.seconds, self.devices = rig, share, seconds, list(devices)
         self.folder = tempfile.mkdtemp(prefix="ttfbox-rig.")
         self.process = None
 
@@ -36,8 +36,9 @@ class Machine:
             "-fsdev", "local,id=s,path=%s,security_model=none,multidevs=remap" % self.share,
             "-device", "virtio-9p-pci,fsdev=s,mount_tag=share",
             "-device", "virtio-serial-pci", "-chardev", "socket,id=a,path=%s/agent,server=on,wait=off" % f,
-            "-device", "virtconsole,chardev=a", "-qmp", "unix:%s/monitor,server=on,wait=off" % f,
-            "-msg", "timestamp=on", "-d", "trace:pl061_set_output", "-D", f + "/trace"]
+            "-device", "virtconsole,chardev=a",
+            "-chardev", "socket,id=p,path=%s/port,server=on,wait=off" % f, "-device", "virtconsole,chardev=p", "-qmp", "unix:%s/monitor,server=on,wait=off" % f,
+            "-msg", "timestamp=on", "-d", "trace:pl061_set_output", "-D", f + "/trace"] + self.devices
         with open(f + "/qemu", "wb") as log:
             self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         try:
@@ -101,9 +102,22 @@ class Machine:
 
     def run(self, command, seconds=60):
         """In the guest: (exit code, output)."""
-        self.agent.sendall(command.replace("\n", "; ").encode() + b"\n")
+        self.begin(command.replace("\n", "; "))
+        return self.end(seconds)
+
+    def begin(self, command):
+        """In the guest, without waiting for its end."""
+        self.agent.sendall(command.encode() + b"\n")
+
+    def end(self, seconds=60):
+        """Of what began: (exit code, output)."""
         code = int(self.until(b"RC=", b"\n", seconds))
         return code, self.heard
+
+    def begin_with_port(self, command):
+        """The same; its standard input and output are the socket that is returned."""
+        self.begin("exec 3<>/dev/hvc1; stty raw -echo <&3; %s <&3 >&3" % command)
+        return self.connect("port")
 
     def word(self, address):
         """A word of the machine's memory, as nobody inside can colour it."""

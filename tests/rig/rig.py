@@ -9,12 +9,13 @@ import time
 import traceback
 
 import lamps
+import powercuts
 from machine import Machine
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 RIG = ROOT + "/build-rig"
-PROGRAMS = ["ttfbox-lampd", "lampd_child", "test_lines", "test_sysfs", "test_conformance_lampd"]
+PROGRAMS = ["ttfbox-lampd", "lampd_child", "capture_child", "test_lines", "test_sysfs", "test_conformance_lampd"]
 # What no machine here has; said, so that nobody takes silence for a pass.
 NOT_HERE = ["exposure control through a real camera driver", "a GPIO chip that is unplugged",
             "an edge of a real button or door", "a temperature of a real sensor"]
@@ -45,9 +46,18 @@ def build():
     return share
 
 
+def prepare():
+    """The system and the programs; where the guest finds them."""
+    subprocess.run(["bash", HERE + "/tree.sh", RIG + "/system"], check=True)
+    return build()
+
+
 def run(scenario, share):
     """None, or what went wrong."""
     try:
+        if scenario in powercuts.SCENARIOS:
+            scenario(RIG + "/system", share)
+            return None
         with Machine(RIG + "/system", share) as machine:
             scenario(machine)
         return None
@@ -59,13 +69,13 @@ def run(scenario, share):
 
 def main():
     words = sys.argv[1:]
-    scenarios = [s for s in lamps.SCENARIOS if not words or any(w in s.__name__ for w in words)]
+    every = lamps.SCENARIOS + powercuts.SCENARIOS
+    scenarios = [s for s in every if not words or any(w in s.__name__ for w in words)]
     if not scenarios:
         print("rig: no scenario has such a name; there are:", file=sys.stderr)
-        print("\n".join("  " + s.__name__ for s in lamps.SCENARIOS), file=sys.stderr)
+        print("\n".join("  " + s.__name__ for s in every), file=sys.stderr)
         return 2
-    subprocess.run(["bash", HERE + "/tree.sh", RIG + "/system"], check=True)
-    share = build()
+    share = prepare()
     failed = 0
     for scenario in scenarios:
         before = time.monotonic()

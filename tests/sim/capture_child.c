@@ -2,10 +2,11 @@
 /*
  * A capture that may be killed at any moment:
  *
- *   capture_child DATASET POWER_ON_NS SLOTS
+ *   capture_child DATASET POWER_ON_NS SLOTS [waits]
  *
  * Prints "INDEX ELAPSED_NS RESULT" once a slot is committed, and not before. Exits 0 when
- * the dataset is sealed.
+ * the dataset is sealed. waits: nothing more is committed before a byte has come from standard
+ * input for each line, so that whoever logs what the disk is told knows where the line belongs.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +15,8 @@
 #include "sim_run.h"
 #include "ttf/base/time.h"
 
+static bool waits;
+
 static void say(struct sim_run *run, const struct ttf_progress *progress)
 {
     if (progress->kind != TTF_PROGRESS_SLOT)
@@ -21,14 +24,17 @@ static void say(struct sim_run *run, const struct ttf_progress *progress)
     printf("%lld %lld %c\n", (long long)progress->index,
            (long long)ttf_sim_elapsed_ns(run->box, progress->now_ns), "cpmfzw"[progress->result]);
     fflush(stdout);
+    if (waits)
+        (void)getchar();
 }
 
 int main(int argc, char **argv)
 {
     static struct sim_run run;
 
-    if (argc != 4)
+    if (argc != 4 && (argc != 5 || strcmp(argv[4], "waits") != 0))
         return 2;
+    waits = argc == 5;
     sim_run_plain(&run);
     snprintf(run.path, sizeof(run.path), "%s", argv[1]);
     run.config.power_on_ns = strtoll(argv[2], NULL, 10);

@@ -249,6 +249,20 @@ static void frames_that_do_not_fit_are_refused(void **state)
     frame.format.width++;
     frame.format.stride = SIZE_MAX - 1;
     assert_int_equal(ttf_raw_sum_add(&sum, &frame), -EINVAL);
+    for (unsigned i = 0; i < 9; i++) { /* each alone would make the mean of it a lie */
+        frame.format = format;
+        frame.data = i == 0 ? NULL : codes;
+        frame.format.stride += i == 1; /* words at odd addresses */
+        frame.format.height -= i == 2;
+        frame.format.packing = i == 3 ? TTF_PACKING_GREY8 : format.packing;
+        frame.format.cfa = i == 4 ? TTF_CFA_BGGR : format.cfa;
+        frame.format.bits -= i == 5;
+        frame.format.black_level += i == 6;
+        frame.format.white_level -= i == 7;
+        if (ttf_raw_sum_add(&sum, &frame) != (i == 8 ? 0 : -EINVAL))
+            fail_msg("change %u", i);
+    }
+    assert_int_equal(sum.n, 1);
     ttf_raw_sum_free(&sum);
     other.packing = TTF_PACKING_NONE;
     assert_int_equal(ttf_raw_sum_init(&sum, &other), -ENOTSUP);
@@ -351,6 +365,14 @@ static void wrong_json_is_refused_by_field(void **state)
         {BEGIN "\"hot\":[-1,2]}", "'hot' holds a pixel outside"},
         {BEGIN "\"hot\":[1,4]}", "'hot' holds a pixel outside"},
         {BEGIN "\"hot\":[1,\"x\"]}", "'hot' holds no pairs"},
+        {BEGIN "\"hot\":[4,1]}", "'hot' holds a pixel outside"},
+        {BEGIN "\"hot\":[1,-2]}", "'hot' holds a pixel outside"},
+        {BEGIN "\"hot\":[1,2.5]}", "'hot' holds no pairs"},
+        {BEGIN "\"hot\":[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0]}",
+         "'hot' holds no pairs"}, /* 17 pixels of 16 */
+        {BEGIN "\"dark\":{\"frames\":65536}}", "'frames' is out of range"},
+        {BEGIN "\"flat\":{" SETTINGS ",\"reflectance\":-0.5,\"level\":1}}",
+         "'reflectance' is out of range"},
         {BEGIN "\"colour_matrix\":[1,2]}", "has not nine numbers"},
         {BEGIN "\"colour_matrix\":[1,0,0,0,\"x\",0,0,0,1]}",
          "'colour_matrix' is missing or no number"},

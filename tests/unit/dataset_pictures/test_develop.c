@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "scratch.h"
+#include "ttf/base/attr.h"
 #include "ttf/dataset/develop.h"
 #include "ttf/dataset/dng.h"
 #include "ttf/dataset/hash.h"
@@ -499,6 +500,82 @@ static void wrong_configurations_are_refused(void **state)
     ttf_calibration_free(&calibration);
 }
 
+static void regions_encodings_and_mosaics_that_cannot_be_are_refused(void **state)
+{
+    static const struct ttf_region outside[] = {
+        {0, 0, 8, 0},          {W, 0, 1, 1},         {0, H, 1, 1}, {0, 0, W + 1, 1},
+        {0, 0, 1, H + 1},      {1, 0, W, H},         {0, 1, W, H}, {UINT32_MAX, 0, 2, 2},
+        {0, UINT32_MAX, 2, 2}, {2, 2, UINT32_MAX, 2}};
+    static const struct ttf_encoding none[] = {{0, 0},        {0, -1},      {0, 2e9},  {0, NAN},
+                                               {-1, 60000.0}, {65536, 1.0}, {NAN, 1.0}};
+    struct ttf_develop *develop = NULL;
+    struct ttf_err err = {0};
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(outside); i++) {
+        struct ttf_develop_config config = {
+            .format = bayer(W, H, TTF_CFA_GRBG), .encoding = encoding, .region = outside[i]};
+
+        if (ttf_develop_create(&config, &develop, &err) != -EINVAL)
+            fail_msg("region %u", i);
+        assert_string_equal(err.where, "region");
+    }
+    for (unsigned i = 0; i < TTF_COUNT_OF(none); i++) {
+        struct ttf_develop_config config = {.format = bayer(W, H, TTF_CFA_GRBG),
+                                            .encoding = none[i]};
+
+        if (ttf_develop_create(&config, &develop, &err) != -EINVAL)
+            fail_msg("encoding %u", i);
+        assert_string_equal(err.where, "encoding");
+    }
+    for (uint32_t side = 3; side <= 4; side++) {
+        struct ttf_develop_config wide = {.format = bayer(8, side, TTF_CFA_RGGB),
+                                          .encoding = encoding};
+        struct ttf_develop_config high = {.format = bayer(side, 8, TTF_CFA_RGGB),
+                                          .encoding = encoding};
+
+        assert_int_equal(ttf_develop_create(&wide, &develop, &err), side < 4 ? -EINVAL : 0);
+        if (side == 4)
+            ttf_develop_destroy(develop);
+        assert_int_equal(ttf_develop_create(&high, &develop, &err), side < 4 ? -EINVAL : 0);
+        if (side == 4)
+            ttf_develop_destroy(develop);
+    }
+    assert_null(strstr(err.what, "region"));
+}
+
+/* What a camera sends after its mode was changed behind one's back must not be developed as if nothing were. */
+static void frames_of_another_format_are_refused(void **state)
+{
+    const struct ttf_frame_format format = bayer(W, H, TTF_CFA_GRBG);
+    const struct ttf_develop_config config = {.format = format, .encoding = encoding};
+    static const uint16_t codes[W * H];
+    struct ttf_develop *develop = NULL;
+    struct ttf_pixbuf out = {0};
+    struct ttf_err err = {0};
+    struct ttf_raw_sum sum;
+
+    assert_int_equal(ttf_develop_create(&config, &develop, &err), 0);
+    assert_int_equal(ttf_pixbuf_alloc(&out, W, H, 3, TTF_SAMPLE_U16), 0);
+    sum_of(&sum, &format, codes, sizeof(codes), 1);
+    for (unsigned i = 0; i < 9; i++) {
+        struct ttf_raw_sum other = sum;
+
+        other.format.width -= i == 0;
+        other.format.height -= i == 1;
+        other.format.cfa = i == 2 ? TTF_CFA_RGGB : format.cfa;
+        other.format.packing = i == 3 ? TTF_PACKING_RAW10P : format.packing;
+        other.format.black_level += i == 4;
+        other.format.white_level -= i == 5;
+        other.samples = i == 6 ? 3 : other.samples;
+        other.n = i == 7 ? 0 : 1;
+        if (ttf_develop_run(develop, &other, NULL, &out, NULL, &err) != (i == 8 ? 0 : -EINVAL))
+            fail_msg("change %u", i);
+    }
+    ttf_raw_sum_free(&sum);
+    ttf_pixbuf_free(&out);
+    ttf_develop_destroy(develop);
+}
+
 /* A frame that needs every step, and the checksum that every compiler and machine must come to. */
 static void the_bits_are_those_of_every_machine(void **state)
 {
@@ -594,6 +671,8 @@ int main(void)
         cmocka_unit_test(finished_pictures_are_taken_as_srgb),
         cmocka_unit_test(a_sharper_picture_has_more_sharpness),
         cmocka_unit_test(wrong_configurations_are_refused),
+        cmocka_unit_test(regions_encodings_and_mosaics_that_cannot_be_are_refused),
+        cmocka_unit_test(frames_of_another_format_are_refused),
         cmocka_unit_test(the_bits_are_those_of_every_machine),
         cmocka_unit_test_setup_teardown(a_dng_develops_to_the_same_picture, scratch_make,
                                         scratch_remove),

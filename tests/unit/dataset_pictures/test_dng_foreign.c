@@ -129,7 +129,8 @@ static void a_pattern_of_blacks_becomes_one(void **state)
 static void the_active_area_is_cut_out_if_it_lies_inside(void **state)
 {
     static const uint32_t inside[4] = {0, 1, 2, 3}, outside[4] = {0, 0, 3, 4},
-                          none[4] = {1, 1, 1, 1};
+                          none[4] = {1, 1, 1, 1},
+                          strange[][4] = {{0, 3, 2, 3}, {0, 0, 2, 5}, {2, 0, 1, 4}, {0, 4, 2, 1}};
     const struct tag area = {50829, 4, 4, TABLE};
     struct ttf_raw_sum sum = read_ok(file_with(state, area, area, inside));
 
@@ -141,6 +142,29 @@ static void the_active_area_is_cut_out_if_it_lies_inside(void **state)
     ttf_raw_sum_free(&sum);
     sum = read_ok(file_with(state, area, area, none));
     assert_int_equal(sum.format.width, 4);
+    ttf_raw_sum_free(&sum);
+    for (unsigned i = 0; i < TTF_COUNT_OF(strange); i++) {
+        sum = read_ok(file_with(state, area, area, strange[i]));
+        assert_true(sum.format.width == 4 && sum.format.height == 2);
+        ttf_raw_sum_free(&sum);
+    }
+}
+
+/* Black levels in a grid that cannot be, or of values that cannot be: 0, and never a code below 0. */
+static void blacks_that_cannot_be_are_none(void **state)
+{
+    static const uint32_t grids[] = {0x00010000, 0x00000001, 0x00010009, 0x00090001};
+    static const uint32_t too_dark[4] = {70000, 1, 0, 0};
+    struct ttf_raw_sum sum;
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(grids); i++) {
+        sum = read_ok(file_with(state, (struct tag){50713, 3, 2, grids[i]}, good[0], NULL));
+        assert_int_equal(sum.format.black_level, 64); /* the one level there is */
+        ttf_raw_sum_free(&sum);
+    }
+    sum = read_ok(file_with(state, (struct tag){50714, 5, 1, TABLE}, good[0], too_dark));
+    assert_int_equal(sum.format.black_level, 0);
+    assert_int_equal(sum.sum[0], 100);
     ttf_raw_sum_free(&sum);
 }
 
@@ -168,6 +192,8 @@ static void mosaics_that_are_not_read_say_so(void **state)
         {339, 3, 1, 3},            /* floats */
         {259, 3, 1, 8},            /* deflated */
         {33421, 3, 2, 0x00060006}, /* a pattern of 6 x 6 */
+        {33421, 3, 2, 0x00020004}, /* of 4 x 2 */
+        {33421, 3, 2, 0x00040002}, /* of 2 x 4 */
         {33421, 3, 2, NO},
         {33422, 1, 4, 0x02010101}, /* of two reds */
         {33422, 1, 3, 0x00010100}, /* of three */
@@ -196,7 +222,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         T(a_mosaic_is_read_with_its_levels), T(levels_that_cannot_be_are_those_of_the_bits),
         T(a_pattern_of_blacks_becomes_one),  T(the_active_area_is_cut_out_if_it_lies_inside),
-        T(a_table_makes_codes_linear),       T(mosaics_that_are_not_read_say_so),
+        T(blacks_that_cannot_be_are_none),   T(a_table_makes_codes_linear),
+        T(mosaics_that_are_not_read_say_so),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -15,6 +15,7 @@
 #include "jpeg_encoder.h"
 #include "lossless_jpeg.h"
 #include "scratch.h"
+#include "ttf/base/attr.h"
 #include "ttf/dataset/dng.h"
 
 #define W    61
@@ -103,6 +104,86 @@ static void broken_files_do_not_crash(void **state)
         assert_true(r == 0 || r == -TTF_EDAMAGED || r == -ENOTSUP || r == -ENOSPC);
     }
     free(copy);
+}
+
+#define SOI "\xff\xd8"
+#define TABLE \
+    "\xff\xc4\0\x14\0\1\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0" /* one code, "0": no difference */
+#define FRAME   "\xff\xc3\0\x0b\x8\0\2\0\x8\1\1\x11\0"   /* 8 bits, 8 x 2, one component */
+#define SCAN    "\xff\xda\0\x8\1\1\0\1\0\0"
+#define NOTHING "\0\0\0\0\0\0"
+
+/* A file of 16 equal samples, segment by segment, and what is wrong with each of its neighbours. */
+static void each_segment_that_cannot_be_is_refused(void **state)
+{
+#define FILE_OF(...) __VA_ARGS__, sizeof(__VA_ARGS__) - 1
+    static const struct {
+        const char *data;
+        size_t n;
+        int code;
+    } cases[] = {
+        {FILE_OF(SOI TABLE FRAME SCAN NOTHING), 0},
+        {FILE_OF(SOI "\xff\xe0\0\4ab" TABLE FRAME SCAN NOTHING), 0}, /* somebody's own segment */
+        {FILE_OF(SOI "\xff\xc8\0\2" TABLE FRAME SCAN NOTHING), 0},   /* reserved */
+        {FILE_OF(SOI "\xff\xdd\0\2" TABLE FRAME SCAN NOTHING), 0},   /* no interval in it */
+        {FILE_OF(SOI "\xff\xdd\0\4\0\0" TABLE FRAME SCAN NOTHING), 0},
+        {FILE_OF("\xff\xd9" TABLE FRAME SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI "\xfe\xc4\0\2" TABLE FRAME SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI "\xff\xe0\0\1" TABLE FRAME SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI "\xff\xe0\xff\xff" TABLE FRAME SCAN NOTHING), -TTF_EDAMAGED},
+        /* tables: a piece of one, an unknown one, three codes of one bit, a category beyond 16, too many */
+        {FILE_OF(SOI "\xff\xc4\0\5abc" FRAME SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI "\xff\xc4\0\x14\4\1\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0" FRAME SCAN NOTHING),
+         -TTF_EDAMAGED},
+        {FILE_OF(SOI "\xff\xc4\0\x16\0\3\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\1\2" FRAME SCAN NOTHING),
+         -TTF_EDAMAGED},
+        {FILE_OF(SOI "\xff\xc4\0\x14\0\1\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x11" FRAME SCAN NOTHING),
+         -TTF_EDAMAGED},
+        {FILE_OF(SOI "\xff\xc4\0\x13\0\0\0\0\0\0\x12\0\0\0\0\0\0\0\0\0\0" FRAME SCAN NOTHING),
+         -TTF_EDAMAGED},
+        /* frames: two, too short, bits, components, sides, subsampled */
+        {FILE_OF(SOI TABLE FRAME FRAME SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE "\xff\xc3\0\5\x8\0\2" SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE "\xff\xc3\0\x0b\1\0\2\0\x8\1\1\x11\0" SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE "\xff\xc3\0\x0b\x11\0\2\0\x8\1\1\x11\0" SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE "\xff\xc3\0\x0b\x8\0\2\0\x8\0\1\x11\0" SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE "\xff\xc3\0\x0b\x8\0\2\0\x8\5\1\x11\0" SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE "\xff\xc3\0\x0b\x8\0\2\0\x8\2\1\x11\0" SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE "\xff\xc3\0\x0b\x8\0\0\0\x8\1\1\x11\0" SCAN NOTHING), -ENOTSUP},
+        {FILE_OF(SOI TABLE "\xff\xc3\0\x0b\x8\0\2\0\0\1\1\x11\0" SCAN NOTHING), -ENOTSUP},
+        {FILE_OF(SOI TABLE "\xff\xc3\0\x0b\x8\0\2\0\x8\1\1\x21\0" SCAN NOTHING), -ENOTSUP},
+        {FILE_OF(SOI TABLE "\xff\xcb\0\2" FRAME SCAN NOTHING), -ENOTSUP}, /* arithmetic */
+        /* scans: before the frame, empty, of fewer components, too short, of others, without a table */
+        {FILE_OF(SOI TABLE SCAN NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE FRAME "\xff\xda\0\2" NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE FRAME "\xff\xda\0\x8\2\1\0\1\0\0" NOTHING), -ENOTSUP},
+        {FILE_OF(SOI TABLE FRAME "\xff\xda\0\5\1\1\0" NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE FRAME "\xff\xda\0\x8\1\2\0\1\0\0" NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE FRAME "\xff\xda\0\x8\1\1\x40\1\0\0" NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI FRAME SCAN NOTHING), -TTF_EDAMAGED},
+        /* predictors 0 and 8, a shift of all the bits */
+        {FILE_OF(SOI TABLE FRAME "\xff\xda\0\x8\1\1\0\0\0\0" NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE FRAME "\xff\xda\0\x8\1\1\0\x8\0\0" NOTHING), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE FRAME "\xff\xda\0\x8\1\1\0\1\0\x8" NOTHING), -TTF_EDAMAGED},
+        /* restarts: amid a row, none where one is due, another marker there */
+        {FILE_OF(SOI TABLE FRAME "\xff\xdd\0\4\0\3" SCAN NOTHING), -ENOTSUP},
+        {FILE_OF(SOI TABLE FRAME "\xff\xdd\0\4\0\x8" SCAN "\0\xff\xd0\0"), 0},
+        {FILE_OF(SOI TABLE FRAME "\xff\xdd\0\4\0\x8" SCAN "\0\0"), -TTF_EDAMAGED},
+        {FILE_OF(SOI TABLE FRAME "\xff\xdd\0\4\0\x8" SCAN "\0\xff\xd9\0"), -TTF_EDAMAGED},
+        /* bits that are no code */
+        {FILE_OF(SOI TABLE FRAME SCAN "\xff\0\xff\0\xff\0"), -TTF_EDAMAGED},
+    };
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(cases); i++) {
+        struct lossless_jpeg_info info = {0};
+        int r =
+            lossless_jpeg_decode((const uint8_t *)cases[i].data, cases[i].n, decoded, ROOM, &info);
+
+        if (r != cases[i].code)
+            fail_msg("case %u: %d, not %d", i, r, cases[i].code);
+        for (unsigned k = 0; r == 0 && k < 16; k++)
+            assert_int_equal(decoded[k], 128); /* where prediction begins */
+    }
 }
 
 static void lossy_jpeg_is_told_apart(void **state)
@@ -202,6 +283,7 @@ int main(void)
         cmocka_unit_test(every_predictor_width_and_component_count_comes_back),
         cmocka_unit_test(cut_files_are_damage_and_never_more_is_written),
         cmocka_unit_test(broken_files_do_not_crash),
+        cmocka_unit_test(each_segment_that_cannot_be_is_refused),
         cmocka_unit_test(lossy_jpeg_is_told_apart),
         cmocka_unit_test_setup_teardown(a_tiled_dng_of_another_program_is_read, scratch_make,
                                         scratch_remove),

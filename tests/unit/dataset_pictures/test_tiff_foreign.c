@@ -429,6 +429,48 @@ static void a_boasting_header_is_refused(void **state)
                 0);
 }
 
+static struct ttf_tiff_info info_of_date(void **state, const char *date)
+{
+    const char *path = scratch_path(state, "date.tif");
+    TIFF *tiff = TIFFOpen(path, "w");
+    struct ttf_tiff_reader *reader = NULL;
+    struct ttf_tiff_info info;
+    uint8_t pixel = 0;
+
+    assert_non_null(tiff);
+    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 1);
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 1);
+    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 8);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    TIFFSetField(tiff, TIFFTAG_DATETIME, date);
+    assert_int_equal(TIFFWriteEncodedStrip(tiff, 0, &pixel, 1), 1);
+    TIFFClose(tiff);
+    assert_int_equal(ttf_tiff_reader_open(ttf_io_posix(), path, &reader, NULL), 0);
+    info = *ttf_tiff_reader_info(reader);
+    ttf_tiff_reader_close(reader);
+    return info;
+}
+
+static void dates_that_are_none_are_not_known(void **state)
+{
+    static const char *const none[] = {
+        "2026:00:01 00:00:00", "2026:13:01 00:00:00", "2026:01:00 00:00:00",
+        "2026:01:32 00:00:00", "2026:01:01 24:00:00", "2026:01:01 00:60:00",
+        "2026:01:01 00:00:61", "0000:01:01 00:00:00", "2026:01:01 -1:00:00",
+        "2026:01:01 00:-1:00", "2026:01:01 00:00:-1", "2026:-1:01 00:00:00",
+        "2026:01:-1 00:00:00", "2026-01-01T00:00:00", "2026:01:01 00:00:0",
+        "yesterday at noon..."};
+
+    for (unsigned i = 0; i < sizeof(none) / sizeof(*none); i++)
+        if (info_of_date(state, none[i]).times.start_utc_ns != TTF_NS_UNKNOWN)
+            fail_msg("%s", none[i]);
+    assert_true(info_of_date(state, "1970:01:02 00:00:03").times.start_utc_ns ==
+                TTF_NS_PER_DAY + 3 * TTF_NS_PER_S);
+    assert_true(info_of_date(state, "1968:02:29 00:00:00").times.start_utc_ns ==
+                -672 * TTF_NS_PER_DAY);
+    assert_false(info_of_date(state, "1970:01:02 00:00:03").zone_known);
+}
+
 static void what_is_no_tiff_is_told_so(void **state)
 {
     struct ttf_tiff_reader *reader = NULL;
@@ -495,6 +537,8 @@ int main(void)
                                         scratch_remove),
         cmocka_unit_test_setup_teardown(a_boasting_header_is_refused, scratch_make, scratch_remove),
         cmocka_unit_test_setup_teardown(what_is_no_tiff_is_told_so, scratch_make, scratch_remove),
+        cmocka_unit_test_setup_teardown(dates_that_are_none_are_not_known, scratch_make,
+                                        scratch_remove),
         cmocka_unit_test_setup_teardown(a_full_disk_is_reported_at_whatever_write, scratch_make,
                                         scratch_remove),
     };

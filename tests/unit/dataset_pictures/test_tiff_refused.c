@@ -108,6 +108,10 @@ static void each_tag_that_is_not_read_is_told(void **state)
         {{TAG_COMPRESSION, 3, 60000}, {TAG_PLANAR, 3, 1}, -ENOTSUP, "compression"},
         {{TAG_PHOTOMETRIC, 3, 6}, {TAG_SAMPLES, 3, 3}, -ENOTSUP, "YCbCr"},
         {{TAG_PHOTOMETRIC, 3, 8}, {TAG_SAMPLES, 3, 3}, -ENOTSUP, "photometric"},
+        {{TAG_PHOTOMETRIC, 3, 6}, {TAG_COMPRESSION, 3, 7}, -TTF_EDAMAGED, ""},
+        {{TAG_SAMPLES, 3, 0}, {TAG_PLANAR, 3, 1}, -TTF_EDAMAGED, ""},
+        {{TAG_BITS, 3, 0}, {TAG_PLANAR, 3, 1}, -TTF_EDAMAGED, ""},
+        {{TAG_ROWS, 4, 0}, {TAG_PLANAR, 3, 1}, -TTF_EDAMAGED, ""},
         {{TAG_OFFSETS, 4, 100000}, {TAG_PLANAR, 3, 1}, -TTF_EDAMAGED, ""},
         {{TAG_OFFSETS, 4, UINT32_MAX}, {TAG_PLANAR, 3, 1}, -TTF_EDAMAGED, ""},
     };

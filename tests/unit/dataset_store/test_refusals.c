@@ -380,6 +380,47 @@ static void json_that_cannot_be_is_not_written(void **state)
     ttf_json_free(&json);
 }
 
+/* A title that a person's editor wrote in another encoding must not make a dataset unreadable. */
+static void text_that_is_no_utf8_becomes_text_that_is(void **state)
+{
+    static const char *const good[] = {"a",
+                                       "\xc2\x80",
+                                       "\xdf\xbf",
+                                       "\xe0\xa0\x80",
+                                       "\xed\x9f\xbf",
+                                       "\xee\x80\x80",
+                                       "\xf0\x90\x80\x80",
+                                       "\xf4\x8f\xbf\xbf",
+                                       "\xf1\x80\x80\x80"};
+    static const char *const bad[] = {"\x80",         "\xc1\xbf",         "\xc2",
+                                      "\xc2q",        "\xe0\x9f\xbf",     "\xe1\x80",
+                                      "\xed\xa0\x80", "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80",
+                                      "\xf5\x80",     "\xe1\x80\xc0",     "\xf1\x80\x80\x7f"};
+    struct ttf_json json;
+    const char *text;
+    size_t n;
+
+    ttf_json_init(&json, false);
+    for (unsigned i = 0; i < TTF_COUNT_OF(good) + TTF_COUNT_OF(bad); i++) {
+        bool whole = i < TTF_COUNT_OF(good);
+        const char *value = whole ? good[i] : bad[i - TTF_COUNT_OF(good)];
+        json_t *back;
+
+        ttf_json_again(&json, false);
+        ttf_json_array(&json);
+        ttf_json_string(&json, value);
+        ttf_json_array_end(&json);
+        assert_int_equal(ttf_json_finish(&json, &text, &n), 0);
+        back = json_loadb(text, n, 0, NULL); /* refuses what is no UTF-8 */
+        if (!back)
+            fail_msg("text %u: %s", i, text);
+        if (whole != (strcmp(json_string_value(json_array_get(back, 0)), value) == 0))
+            fail_msg("text %u came back as %s", i, text);
+        json_decref(back);
+    }
+    ttf_json_free(&json);
+}
+
 static void json_that_could_be_read_in_two_ways_is_none(void **state)
 {
     json_error_t where;
@@ -492,6 +533,7 @@ int main(void)
         T(a_note_that_says_nothing_or_too_much_is_refused),
         T(json_that_cannot_be_is_not_written),
         T(json_that_could_be_read_in_two_ways_is_none),
+        T(text_that_is_no_utf8_becomes_text_that_is),
         T(what_is_done_while_hashing_is_done),
         T(a_file_that_is_not_open_or_not_there_is_told_as_such),
     };

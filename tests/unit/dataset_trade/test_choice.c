@@ -315,6 +315,60 @@ static void notes_are_read_and_what_no_one_understands_is_told(void **state)
     ttf_verify_report_free(&report);
 }
 
+/* Each alone in its file: a good note, and a line that nobody can use. */
+static void a_note_that_says_nothing_sure_is_told_and_excludes_nothing(void **state)
+{
+    static const char *const bad[] = {"7",
+                                      "[]",
+                                      "{\"slots\":[[1,2,3]],\"tags\":[\"exclude\"]}",
+                                      "{\"slots\":[[1,\"2\"]]}",
+                                      "{\"slots\":[[1.5,2]]}",
+                                      "{\"slots\":[3]}",
+                                      "{\"slots\":7}",
+                                      "{\"tags\":[7]}",
+                                      "{\"tags\":\"exclude\"}"};
+    const char *path = bracketed(state, 1);
+
+    for (unsigned i = 0; i < sizeof(bad) / sizeof(*bad); i++) {
+        struct seen seen = {0};
+        const struct ttf_note_visitor visitor = {see_note, see_wrong, &seen};
+        char text[256];
+
+        snprintf(text, sizeof(text), "%s\n{\"text\":\"good\"}\n", bad[i]);
+        write_bytes(in_folder(state, "data/notes.jsonl"), text, strlen(text));
+        assert_int_equal(ttf_notes_read(ttf_io_posix(), path, &visitor, NULL), 0);
+        if (seen.wrong != 1 || seen.wrong_line != 1 || seen.notes != 1)
+            fail_msg("%s: %u wrong, %u notes", bad[i], seen.wrong, seen.notes);
+        assert_string_equal(seen.last.text, "good");
+    }
+}
+
+static void a_note_of_more_than_a_note_holds_is_told(void **state)
+{
+    const char *path = bracketed(state, 1);
+
+    for (unsigned tags = 0; tags <= 1; tags++) {
+        struct seen seen = {0};
+        const struct ttf_note_visitor visitor = {see_note, see_wrong, &seen};
+        unsigned n = tags ? TTF_NOTE_TAGS_MAX : TTF_NOTE_SLOTS_MAX;
+        const char *one = tags ? "\"mine\"" : "[1,2]";
+        size_t size = 64 + (size_t)(n + 1) * (strlen(one) + 1);
+        char *text = malloc(size);
+        size_t used;
+
+        if (!text)
+            fail_msg("no memory");
+        used = (size_t)snprintf(text, size, "{\"%s\":[%s", tags ? "tags" : "slots", one);
+        for (unsigned i = 0; i < n; i++) /* one more than fits */
+            used += (size_t)snprintf(text + used, size - used, ",%s", one);
+        (void)snprintf(text + used, size - used, "]}\n");
+        write_bytes(in_folder(state, "data/notes.jsonl"), text, strlen(text));
+        free(text);
+        assert_int_equal(ttf_notes_read(ttf_io_posix(), path, &visitor, NULL), 0);
+        assert_true(seen.wrong == 1 && seen.notes == 0);
+    }
+}
+
 static void samples_are_read_or_refused_by_what_is_wrong(void **state)
 {
     static const char good[] =
@@ -356,6 +410,8 @@ int main(void)
         IN_FOLDER(a_stream_that_never_changes_has_a_range_too),
         IN_FOLDER(arrays_and_tiffs_of_floats_hold_the_values),
         IN_FOLDER(notes_are_read_and_what_no_one_understands_is_told),
+        IN_FOLDER(a_note_that_says_nothing_sure_is_told_and_excludes_nothing),
+        IN_FOLDER(a_note_of_more_than_a_note_holds_is_told),
         IN_FOLDER(samples_are_read_or_refused_by_what_is_wrong),
     };
 

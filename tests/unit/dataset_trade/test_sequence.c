@@ -61,6 +61,10 @@ static void of_a_bracket_the_reference_is_read_and_holes_are_left_out(void **sta
     assert_memory_equal(rows, ttf_pixbuf_row(&b, 77), sizeof(rows));
     assert_int_equal(ttf_sequence_read_rows(sequence, 2, 0, 1, rows, NULL), -EINVAL);
     assert_int_equal(ttf_sequence_read_rows(sequence, 0, H, 1, rows, NULL), -EINVAL);
+    assert_int_equal(ttf_sequence_read_rows(sequence, 0, H + 1, 0, rows, NULL), -EINVAL);
+    assert_int_equal(ttf_sequence_read_rows(sequence, 0, 0, H + 1, rows, NULL), -EINVAL);
+    assert_int_equal(ttf_sequence_read_rows(sequence, 0, 1, UINT32_MAX, rows, NULL), -EINVAL);
+    assert_int_equal(ttf_sequence_read_rows(sequence, 0, H, 0, rows, NULL), 0);
     ttf_sequence_destroy(sequence);
     ttf_reader_close(reader);
     ttf_pixbuf_free(&a);
