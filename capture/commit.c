@@ -168,6 +168,19 @@ static void open_for_slot(struct ttf_committer *c, const struct ttf_slot_record 
         return; /* the files' own tries go on from there */
 }
 
+/* Of a bracket the image at the plan's exposure; and none that is told to be unlike the others. */
+static void watch_focus(struct ttf_committer *c, unsigned shot, const struct ttf_image *image)
+{
+    double fall;
+
+    if ((image->bracket >= 0 && image->relative_exposure != 1.0) || image->flags[0] != 0)
+        return;
+    if (ttf_focus_watch_look(&c->focus[shot], image->sharpness, &fall))
+        ttf_events_emit(c->events, "focus",
+                        "stream %s has lost %.0f %% of its sharpness: look at lens and sample",
+                        image->stream, 100 * fall);
+}
+
 static void do_image(struct ttf_committer *c, struct ttf_job *job)
 {
     if (c->busy_since_ns == TTF_NS_UNKNOWN)
@@ -179,6 +192,7 @@ static void do_image(struct ttf_committer *c, struct ttf_job *job)
             (void)ttf_committer_catch_up(c,
                                          NULL); /* the image itself will tell whether it helped */
         print_image(c, job);
+        watch_focus(c, job->shot, &job->slot->record.images[job->image]);
         if (c->rehearsal)
             ttf_rehearsal_image(c->rehearsal, job->shot, job->raw,
                                 &job->slot->record.images[job->image]);

@@ -3,6 +3,7 @@
 #ifndef TTF_CAPTURE_PRIVATE_SESSION_H
 #define TTF_CAPTURE_PRIVATE_SESSION_H
 
+#include "climate_watch.h"
 #include "commit.h"
 #include "lamp_programme.h"
 #include "resume.h"
@@ -53,6 +54,7 @@ struct ttf_session {
     int64_t first_settle_ns;  /* before the first slot's lead: lamps that settle once */
     int64_t lamps_changed_ns; /* the last command that changed a level */
     bool sensor_silent[TTF_SENSORS_MAX];
+    struct ttf_climate_watch climate;
     bool trouble; /* in the last slot: the warning light */
 };
 

@@ -248,6 +248,17 @@ static int take_shot(struct shooting *g, int64_t submit_ns, int64_t due_ns)
     return 0;
 }
 
+/* What the readings of one moment mean together. */
+static void watch_climate(struct ttf_session *s, const struct ttf_reading *readings, unsigned n)
+{
+    enum ttf_climate_news news;
+    char text[192];
+
+    while ((news = ttf_climate_watch_look(&s->climate, readings, n, text, sizeof(text))) !=
+           TTF_CLIMATE_NOTHING)
+        ttf_events_emit(&s->events, news == TTF_CLIMATE_DEW ? "dew" : "supply", "%s", text);
+}
+
 static void read_sensors(struct ttf_session *s, struct ttf_slot_record *record)
 {
     struct ttf_reading readings[TTF_SENSORS_MAX];
@@ -267,6 +278,8 @@ static void read_sensors(struct ttf_session *s, struct ttf_slot_record *record)
                             readings[i].name);
         s->sensor_silent[i] = !readings[i].ok;
     }
+    if (n > 0)
+        watch_climate(s, readings, (unsigned)n);
 }
 
 /* Why a slot cannot even begin, or NULL. */

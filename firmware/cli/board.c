@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* board.c: which board, found where, changed how. */
 #include <errno.h>
-#include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli.h"
-#include "ttf/dataset/hash.h"
+#include "commands.h"
+#include "run.h"
 #include "ttf/hal/clock.h"
 #include "ttf/hal/sim.h"
 
@@ -78,38 +79,23 @@ int cli_load_board(struct cli *cli, struct ttf_board *ret)
     return r;
 }
 
-static void add(char *text, size_t size, const char *key, const char *equals, const char *value)
-{
-    size_t n = strlen(text);
-
-    (void)snprintf(text + n, size - n, ", %s%s%s", key, equals, value);
-}
-
 void cli_describe_board(struct cli *cli, const struct ttf_board *board, char ret[256])
 {
-    char text[4096];
-    char hex[65] = "";
-    char seed[32];
-    struct ttf_sha256 hash;
+    const struct run_choices choices = {.scene = cli->opt.scene,
+                                        .sets = cli->opt.sets,
+                                        .n_sets = cli->opt.n_sets,
+                                        .has_seed = cli->opt.has_seed};
 
-    if (ttf_sha256_file(cli->io, board->path, NULL, hex, NULL) < 0)
-        hex[0] = '\0';
-    (void)snprintf(text, sizeof text, "%s, board.yaml %.8s", board->name, hex);
-    if (cli->opt.scene)
-        add(text, sizeof text, "scene", " ", cli->opt.scene);
-    for (unsigned i = 0; i < cli->opt.n_sets; i++)
-        add(text, sizeof text, cli->opt.sets[i].path, "=", cli->opt.sets[i].value);
-    (void)snprintf(seed, sizeof seed, "%" PRIu64, board->sim.seed);
-    if (cli->opt.has_seed)
-        add(text, sizeof text, "seed", " ", seed);
-    if (strlen(text) < 256) {
-        (void)snprintf(ret, 256, "%s", text);
-        return;
-    }
-    ttf_sha256_init(&hash);
-    ttf_sha256_add(&hash, text, strlen(text));
-    ttf_sha256_hex(&hash, hex);
-    (void)snprintf(ret, 256, "%.230s..., all %.8s", text, hex);
+    run_describe(cli->io, board, &choices, ret);
+}
+
+int cli_own_box(struct cli *cli, const struct ttf_board *board, struct box_lock *ret)
+{
+    char who[256];
+
+    (void)snprintf(who, sizeof who, "ttfbox %s, process %d, into %.150s", cli->command->name,
+                   (int)getpid(), cli->opt.output);
+    return box_lock_take(board->lock, who, false, ret, &cli->err);
 }
 
 int64_t cli_now_ns(void *clock)

@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "lock.h"
 #include "options.h"
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
@@ -65,9 +66,6 @@ void cli_progress_end(struct cli_progress *p);
 void cli_stop_catch(void);
 const volatile int *cli_stop_flag(void);
 
-/* The exit code that a negative errno stands for. */
-int cli_exit_code(int error);
-
 /* ---- what many commands need ---- */
 
 /* -EINVAL with the hint if the option was not given. */
@@ -97,11 +95,11 @@ const char *const *cli_board_folders(void);
 /* Reads the board that --board, --set, --scene and --seed describe. */
 int cli_load_board(struct cli *cli, struct ttf_board *ret);
 
-/*
- * The same in words, for a box made from it: the board's name and the beginning of its file's sha256, then what
- * was said otherwise. What is too long for ret is cut, with the beginning of the whole text's sha256 at its end.
- */
+/* The same in words, with what was said otherwise (run_describe). */
 void cli_describe_board(struct cli *cli, const struct ttf_board *board, char ret[256]);
+
+/* The board's box is this command's until box_lock_drop. -EBUSY, saying who owns it. */
+int cli_own_box(struct cli *cli, const struct ttf_board *board, struct box_lock *ret);
 
 /* Now on the clock given (a struct ttf_clock), in the shape that reports of times want. */
 int64_t cli_now_ns(void *clock);

@@ -150,6 +150,7 @@ static int calibrate(struct cli *cli, bool flat)
 {
     struct guided *g = calloc(1, sizeof *g);
     struct ttf_board *board = calloc(1, sizeof *board);
+    struct box_lock lock = {-1};
     int r = -ENOMEM;
 
     if (!g || !board)
@@ -159,6 +160,8 @@ static int calibrate(struct cli *cli, bool flat)
         r = open_folder(cli, g, flat);
     if (r == 0)
         r = cli_load_board(cli, board);
+    if (r == 0)
+        r = cli_own_box(cli, board, &lock);
     if (r == 0)
         r = box_create(board, cli->io, NULL, &g->box, &cli->err);
     if (r == 0)
@@ -174,6 +177,7 @@ out:
         ttf_box_destroy(&g->box);
         ttf_calibration_free(&g->calibration);
     }
+    box_lock_drop(&lock);
     free(g);
     free(board);
     return r;

@@ -6,31 +6,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "box.h"
 #include "capture_script.h"
 #include "commands.h"
-#include "sim_boot.h"
+#include "run.h"
 #include "ttf/capture/disk_budget.h"
 #include "ttf/capture/session.h"
-#include "ttf/config/plan_file.h"
-#include "ttf/dataset/reader.h"
-
-/* A simulated box that loses power more often than this in one run is set up wrongly. */
-#define BOOTS_MAX 1000
 
 struct capture {
     struct cli *cli;
     struct ttf_board board;
-    struct ttf_plan_file *file;
-    struct ttf_session_result result;
+    struct run run;
+    struct box_lock lock;
     struct cli_progress bar;
     struct capture_script *script; /* NULL: none */
     unsigned unheard;              /* of its lines */
-    char path[4096];               /* of the dataset: as given, or in the second storage */
-    unsigned events, boots;
-    bool resuming, exists;
-    int64_t next_index; /* the first slot without a record */
-    char digest[65];    /* of what was sealed before; empty if nothing was */
+    char path[4096];               /* of the dataset that the run went on in */
+    unsigned events;
 };
 
 static void on_progress(void *ctx, const struct ttf_progress *p)
@@ -57,124 +48,22 @@ static void on_progress(void *ctx, const struct ttf_progress *p)
                     text);
 }
 
-/* One boot of the box: devices, plan against them, the session until it ends. */
-static int one_boot(struct capture *c, int64_t *ret_back_ns)
-{
-    struct cli *cli = c->cli;
-    struct ttf_box box = {0};
-    struct ttf_plan_figures figures;
-    struct box_disk disk = {0};
-    struct ttf_utc utc;
-    int r = box_create(&c->board, cli->io, NULL, &box, &cli->err);
-
-    if (r == 0)
-        r = box_configure(&c->board, &box, &cli->err);
-    if (r < 0)
-        goto out;
-    cli_describe_board(cli, &c->board, box.description);
-    ttf_clock_utc(box.clock, &utc);
-    r = ttf_plan_file_resolve(c->file, utc.utc_ns, &cli->err);
-    /* What has begun may go on long after its start, and a rehearsal does not wait for it. */
-    if (r == 0 && c->boots == 1 && !c->exists && !cli->opt.rehearse)
-        r = ttf_plan_file_check_start(c->file, &utc, &cli->err);
-    if (r == 0)
-        r = ttf_plan_check(ttf_plan_file_plan(c->file), &box, &figures, &cli->err);
-    if (r < 0) {
-        ttf_plan_file_place(c->file, &cli->err);
-        goto out;
-    }
-    r = box_disk_create(&disk, cli->io, &box, ttf_plan_file_plan(c->file)->second_storage);
-    if (r < 0) {
-        ttf_err_set(&cli->err, r, NULL, "no memory");
-        goto out;
-    }
-    struct ttf_session_config config = {
-        .box = &box,
-        .io = disk.io,
-        .path = cli->opt.output,
-        .plan = ttf_plan_file_plan(c->file),
-        .plan_yaml = ttf_plan_file_text(c->file),
-        .calibration_folder = cli->opt.calibration,
-        .threads = (unsigned)cli->opt.threads,
-        .progress = on_progress,
-        .progress_ctx = c,
-        .stop = cli_stop_flag(),
-        .control = c->script ? capture_script_control(c->script) : NULL,
-        .plan_as_given = cli->opt.as_given,
-        .rehearse = cli->opt.rehearse,
-        .skip_speed_check = cli->opt.no_speed_check,
-    };
-
-    r = ttf_session_run(&config, &c->result, &cli->err);
-    if (r < 0 && strcmp(cli->err.where, "storage.second") == 0)
-        r = -EINVAL; /* whatever is the matter with the folder: the plan names it */
-    if (r == -EINVAL)
-        ttf_plan_file_place(c->file, &cli->err);
-    if (r == -ESHUTDOWN)
-        *ret_back_ns = ttf_sim_back_ns(&box);
-out:
-    box_disk_destroy(&disk);
-    ttf_box_destroy(&box);
-    return r;
-}
-
 /* Two storages on one disk are worth a word before a week begins. */
 static void warn_of_same_disk(struct capture *c)
 {
     bool same = false;
 
-    if (ttf_second_storage_check(c->cli->io, c->cli->opt.output, ttf_plan_file_plan(c->file), &same,
-                                 NULL) == 0 &&
+    if (ttf_second_storage_check(c->cli->io, c->cli->opt.output, ttf_plan_file_plan(c->run.file),
+                                 &same, NULL) == 0 &&
         same)
         cli_warn("ttfbox capture: warning: the second storage lies on the same file system as %s: "
                  "what fills or breaks one does so to the other",
                  c->cli->opt.output);
 }
 
-/* New, or unfinished and to be gone on with. */
-static int look_at_output(struct capture *c)
-{
-    struct cli *cli = c->cli;
-    struct ttf_reader *reader = NULL;
-    struct ttf_io_stat st;
-    char path[4096 + 16];
-    int r = ttf_session_find(cli->io, cli->opt.output, ttf_plan_file_plan(c->file), c->path,
-                             sizeof c->path, &cli->err);
-
-    if (r < 0)
-        return r;
-    (void)snprintf(path, sizeof path, "%s/dataset.json", c->path);
-    /* New, or cut off before it was born: the writer knows which, and refuses anything else. */
-    if (cli->io->ops->stat(cli->io, path, &st) < 0)
-        return 0;
-    r = ttf_reader_open(cli->io, c->path, &reader, &cli->err);
-    if (r < 0)
-        return r;
-    c->exists = true;
-    if (ttf_reader_summary(reader)->slots > 0)
-        c->next_index = ttf_reader_summary(reader)->last_index + 1;
-    if (ttf_reader_digest(reader, c->digest, NULL) < 0)
-        c->digest[0] = '\0';
-    if (*ttf_reader_manifest(reader)->source || *ttf_reader_manifest(reader)->derived_uuid) {
-        r = ttf_err_set(&cli->err, -EEXIST, cli->opt.output, "is no capture: it was %s",
-                        *ttf_reader_manifest(reader)->source ? "imported" : "derived");
-        ttf_err_hint(&cli->err, "give another -o");
-    } else if (ttf_reader_manifest(reader)->simulated != c->board.simulated) {
-        r = ttf_err_set(&cli->err, -EINVAL, cli->opt.output, "%s",
-                        c->board.simulated ? "was captured by a real box, this one is simulated"
-                                           : "is SIMULATED, this box is real");
-        ttf_err_hint(&cli->err, "give another -o");
-    } else if (c->board.simulated) {
-        c->resuming = true;
-        r = sim_boot_power_on(reader, &c->board.sim, &c->board.sim.power_on_ns, &cli->err);
-    }
-    ttf_reader_close(reader);
-    return r;
-}
-
 static void say_rehearsal(struct capture *c)
 {
-    const struct ttf_session_result *s = &c->result;
+    const struct ttf_session_result *s = &c->run.result;
 
     cli_say(c->cli, "busy              %.3f s a slot", (double)s->busy_ns / 1e9);
     cli_say(c->cli, "sustains          a slot every %.3f s",
@@ -189,21 +78,21 @@ static void say_rehearsal(struct capture *c)
 /* The same seal as before: this run added nothing. */
 static bool was_complete(const struct capture *c)
 {
-    return c->result.sealed && strcmp(c->digest, c->result.digest) == 0;
+    return c->run.result.sealed && strcmp(c->run.digest, c->run.result.digest) == 0;
 }
 
 /* Of the dataset that the run went on in. */
 static const char *second_path(struct capture *c)
 {
-    if (ttf_session_find(c->cli->io, c->cli->opt.output, ttf_plan_file_plan(c->file), c->path,
+    if (ttf_session_find(c->cli->io, c->cli->opt.output, ttf_plan_file_plan(c->run.file), c->path,
                          sizeof c->path, NULL) < 0)
-        return ttf_plan_file_plan(c->file)->second_storage;
+        return ttf_plan_file_plan(c->run.file)->second_storage;
     return c->path;
 }
 
 static void say(struct capture *c)
 {
-    const struct ttf_session_result *s = &c->result;
+    const struct ttf_session_result *s = &c->run.result;
     struct cli *cli = c->cli;
 
     cli_say(cli, "%sdataset           %s", c->board.simulated ? "SIMULATED\n" : "",
@@ -234,7 +123,7 @@ static void say(struct capture *c)
 
 static void put_json(struct capture *c)
 {
-    const struct ttf_session_result *s = &c->result;
+    const struct ttf_session_result *s = &c->run.result;
     struct ttf_json *j = &c->cli->out;
 
     ttf_json_kstring(j, "dataset", c->cli->opt.output);
@@ -251,8 +140,8 @@ static void put_json(struct capture *c)
     ttf_json_kint(j, "wakeup_p99_ns", s->wakeup_p99_ns);
     ttf_json_kint(j, "wakeup_max_ns", s->wakeup_max_ns);
     ttf_json_kint(j, "events", c->events);
-    ttf_json_kint(j, "boots", c->boots);
-    ttf_json_kbool(j, "resumed", s->resumed || c->boots > 1);
+    ttf_json_kint(j, "boots", c->run.boots);
+    ttf_json_kbool(j, "resumed", s->resumed || c->run.boots > 1);
     ttf_json_kbool(j, "already_complete", was_complete(c));
     ttf_json_kbool(j, "second_storage", s->second_storage);
     if (s->second_storage)
@@ -272,69 +161,81 @@ static void put_json(struct capture *c)
     }
 }
 
-/* Boots until the plan is done: a simulated box comes back by itself. */
-static int all_boots(struct capture *c)
+static void on_power_back(void *ctx, int64_t back_ns)
+{
+    struct capture *c = ctx;
+
+    cli_progress_end(&c->bar);
+    cli_warn("ttfbox capture: the simulated box lost power; it is back %.1f h after its first "
+             "start and goes on",
+             (double)back_ns / (double)TTF_NS_PER_H);
+}
+
+static int begin(struct capture *c)
 {
     struct cli *cli = c->cli;
-    int r;
+    struct run *run = &c->run;
+    int r = cli_need(cli, cli->opt.output, "-o", "say where the dataset goes, as -o grass");
 
-    for (c->boots = 1;; c->boots++) {
-        int64_t back_ns = 0;
-
-        r = one_boot(c, &back_ns);
-        if (r != -ESHUTDOWN)
-            return r;
-        cli_progress_end(&c->bar);
-        cli_warn("ttfbox capture: the simulated box lost power; it is back %.1f h after its first "
-                 "start and goes on",
-                 (double)back_ns / (double)TTF_NS_PER_H);
-        if (c->boots == BOOTS_MAX || back_ns <= c->board.sim.power_on_ns) {
-            ttf_err_set(&cli->err, -EIO, "sim.faults", "the simulated box never keeps its power");
-            return -EIO;
-        }
-        if (*cli_stop_flag())
-            return 0;
-        memset(&cli->err, 0, sizeof cli->err);
-        c->board.sim.power_on_ns = back_ns;
-    }
+    if (r == 0)
+        r = ttf_plan_file_load(cli->opt.args[0], &run->file, &cli->err);
+    if (r == 0)
+        r = cli_load_board(cli, &c->board);
+    if (r < 0)
+        return r;
+    run->io = cli->io;
+    run->board = &c->board;
+    run->power_back = on_power_back;
+    run->power_back_ctx = c;
+    cli_describe_board(cli, &c->board, run->description);
+    run->session = (struct ttf_session_config){
+        .path = cli->opt.output,
+        .calibration_folder = cli->opt.calibration,
+        .threads = (unsigned)cli->opt.threads,
+        .progress = on_progress,
+        .progress_ctx = c,
+        .stop = cli_stop_flag(),
+        .plan_as_given = cli->opt.as_given,
+        .rehearse = cli->opt.rehearse,
+        .skip_speed_check = cli->opt.no_speed_check,
+    };
+    r = cli_own_box(cli, &c->board, &c->lock);
+    if (r == 0)
+        r = run_look(run, &cli->err);
+    if (r == 0 && cli->opt.script)
+        r = capture_script_ask(cli, cli->opt.script, run->next_index, &c->script);
+    run->session.control = c->script ? capture_script_control(c->script) : NULL;
+    return r;
 }
 
 int cmd_capture(struct cli *cli)
 {
     struct capture *c = calloc(1, sizeof *c);
-    int r = c ? 0 : -ENOMEM;
+    int r;
 
+    if (!c)
+        return -ENOMEM;
+    c->cli = cli;
+    c->lock.fd = -1;
+    r = begin(c);
     if (r == 0) {
-        c->cli = cli;
-        r = cli_need(cli, cli->opt.output, "-o", "say where the dataset goes, as -o grass");
-    }
-    if (r == 0)
-        r = ttf_plan_file_load(cli->opt.args[0], &c->file, &cli->err);
-    if (r == 0)
-        r = cli_load_board(cli, &c->board);
-    if (r == 0)
-        r = look_at_output(c);
-    if (r == 0 && cli->opt.script)
-        r = capture_script_ask(cli, cli->opt.script, c->next_index, &c->script);
-    if (r == 0) {
-        if (!c->exists)
+        if (!c->run.exists)
             warn_of_same_disk(c);
         cli_stop_catch();
-        cli_progress_begin(&c->bar, cli, c->resuming ? "going on" : "capturing");
-        r = all_boots(c);
+        cli_progress_begin(&c->bar, cli, c->run.exists ? "going on" : "capturing");
+        r = run_boots(&c->run, &cli->err);
         cli_progress_end(&c->bar);
         c->unheard = c->script ? capture_script_tell(c->script) : 0;
     }
     if (r == 0) {
         say(c);
         put_json(c);
-        if ((!c->result.sealed && !cli->opt.rehearse) || c->unheard > 0)
+        if ((!c->run.result.sealed && !cli->opt.rehearse) || c->unheard > 0)
             r = CLI_FAILED; /* stopped before it was done, or not done as asked */
     }
-    if (c) {
-        ttf_plan_file_free(c->file);
-        capture_script_free(c->script);
-    }
+    box_lock_drop(&c->lock);
+    ttf_plan_file_free(c->run.file);
+    capture_script_free(c->script);
     free(c);
     return r;
 }

@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "help.h"
+#include "run.h"
 
 #define KEY(option) (0x1000 + (int)(option)) /* long options of argp: beyond all letters */
 
@@ -144,7 +145,7 @@ static int run(struct cli *cli, int code)
     if (code < 0) {
         if (cli->err.code == 0)
             ttf_err_set(&cli->err, code, NULL, "%s", strerrordesc_np(-code));
-        code = cli_exit_code(code);
+        code = run_exit_code(code);
         report_error(cli, code);
     }
     ttf_json_object_end(&cli->out);

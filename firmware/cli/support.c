@@ -60,30 +60,6 @@ const volatile int *cli_stop_flag(void)
     return &stop_asked;
 }
 
-int cli_exit_code(int error)
-{
-    switch (error) {
-    case 0:
-        return CLI_DONE;
-    case -TTF_EDAMAGED:
-        return CLI_DAMAGED;
-    case -EINVAL:
-    case -ENOENT:
-    case -EEXIST:
-    case -ENOTSUP:
-    case -ENOTDIR:
-    case -EISDIR:
-    case -ENOTEMPTY:
-    case -ENODATA:
-    case -ERANGE:
-    case -EFBIG:
-    case -ENAMETOOLONG:
-        return CLI_WRONG_INPUT;
-    default:
-        return CLI_FAILED;
-    }
-}
-
 int cli_need(struct cli *cli, const char *value, const char *option, const char *hint)
 {
     if (value)

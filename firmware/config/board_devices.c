@@ -141,11 +141,10 @@ int board_read_lamps(const struct cfg_field *field, struct yaml_node *node, void
     return 0;
 }
 
-static const struct cfg_name SENSORS[] = {{"temperature", TTF_SENSOR_TEMP_MDEGC},
-                                          {"humidity", TTF_SENSOR_HUMIDITY_MPCT},
-                                          {"light", TTF_SENSOR_LIGHT_PERMILLE},
-                                          {"pressure", TTF_SENSOR_PRESSURE_PA},
-                                          {NULL, 0}};
+static const struct cfg_name SENSORS[] = {
+    {"temperature", TTF_SENSOR_TEMP_MDEGC},    {"humidity", TTF_SENSOR_HUMIDITY_MPCT},
+    {"light", TTF_SENSOR_LIGHT_PERMILLE},      {"pressure", TTF_SENSOR_PRESSURE_PA},
+    {"undervoltage", TTF_SENSOR_UNDERVOLTAGE}, {NULL, 0}};
 static const struct cfg_name BUSES[] = {
     {"hwmon", TTF_SYSFS_HWMON}, {"iio", TTF_SYSFS_IIO}, {NULL, 0}};
 
@@ -153,7 +152,8 @@ static const struct cfg_name BUSES[] = {
 
 static const struct cfg_field SENSOR[] = {
     {"backend", NULL, 0, 0, 0, NULL, 0, 0},
-    {"kind", cfg_enum, S(kind), 0, 0, "temperature, humidity, light or pressure", SENSORS, true},
+    {"kind", cfg_enum, S(kind), 0, 0, "temperature, humidity, light, pressure or undervoltage",
+     SENSORS, true},
     {"bus", cfg_enum, S(bus), 0, 0, "hwmon or iio", BUSES, 0},
     {"device", cfg_text64, S(device), 0, 0, "what its driver calls it, as bme280", 0, 0},
     {"channel", cfg_text64, S(channel), 0, 0, "as temp1 or in_temp", 0, 0},

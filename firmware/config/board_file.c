@@ -9,6 +9,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "paths.h"
+
 static const char *const DEVICE_KEYS[TTF_DEVICE_KIND_COUNT] = {
     [TTF_DEVICE_CAMERA] = "cameras", [TTF_DEVICE_CLOCK] = "clock",
     [TTF_DEVICE_LAMPS] = "lamps",    [TTF_DEVICE_SENSORS] = "sensors",
@@ -60,19 +62,6 @@ static const struct cfg_field BOARD[] = {
     {"lock", cfg_path512, B(lock), 0, 0, "the file that says who owns the box, or none", 0, 0},
     {"sim", board_read_sim, 0, 0, 0, "the simulated box's model", 0, 0},
     {0}};
-
-/* Paths in a board count from the board's own folder. */
-static void from_folder_of(const char *file, char path[512])
-{
-    const char *slash = strrchr(file, '/');
-    char whole[PATH_MAX];
-
-    if (!*path || *path == '/' || !slash)
-        return;
-    snprintf(whole, sizeof whole, "%.*s/%s", (int)(slash - file), file, path);
-    if (strlen(whole) < 512)
-        memcpy(path, whole, strlen(whole) + 1);
-}
 
 /*
  * Simulated devices may stand beside real ones, to try out a box: whatever such a box yields says SIMULATED. Real ones
@@ -139,11 +128,11 @@ static int decode_board(struct yaml_node *root, struct ttf_board *board, struct 
     finish_lock(board);
     if (board->simulated && board->serial[0] == '\0')
         snprintf(board->serial, sizeof board->serial, "SIM-0001");
-    from_folder_of(board->path, board->lock);
-    from_folder_of(board->path, board->panel.file);
-    from_folder_of(board->path, board->scene.images);
-    from_folder_of(board->path, board->scene.dataset);
-    from_folder_of(board->path, board->guardian.file);
+    cfg_from_folder_of(board->path, board->lock);
+    cfg_from_folder_of(board->path, board->panel.file);
+    cfg_from_folder_of(board->path, board->scene.images);
+    cfg_from_folder_of(board->path, board->scene.dataset);
+    cfg_from_folder_of(board->path, board->guardian.file);
     if (!board->device[TTF_DEVICE_LAMPS] && !yaml_child(root, "lamps"))
         board->sim.n_lamps = 0;
     if (!board->device[TTF_DEVICE_SENSORS] && !yaml_child(root, "sensors"))

@@ -5,8 +5,8 @@
 
 const char *ttf_sensor_kind_name(enum ttf_sensor_kind kind)
 {
-    static const char *const names[TTF_SENSOR_KIND_COUNT] = {"temp_mdegc", "humidity_mpct",
-                                                             "light_permille", "pressure_pa"};
+    static const char *const names[TTF_SENSOR_KIND_COUNT] = {
+        "temp_mdegc", "humidity_mpct", "light_permille", "pressure_pa", "undervoltage"};
 
     return (unsigned)kind < TTF_SENSOR_KIND_COUNT ? names[kind] : "unknown";
 }

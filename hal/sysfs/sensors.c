@@ -31,8 +31,9 @@ static const struct {
 
 /* What a kind is called where nothing else is said; NULL: there is no usual one. */
 static const char *const usual[][TTF_SENSOR_KIND_COUNT] = {
-    [TTF_SYSFS_HWMON] =
-        {[TTF_SENSOR_TEMP_MDEGC] = "temp1", [TTF_SENSOR_HUMIDITY_MPCT] = "humidity1"},
+    [TTF_SYSFS_HWMON] = {[TTF_SENSOR_TEMP_MDEGC] = "temp1",
+                         [TTF_SENSOR_HUMIDITY_MPCT] = "humidity1",
+                         [TTF_SENSOR_UNDERVOLTAGE] = "in0"},
     [TTF_SYSFS_IIO] = {[TTF_SENSOR_TEMP_MDEGC] = "in_temp",
                        [TTF_SENSOR_HUMIDITY_MPCT] = "in_humidityrelative",
                        [TTF_SENSOR_LIGHT_PERMILLE] = "in_illuminance",
@@ -150,6 +151,8 @@ static bool is_possible(enum ttf_sensor_kind kind, int64_t value)
         return value >= 0 && value <= 100000;
     case TTF_SENSOR_PRESSURE_PA:
         return value >= 30000 && value <= 120000;
+    case TTF_SENSOR_UNDERVOLTAGE:
+        return value == 0 || value == 1;
     default:
         return value >= 0;
     }
@@ -159,7 +162,11 @@ static int read_one(struct sysfs_sensors *s, unsigned i, double *ret)
 {
     const struct ttf_sysfs_sensor *spec = &s->spec[i];
 
-    return s->folder[i][0] ? read_driver(s->folder[i], spec->channel, ret) : -ENODEV;
+    if (!s->folder[i][0])
+        return -ENODEV;
+    if (spec->kind == TTF_SENSOR_UNDERVOLTAGE) /* an alarm: raspberrypi-hwmon has nothing else */
+        return read_number(s->folder[i], spec->channel, "lcrit_alarm", ret);
+    return read_driver(s->folder[i], spec->channel, ret);
 }
 
 static int sysfs_read(struct ttf_sensors *base, struct ttf_reading ret[TTF_SENSORS_MAX],

@@ -144,7 +144,9 @@ static int ask(struct v4l2_camera *camera, const struct ttf_camera_mode *mode,
     format.fmt.pix.priv = V4L2_PIX_FMT_PRIV_MAGIC;
     format.fmt.pix.flags = V4L2_PIX_FMT_FLAG_SET_CSC;
     format.fmt.pix.ycbcr_enc = is_yuv(camera->pixels->packing) ? V4L2_YCBCR_ENC_601 : 0;
-    format.fmt.pix.quantization = is_yuv(camera->pixels->packing) ? V4L2_QUANTIZATION_LIM_RANGE : 0;
+    /* Asked for in so many words: a driver may remember what another program asked for. */
+    format.fmt.pix.quantization = is_yuv(camera->pixels->packing) ? V4L2_QUANTIZATION_LIM_RANGE
+                                                                  : V4L2_QUANTIZATION_FULL_RANGE;
     r = v4l2_ioctl(camera, VIDIOC_S_FMT, &format);
     if (r == -EBUSY)
         return ttf_err_set(err, r, camera->id.device, "another program uses the camera");

@@ -92,7 +92,7 @@ def judge(folder, disk, owed):
     dataset = out + "/run"
     if not owed and not os.path.exists(dataset + "/dataset.json"):
         return None  # the capture had hardly begun
-    done = subprocess.run([TTFBOX, "verify", dataset, "--json", "-q"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+    done = subprocess.run([folder + "/ttfbox", "verify", dataset, "--json", "-q"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                           check=False)
     if done.returncode != 0:
         return "verify: exit %d: %s" % (done.returncode, done.stdout.decode(errors="replace")[-600:])
@@ -141,6 +141,7 @@ def run(system, share, every, cases, seed, slots=SLOTS):
     if not os.path.exists(TTFBOX):
         raise RuntimeError("build first: %s is not there" % TTFBOX)
     with tempfile.TemporaryDirectory(prefix="ttfbox-cuts.", dir="/dev/shm") as folder:
+        shutil.copy(TTFBOX, folder)  # it may be built anew meanwhile
         before = time.monotonic()
         recording = Recording(system, share, folder, slots)
         took = time.monotonic() - before

@@ -8,6 +8,7 @@ import sys
 import time
 import traceback
 
+import camera
 import lamps
 import powercuts
 from machine import Machine
@@ -15,7 +16,8 @@ from machine import Machine
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 RIG = ROOT + "/build-rig"
-PROGRAMS = ["ttfbox-lampd", "lampd_child", "capture_child", "test_lines", "test_sysfs", "test_conformance_lampd"]
+PROGRAMS = ["ttfbox-lampd", "lampd_child", "capture_child", "rig_camera", "test_lines", "test_sysfs",
+            "test_conformance_lampd"]
 # What no machine here has; said, so that nobody takes silence for a pass.
 NOT_HERE = ["exposure control through a real camera driver", "a GPIO chip that is unplugged",
             "an edge of a real button or door", "a temperature of a real sensor"]
@@ -69,7 +71,7 @@ def run(scenario, share):
 
 def main():
     words = sys.argv[1:]
-    every = lamps.SCENARIOS + powercuts.SCENARIOS
+    every = lamps.SCENARIOS + camera.SCENARIOS + powercuts.SCENARIOS
     scenarios = [s for s in every if not words or any(w in s.__name__ for w in words)]
     if not scenarios:
         print("rig: no scenario has such a name; there are:", file=sys.stderr)

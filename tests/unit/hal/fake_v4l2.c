@@ -127,7 +127,7 @@ static void fill(struct fake_v4l2 *fake, uint64_t n)
     unsigned index = fake->fifo[0];
     struct fake_buffer *b = &fake->buffer[index];
     uint64_t then = n >= fake->delay ? n - fake->delay : 0;
-    int32_t *data = b->at;
+    int32_t *data;
     int64_t stamp = read_ns(fake, n);
 
     for (unsigned i = 0; i < fake->n_fifo; i++) { /* the first that is not filled */
@@ -241,6 +241,9 @@ static int set_format(struct fake_v4l2 *fake, struct v4l2_format *format)
     if (fake->n > 0)
         return -EBUSY;
     fake->s_fmt++;
+    if (fake->keeps_range && (format->fmt.pix.flags & V4L2_PIX_FMT_FLAG_SET_CSC) &&
+        format->fmt.pix.quantization != V4L2_QUANTIZATION_DEFAULT)
+        fake->quantization = format->fmt.pix.quantization;
     fake->asked_width = format->fmt.pix.width;
     fake->asked_height = format->fmt.pix.height;
     fake->fourcc = fake->granted_fourcc ? fake->granted_fourcc : format->fmt.pix.pixelformat;

@@ -45,6 +45,7 @@ struct fake_v4l2 {
     uint32_t row_padding;    /* bytes at the end of each row */
     uint32_t ycbcr_enc, quantization, colorspace, xfer_func, field;
     bool no_sizes, no_rate;
+    bool keeps_range; /* quantization is what somebody last asked for by name */
     struct fake_control controls[FAKE_CONTROLS];
     int64_t period_ns, readout_ns;
     unsigned delay; /* frames from a change of controls to the first that shows it */

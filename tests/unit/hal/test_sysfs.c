@@ -74,6 +74,8 @@ static int setup(void **state)
     assert_non_null(sys->clock);
     put(sys, "class/hwmon/hwmon0/name", "cpu_thermal\n");
     put(sys, "class/hwmon/hwmon0/temp1_input", "51200\n");
+    put(sys, "class/hwmon/hwmon3/name", "rpi_volt\n");
+    put(sys, "class/hwmon/hwmon3/in0_lcrit_alarm", "0\n");
     a_weather_sensor(sys, "iio:device0");
     *state = sys;
     return 0;
@@ -107,8 +109,12 @@ static const struct ttf_sysfs_sensor BOX[] = {
      .bus = TTF_SYSFS_IIO,
      .device = "bme280",
      .full = 200},
+    {.name = "supply",
+     .kind = TTF_SENSOR_UNDERVOLTAGE,
+     .bus = TTF_SYSFS_HWMON,
+     .device = "rpi_volt"},
 };
-#define BOX_N 5
+#define BOX_N 6
 
 static struct ttf_sensors *sensors_of(const struct sys *sys)
 {
@@ -139,6 +145,21 @@ static void values_come_in_the_box_s_units(void **state)
     look(sensors, 2, true, 41328);
     look(sensors, 3, true, 101325);
     look(sensors, 4, true, 600); /* 240 raw are 120 lux of 200 */
+    ttf_sensors_destroy(sensors);
+}
+
+static void a_supply_s_alarm_is_read_where_a_driver_has_one(void **state)
+{
+    const struct sys *sys = *state;
+    struct ttf_sensors *sensors = sensors_of(sys);
+
+    look(sensors, 5, true, 0);
+    put(sys, "class/hwmon/hwmon3/in0_lcrit_alarm", "1\n");
+    look(sensors, 5, true, 1);
+    put(sys, "class/hwmon/hwmon3/in0_lcrit_alarm", NULL);
+    look(sensors, 5, false, 0);
+    put(sys, "class/hwmon/hwmon3/in0_lcrit_alarm", "2\n");
+    look(sensors, 5, false, 0);
     ttf_sensors_destroy(sensors);
 }
 
@@ -276,6 +297,7 @@ int main(void)
 #define IN_SYS(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
     const struct CMUnitTest tests[] = {
         IN_SYS(values_come_in_the_box_s_units),
+        IN_SYS(a_supply_s_alarm_is_read_where_a_driver_has_one),
         IN_SYS(raw_values_have_an_offset_too),
         IN_SYS(what_does_not_answer_or_cannot_be_is_not_ok),
         IN_SYS(a_driver_that_comes_later_or_moves_is_found),

@@ -21,10 +21,11 @@ enum ttf_sensor_kind {
     TTF_SENSOR_HUMIDITY_MPCT,  /* thousandths of a per cent relative humidity */
     TTF_SENSOR_LIGHT_PERMILLE, /* photodiode, relative to the reference lamp state */
     TTF_SENSOR_PRESSURE_PA,
+    TTF_SENSOR_UNDERVOLTAGE, /* 1: the supply was too low since the last look; else 0 */
     TTF_SENSOR_KIND_COUNT
 };
 
-/* "temp_mdegc", "humidity_mpct", "light_permille", "pressure_pa". */
+/* "temp_mdegc", "humidity_mpct", "light_permille", "pressure_pa", "undervoltage". */
 const char *ttf_sensor_kind_name(enum ttf_sensor_kind kind);
 
 struct ttf_reading {

@@ -5,6 +5,8 @@
 #include <errno.h>
 #include <string.h>
 
+#include "ttf/hal/clock.h"
+
 /* What is known of the boot that is being walked. */
 struct walk {
     char boot_id[37];
@@ -31,6 +33,30 @@ static void next_boot(struct walk *w, const struct ttf_segment *s,
     memcpy(w->boot_id, s->boot_id, sizeof w->boot_id);
 }
 
+/* How long ago, by the machine's clock, the first segment began. */
+static int real_age(struct ttf_reader *reader, int64_t *ret_ns, struct ttf_err *err)
+{
+    struct ttf_clock *clock = ttf_clock_real_create();
+    struct ttf_segment first;
+    struct ttf_utc utc;
+    int r;
+
+    if (!clock)
+        return ttf_err_set(err, -errno, "clock", "the machine's clock cannot be had");
+    ttf_clock_utc(clock, &utc);
+    r = ttf_reader_segment(reader, 0, &first);
+    if (r == 0 && strcmp(first.boot_id, ttf_clock_boot_id(clock)) == 0)
+        *ret_ns = utc.boot_ns - first.origin_ns;
+    else if (r == 0 && first.origin_utc_ns != TTF_NS_UNKNOWN)
+        *ret_ns = utc.utc_ns - first.origin_utc_ns;
+    else
+        *ret_ns = 0;
+    if (*ret_ns < 0)
+        *ret_ns = 0;
+    ttf_clock_destroy(clock);
+    return 0;
+}
+
 int sim_boot_power_on(struct ttf_reader *reader, const struct ttf_sim_config *config,
                       int64_t *ret_power_on_ns, struct ttf_err *err)
 {
@@ -38,6 +64,8 @@ int sim_boot_power_on(struct ttf_reader *reader, const struct ttf_sim_config *co
     struct walk w = {{0}, 0, 0};
     int segment = -1;
 
+    if (config->real_time)
+        return real_age(reader, ret_power_on_ns, err);
     for (int64_t i = 0; i < summary->slots; i++) {
         struct ttf_slot_record record;
         int r = ttf_reader_slot(reader, i, &record, err);

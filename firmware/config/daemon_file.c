@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ttf/config/daemon_file.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "decode.h"
+#include "paths.h"
+#include "ttf/base/time.h"
+
+#define D(member) offsetof(struct read, c.member)
+
+/* As it is read: the dataset's name before it is a path. */
+struct read {
+    struct ttf_daemon_config c;
+    char name[128];
+};
+
+/* set: {sim.clock: real}: keys of the board and YAML of their values, as --set has them. */
+static int read_sets(const struct cfg_field *field, struct yaml_node *node, void *at,
+                     struct ttf_err *err)
+{
+    struct ttf_daemon_config *config = &((struct read *)at)->c;
+
+    if (node->kind != YAML_MAP || node->n > TTF_DAEMON_SETS_MAX)
+        return cfg_error(node, err, field->meant, "a map of at most %d keys is meant",
+                         TTF_DAEMON_SETS_MAX);
+    for (struct yaml_node *c = node->child; c; c = c->next, config->n_sets++) {
+        const char *text = cfg_scalar(c, field->meant, err);
+
+        c->used = true;
+        if (!text)
+            return -EINVAL;
+        if (!*c->key || strlen(c->key) >= sizeof config->set[0].path)
+            return cfg_error_at_key(c, err, field->meant, "no key of a board");
+        if (strlen(text) >= sizeof config->set[0].value)
+            return cfg_error(c, err, "at most 255 letters", "too long");
+        memcpy(config->set[config->n_sets].path, c->key, strlen(c->key) + 1);
+        memcpy(config->set[config->n_sets].value, text, strlen(text) + 1);
+    }
+    return 0;
+}
+
+static const struct cfg_field DAEMON[] = {
+    {"board", cfg_path512, D(board), 0, 0, "a board's name or file, as 'board: rpi4'", 0, true},
+    {"plan", cfg_path512, D(plan), 0, 0, "the plan's file, as 'plan: plan.yaml'", 0, true},
+    {"data", cfg_path512, D(data), 0, 0, "the folder of datasets, as 'data: /var/lib/ttfbox'", 0,
+     true},
+    {"dataset", cfg_text128, offsetof(struct read, name), 0, 0, "the dataset's name, as grass", 0,
+     0},
+    {"calibration", cfg_path512, D(calibration), 0, 0, "the folder of a calibration", 0, 0},
+    {"threads", cfg_u32, D(threads), 0, 1024, "threads that develop; 0: all processors", 0, 0},
+    {"retry", cfg_i64_time, D(retry_ns), 1e8, 3.6e12,
+     "how long to wait before what failed is tried again, as 5s", 0, 0},
+    {"set", read_sets, 0, 0, 0, "changes of the board, as {sim.clock: real}", 0, 0},
+    {0}};
+
+/* Without a name the plan's: /etc/ttfbox/grass.yaml makes grass. */
+static void name_of_plan(const char *plan, char ret[128])
+{
+    const char *slash = strrchr(plan, '/'), *name = slash ? slash + 1 : plan;
+    size_t n = strlen(name);
+
+    if (n > 5 && strcmp(name + n - 5, ".yaml") == 0)
+        n -= 5;
+    (void)snprintf(ret, 128, "%.*s", (int)n, name);
+}
+
+static int finish(struct read *read, const char *file, const struct yaml_node *root,
+                  struct ttf_err *err)
+{
+    struct ttf_daemon_config *c = &read->c;
+    const struct yaml_node *named = yaml_child(root, "dataset");
+
+    if (!*read->name)
+        name_of_plan(c->plan, read->name);
+    if (strchr(read->name, '/') || read->name[0] == '.' || !*read->name)
+        return cfg_error(named ? named : yaml_child(root, "plan"), err, "as 'dataset: grass'",
+                         "'%s' is no dataset's name", read->name);
+    if (strchr(c->board, '/'))
+        cfg_from_folder_of(file, c->board);
+    cfg_from_folder_of(file, c->plan);
+    cfg_from_folder_of(file, c->data);
+    cfg_from_folder_of(file, c->calibration);
+    if (snprintf(c->dataset, sizeof c->dataset, "%s/%s", c->data, read->name) >=
+        (int)sizeof c->dataset)
+        return cfg_error(yaml_child(root, "data"), err, "a shorter path", "is too long");
+    return 0;
+}
+
+int ttf_daemon_file_parse(const char *name, const char *text, size_t bytes,
+                          struct ttf_daemon_config *ret, struct ttf_err *err)
+{
+    struct read *read = calloc(1, sizeof *read);
+    struct yaml_tree tree;
+    int r;
+
+    if (!read)
+        return ttf_err_set(err, -ENOMEM, name, "no memory");
+    read->c.retry_ns = 5 * TTF_NS_PER_S;
+    r = yaml_tree_parse(name, "a configuration needs 'board', 'plan' and 'data'", text, bytes,
+                        &tree, err);
+    if (r < 0) {
+        free(read);
+        return r;
+    }
+    r = tree.root->kind != YAML_MAP ? cfg_error(tree.root, err, "write 'board: NAME' and so on",
+                                                "a configuration holds keys")
+                                    : cfg_map(DAEMON, tree.root, read, err);
+    if (r == 0)
+        r = finish(read, name, tree.root, err);
+    if (r == 0)
+        *ret = read->c;
+    yaml_tree_free(&tree);
+    free(read);
+    return r;
+}
+
+int ttf_daemon_file_load(const char *path, struct ttf_daemon_config *ret, struct ttf_err *err)
+{
+    char *text = NULL;
+    size_t bytes = 0;
+    int r = yaml_read_file(path, &text, &bytes, err);
+
+    if (r < 0)
+        return r;
+    r = ttf_daemon_file_parse(path, text, bytes, ret, err);
+    free(text);
+    return r;
+}

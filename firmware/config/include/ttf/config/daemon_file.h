@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* daemon_file.h: the configuration of ttfboxd from YAML. The language: firmware/config/README.md. */
+#ifndef TTF_CONFIG_DAEMON_FILE_H
+#define TTF_CONFIG_DAEMON_FILE_H
+
+#include <stdint.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+#include "ttf/config/board_file.h"
+
+#define TTF_DAEMON_SETS_MAX 16
+
+struct ttf_daemon_config {
+    char board[512];       /* a board's name, or the path of its file */
+    char plan[512];        /* the plan's file; it need not be there yet */
+    char data[512];        /* the folder of datasets */
+    char dataset[512];     /* the one to make: data, a slash and its name */
+    char calibration[512]; /* empty: none */
+    uint32_t threads;      /* 0: all */
+    int64_t retry_ns; /* what failed is tried again after this, doubled each time up to 12 times */
+    unsigned n_sets;  /* changes of the board */
+    struct {
+        char path[128], value[256];
+    } set[TTF_DAEMON_SETS_MAX];
+};
+
+/* Paths count from the file's own folder. Errors as ttf_board_load. */
+TTF_MUST_USE int ttf_daemon_file_load(const char *path, struct ttf_daemon_config *ret,
+                                      struct ttf_err *err);
+TTF_MUST_USE int ttf_daemon_file_parse(const char *name, const char *text, size_t bytes,
+                                       struct ttf_daemon_config *ret, struct ttf_err *err);
+
+#endif

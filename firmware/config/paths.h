@@ -1,0 +1,9 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* paths.h: paths in a file count from that file's own folder. */
+#ifndef CONFIG_PATHS_H
+#define CONFIG_PATHS_H
+
+/* Absolute and empty ones stay; what would become too long stays as it is, and is not found. */
+void cfg_from_folder_of(const char *file, char path[512]);
+
+#endif

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "manager.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ttf/hal/systemd.h"
+
+void manager_find(struct manager *manager)
+{
+    const char *usec = getenv("WATCHDOG_USEC"); /* NOLINT(concurrency-mt-unsafe) */
+    const char *pid = getenv("WATCHDOG_PID");   /* NOLINT(concurrency-mt-unsafe) */
+
+    manager->socket = getenv("NOTIFY_SOCKET"); /* NOLINT(concurrency-mt-unsafe) */
+    if (usec && (!pid || strtol(pid, NULL, 10) == (long)getpid()))
+        manager->watchdog_ns = strtoll(usec, NULL, 10) * 1000;
+}
+
+void manager_tell(struct manager *manager, const char *state)
+{
+    (void)ttf_systemd_notify(manager->socket, state);
+}
+
+void manager_status(struct manager *manager, const char *fmt, ...)
+{
+    char text[sizeof manager->said], state[sizeof text + 16];
+    va_list args;
+
+    va_start(args, fmt);
+    /* NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): it is begun above */
+    (void)vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    for (char *c = text; *c; c++)
+        if (*c == '\n')
+            *c = ' '; /* would begin another word of the protocol */
+    if (strcmp(text, manager->said) == 0)
+        return;
+    memcpy(manager->said, text, sizeof text);
+    (void)snprintf(state, sizeof state, "STATUS=%s", text);
+    manager_tell(manager, state);
+}
+
+struct ttf_watchdog *manager_watchdog(const struct manager *manager)
+{
+    struct ttf_watchdog *watchdog = NULL;
+
+    if (!manager->socket || manager->watchdog_ns <= 0 ||
+        ttf_watchdog_systemd_create(manager->socket, manager->watchdog_ns, &watchdog, NULL) < 0)
+        return NULL;
+    if (ttf_watchdog_arm(watchdog, manager->watchdog_ns) == 0)
+        return watchdog;
+    ttf_watchdog_destroy(watchdog);
+    return NULL;
+}

@@ -1,0 +1,212 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# ttfboxd from boot to boot, in real time: a simulated camera, and where it says so a real guardian on wires in a file.
+. "$(dirname "$0")/cli.bash"
+[ -n "${DAEMON:-}" ] || exit 77 # built without a box
+
+# A sample's age must not come from the machine's: the disk would be full at once after a restart.
+cat >box.yaml <<'END'
+board: bench
+cameras: {main: {backend: sim}}
+clock: {backend: machine}
+watchdog: {backend: systemd}
+lock: box.lock
+sim:
+  daylight: 1
+  sensor: {width: 96px, height: 64px}
+  timing: {exposure_max: 100ms}
+  faults: [{kind: disk-full, at: 200s}]
+END
+cat >ttfboxd.yaml <<'END'
+board: ./box.yaml
+plan: grass.yaml
+data: data
+retry: 300ms
+END
+plan grass.yaml 'interval: 400ms' 'count: 12' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B'
+
+start() { # [ENVIRONMENT...]: in the background, what it says in `log`
+    env "$@" "$DAEMON" --config ttfboxd.yaml >>log 2>&1 &
+    daemon=$!
+}
+heard() { # FILE WORDS [SECONDS]: within 30 s on a busy machine
+    for _ in $(seq $((${3:-30} * 20))); do
+        grep -qF -- "$2" "$1" 2>/dev/null && return 0
+        sleep 0.05
+    done
+    fail "$1 does not say '$2': $(cat "$1")"
+}
+ends() { # CODE: the daemon, within 20 s
+    local got
+    for _ in $(seq 400); do
+        kill -0 "$daemon" 2>/dev/null || break
+        sleep 0.05
+    done
+    kill -0 "$daemon" 2>/dev/null && fail "it does not end: $(cat log)"
+    wait "$daemon"
+    got=$?
+    [ "$got" = "$1" ] || fail "it ended with $got instead of $1: $(cat log)"
+}
+whole() { # SLOTS: the dataset is sealed, each slot has its record, all are captured but for MISSED at most
+    expect 0 "$TTFBOX" verify data/grass --json
+    expect 0 "$TTFBOX" info data/grass --json
+    is slots "$1"
+}
+
+# ---- what is refused, with its place ----
+expect 2 "$DAEMON"
+said err "--config is missing"
+expect 0 "$DAEMON" --help
+said out "SIGTERM"
+expect 2 "$DAEMON" --config nowhere.yaml
+said err "nowhere.yaml"
+printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nretyr: 5s\n' >bad.yaml
+expect 2 "$DAEMON" --config bad.yaml
+said err "<3>failed"
+said err "bad.yaml:4:1"
+said err "'retry'"
+printf 'board: ./box.yaml\nplan: grass.yaml\n' >bad.yaml
+expect 2 "$DAEMON" --config bad.yaml
+said err "'data' is missing"
+printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nset: {sim.sensor.width: 4px}\n' >bad.yaml
+expect 2 "$DAEMON" --config bad.yaml
+said err "--set sim.sensor.width"
+printf 'board: %s\nplan: grass.yaml\ndata: data\n' "$SOURCE/boards/sim-small/board.yaml" >bad.yaml
+expect 2 "$DAEMON" --config bad.yaml
+said err "this clock is virtual"
+printf 'board: ./box.yaml\nplan: wrong.yaml\ndata: data\n' >bad.yaml
+plan wrong.yaml 'interval: 5' 'count: 3'
+expect 2 "$DAEMON" --config bad.yaml
+said err "wrong.yaml:1:11"
+expect 0 "$DAEMON" --config ttfboxd.yaml --check
+
+# ---- a whole run under a manager, which hears of it; then it waits to be told to end ----
+"$PYTHON" "$HERE/manager.py" "$WORK/notify" "$WORK/manager" &
+manager=$!
+heard manager listening
+start NOTIFY_SOCKET="$WORK/notify" WATCHDOG_USEC=20000000
+heard log "<5>done slots=12"
+heard manager "STATUS=SIMULATED, capturing: 12 of 12 slots"
+heard manager " of 12 slots captured, sealed"
+heard manager "READY=1"
+heard manager "WATCHDOG_USEC=20000000" # armed while it runs
+heard manager "WATCHDOG=1"
+grep -q STOPPING manager && fail "it stops too soon"
+kill -TERM "$daemon"
+ends 0
+heard manager "STOPPING=1"
+heard log "<5>stopped"
+grep -qE '^<[1-7]>[a-z]+ [a-z_]+=' log || fail "lines without a priority and keys: $(cat log)"
+whole 12
+is simulated true
+# Told of before the first slot, and not a word of a limit before it is armed.
+first=$(grep -m1 -oE "WATCHDOG_USEC=[0-9]+" manager)
+[ "$first" = "WATCHDOG_USEC=0" ] || fail "the manager counts before the run: $first"
+kill "$manager"
+wait "$manager" 2>/dev/null
+
+# ---- started again, there is nothing to do, and it says so ----
+rm -f log
+start X=1
+heard log "<5>done slots=12"
+kill -TERM "$daemon"
+ends 0
+
+# ---- told to end within a run, it ends within a slot; started again it goes on ----
+rm -rf data log
+start X=1
+heard log "<6>armed next=0 slots=12"
+sleep 1
+kill -TERM "$daemon"
+ends 0
+heard log "<5>cut slots="
+"$TTFBOX" info data/grass --json >out
+is sealed false
+rm -f log
+start X=1
+heard log "<5>resuming"
+heard log "sealed=yes"
+kill -TERM "$daemon"
+ends 0
+whole 12
+grep -q "disk full" log && fail "the sample aged with the machine: $(cat log)"
+
+# ---- who owns the box ----
+rm -rf data log
+plan grass.yaml 'interval: 400ms' 'count: 500' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B'
+start X=1
+heard log "<6>armed"
+expect 1 "$DAEMON" --config ttfboxd.yaml
+said err "the box is owned by ttfboxd, process $daemon, into data/grass"
+expect 1 "$TTFBOX" capture grass.yaml --board ./box.yaml -o other
+said err "the box is owned by ttfboxd, process $daemon"
+expect 1 "$TTFBOX" calibrate dark --plan grass.yaml --board ./box.yaml -o cal
+said err "the box is owned by ttfboxd"
+
+# ---- killed three times; nothing that was committed is lost, the box is free, the grid stays ----
+captured() { grep -c '"result":"captured"' data/grass/records.jsonl 2>/dev/null; }
+for _ in 1 2 3; do
+    before=$(captured)
+    for _ in $(seq 400); do
+        [ "$(captured)" -gt "$before" ] && break
+        sleep 0.05
+    done
+    kill -9 "$daemon"
+    wait "$daemon" 2>/dev/null
+    rm -f log
+    start X=1
+    heard log "<5>resuming"
+    heard log "<6>armed"
+done
+kill -TERM "$daemon"
+ends 0
+expect 0 "$TTFBOX" verify data/grass
+[ "$(captured)" -ge 3 ] || fail "no slot was captured between the kills"
+"$PYTHON" - data/grass <<'END' || fail "the grid moved"
+import json, sys
+segments, due = {}, []
+for line in open(sys.argv[1] + "/records.jsonl", encoding="utf-8"):
+    record = json.loads(line)
+    if record.get("type") == "slot":
+        due.append(record["due_ns"])
+assert len(due) > 6, len(due)
+assert {b - a for a, b in zip(due, due[1:])} == {400_000_000}, due
+END
+
+# ---- no plan yet; then one comes ----
+rm -rf data log grass.yaml
+start X=1
+heard log "<5>waiting plan="
+plan grass.yaml 'interval: 300ms' 'count: 3' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B'
+heard log "<5>done slots=3"
+kill -TERM "$daemon"
+ends 0
+
+# ---- the guardian is not there yet: tried again until it is ----
+cat >>box.yaml <<'END'
+lamps: {left: {backend: file, line: 0, max_on: 1h}}
+guardian: {socket: SOCKET, file: wires}
+panel: {backend: file, file: panel, led: {line: 0}}
+END
+sed -i "s|SOCKET|$WORK/socket|" box.yaml
+rm -rf data log
+plan grass.yaml 'interval: 1s' 'count: 3' 'keep: raw' 'reserve: 0B' 'lamps: {mode: capture-only}' \
+    'shot: {exposure: 10ms, lamps: {left: 100%}}'
+start X=1
+heard log "<4>retry"
+heard log "the lamp guardian does not answer"
+lit=no
+for _ in $(seq 400); do # the light flashes: somebody is needed
+    [ "$(cat panel)" = 1 ] && lit=yes && break
+    sleep 0.02
+done
+[ $lit = yes ] || fail "the light does not flash"
+"$LAMPD" --board box.yaml >guarding 2>&1 &
+guardian=$!
+heard log "<5>done slots=3 captured=3"
+kill -TERM "$daemon"
+ends 0
+kill -TERM $guardian
+wait $guardian
+[ "$(cat wires)" = 0 ] || fail "a lamp is left burning"
+[ "$(cat panel)" = 0 ] || fail "the light is left burning"

@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* test_daemon_file.c: the configuration of ttfboxd. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <string.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/time.h"
+#include "ttf/config/daemon_file.h"
+
+static int parse(const char *text, struct ttf_daemon_config *ret, struct ttf_err *err)
+{
+    memset(err, 0, sizeof *err);
+    return ttf_daemon_file_parse("/etc/ttfbox/d.yaml", text, strlen(text), ret, err);
+}
+
+static void every_key_reaches_its_field(void **state)
+{
+    struct ttf_daemon_config c;
+    struct ttf_err err;
+
+    (void)state;
+    if (parse("board: ../boards/mine.yaml\nplan: plans/grass.yaml\ndata: /var/lib/ttfbox\n"
+              "dataset: meadow\ncalibration: cal\nthreads: 3\nretry: 2s\n"
+              "set: {sim.clock: real, sim.faults: '[{kind: power-cut, at: 3h}]'}\n",
+              &c, &err) < 0)
+        fail_msg("%s: %s", err.where, err.what);
+    assert_string_equal(c.board, "/etc/ttfbox/../boards/mine.yaml");
+    assert_string_equal(c.plan, "/etc/ttfbox/plans/grass.yaml");
+    assert_string_equal(c.data, "/var/lib/ttfbox");
+    assert_string_equal(c.dataset, "/var/lib/ttfbox/meadow");
+    assert_string_equal(c.calibration, "/etc/ttfbox/cal");
+    assert_int_equal(c.threads, 3);
+    assert_true(c.retry_ns == 2 * TTF_NS_PER_S);
+    assert_int_equal(c.n_sets, 2);
+    assert_string_equal(c.set[1].path, "sim.faults");
+    assert_string_equal(c.set[1].value, "[{kind: power-cut, at: 3h}]");
+}
+
+static void a_dataset_without_a_name_has_the_plan_s(void **state)
+{
+    struct ttf_daemon_config c;
+    struct ttf_err err;
+
+    (void)state;
+    assert_int_equal(parse("board: rpi4\nplan: grass.yaml\ndata: /d\n", &c, &err), 0);
+    assert_string_equal(c.dataset, "/d/grass");
+    assert_string_equal(c.board, "rpi4"); /* a name, not a path */
+    assert_true(c.retry_ns == 5 * TTF_NS_PER_S);
+    assert_int_equal(parse("board: rpi4\nplan: /x/week\ndata: /d\n", &c, &err), 0);
+    assert_string_equal(c.dataset, "/d/week");
+}
+
+static const struct {
+    const char *text, *where, *what;
+} WRONG[] = {
+    {"", "/etc/ttfbox/d.yaml:1:1", "empty"},
+    {"- 1\n", "/etc/ttfbox/d.yaml:1:1", "holds keys"},
+    {"board: b\nplan: p\n", "/etc/ttfbox/d.yaml:1:1", "'data' is missing"},
+    {"board: b\nplan: p\ndata: d\nlisten: 1\n", "/etc/ttfbox/d.yaml:4:1", "unknown key"},
+    {"board: b\nplan: p\ndata: d\ndataset: ../x\n", "/etc/ttfbox/d.yaml:4:10", "no dataset's name"},
+    {"board: b\nplan: p\ndata: d\ndataset: .x\n", "/etc/ttfbox/d.yaml:4:10", "no dataset's name"},
+    {"board: b\nplan: p/.yaml\ndata: d\n", "/etc/ttfbox/d.yaml:2:7", "no dataset's name"},
+    {"board: b\nplan: p\ndata: d\nretry: 5\n", "/etc/ttfbox/d.yaml:4:8", "has no unit"},
+    {"board: b\nplan: p\ndata: d\nretry: 1ms\n", "/etc/ttfbox/d.yaml:4:8", "out of its range"},
+    {"board: b\nplan: p\ndata: d\nset: {sim: {seed: 1}}\n", "/etc/ttfbox/d.yaml:4:12", "one value"},
+};
+
+static void what_is_wrong_is_named_with_its_place(void **state)
+{
+    (void)state;
+    for (unsigned i = 0; i < TTF_COUNT_OF(WRONG); i++) {
+        struct ttf_daemon_config c;
+        struct ttf_err err;
+
+        if (parse(WRONG[i].text, &c, &err) != -EINVAL)
+            fail_msg("accepted:\n%s", WRONG[i].text);
+        if (strcmp(err.where, WRONG[i].where) != 0 || !strstr(err.what, WRONG[i].what))
+            fail_msg("%s\n-> %s: %s; %s", WRONG[i].text, err.where, err.what, err.hint);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_key_reaches_its_field),
+        cmocka_unit_test(a_dataset_without_a_name_has_the_plan_s),
+        cmocka_unit_test(what_is_wrong_is_named_with_its_place),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
