@@ -10,6 +10,8 @@ pkg_check_modules(JANSSON REQUIRED IMPORTED_TARGET jansson)
 pkg_check_modules(YAML REQUIRED IMPORTED_TARGET yaml-0.1)
 pkg_check_modules(NETTLE REQUIRED IMPORTED_TARGET nettle)
 pkg_check_modules(ZLIB REQUIRED IMPORTED_TARGET zlib)
+# Of `board probe --bundle` alone; without it that option is refused.
+pkg_check_modules(ARCHIVE IMPORTED_TARGET libarchive)
 if(TTFBOX_BOX)
     pkg_check_modules(GPIOD REQUIRED IMPORTED_TARGET libgpiod)
 endif()

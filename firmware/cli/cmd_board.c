@@ -3,7 +3,10 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
+#include "board_findings.h"
 #include "box.h"
 #include "commands.h"
 
@@ -15,7 +18,17 @@ struct probe {
     unsigned silent;
 };
 
-static void probe_cameras(struct probe *p)
+/* Cameras that do not answer are left out of a box: the others are found by name. */
+static const struct ttf_camera_mode *mode_of(const struct ttf_board *board, const char *name)
+{
+    unsigned i = 0;
+
+    while (i + 1 < board->n_cameras && strcmp(board->cameras[i].name, name) != 0)
+        i++;
+    return &board->cameras[i].mode;
+}
+
+static void probe_cameras_of(struct probe *p)
 {
     struct ttf_json *j = &p->cli->out;
 
@@ -25,8 +38,7 @@ static void probe_cameras(struct probe *p)
         struct ttf_frame_format f;
         struct ttf_err err = {0};
         const char *name = p->box.cameras[i].name;
-        int r =
-            ttf_camera_configure(p->box.cameras[i].camera, &p->board->cameras[i].mode, &f, &err);
+        int r = ttf_camera_configure(p->box.cameras[i].camera, mode_of(p->board, name), &f, &err);
         const struct ttf_camera_caps *caps = ttf_camera_caps(p->box.cameras[i].camera);
 
         ttf_json_object(j);
@@ -158,26 +170,80 @@ static void probe_rest(struct probe *p)
     ttf_json_kbool(j, "watchdog", p->box.watchdog != NULL);
 }
 
+/* What the board names, and what does not answer: each in its own words. */
+static void say_silent(struct probe *p, const struct ttf_err errs[TTF_DEVICE_KIND_COUNT])
+{
+    static const char *const KINDS[TTF_DEVICE_KIND_COUNT] = {
+        [TTF_DEVICE_CAMERA] = "camera", [TTF_DEVICE_CLOCK] = "clock",
+        [TTF_DEVICE_LAMPS] = "lamps",   [TTF_DEVICE_SENSORS] = "sensors",
+        [TTF_DEVICE_PANEL] = "panel",   [TTF_DEVICE_WATCHDOG] = "watchdog"};
+    struct ttf_json *j = &p->cli->out;
+    char text[900];
+
+    ttf_json_key(j, "do_not_answer");
+    ttf_json_array(j);
+    for (int kind = 0; kind < TTF_DEVICE_KIND_COUNT; kind++) {
+        if (errs[kind].code == 0)
+            continue;
+        p->silent++;
+        cli_say(p->cli, "%-17s DOES NOT ANSWER: %s", KINDS[kind],
+                ttf_err_text(&errs[kind], text, sizeof text));
+        ttf_json_object(j);
+        ttf_json_kstring(j, "device", KINDS[kind]);
+        ttf_json_kstring(j, "why", errs[kind].what);
+        ttf_json_kstring(j, "hint", errs[kind].hint);
+        ttf_json_object_end(j);
+    }
+    ttf_json_array_end(j);
+}
+
+/* Devices are asked; of a camera that another program has, only who that is. */
+static int ask_devices(struct probe *p)
+{
+    struct ttf_err errs[TTF_DEVICE_KIND_COUNT];
+    char owner[256];
+    int r = box_create_what_answers(p->board, p->cli->io, NULL, &p->box, errs);
+
+    if (r < 0) {
+        p->cli->err = errs[TTF_DEVICE_CLOCK];
+        return r;
+    }
+    cli_say(p->cli, "board             %s, serial %s%s", p->box.board, p->box.serial,
+            p->box.simulated ? ", SIMULATED" : "");
+    ttf_json_kstring(&p->cli->out, "board", p->box.board);
+    ttf_json_kstring(&p->cli->out, "serial", p->box.serial);
+    ttf_json_kbool(&p->cli->out, "simulated", p->box.simulated);
+    say_silent(p, errs);
+    if (box_lock_owner(p->board->lock, owner)) {
+        cli_say(p->cli, "owner             %s: its camera is not asked", owner);
+        ttf_json_kstring(&p->cli->out, "owner", owner);
+    } else {
+        probe_cameras_of(p);
+    }
+    probe_lamps(p);
+    probe_sensors(p);
+    probe_rest(p);
+    ttf_json_kint(&p->cli->out, "silent", p->silent);
+    return 0;
+}
+
 int cmd_board_probe(struct cli *cli)
 {
-    struct ttf_board board;
-    struct probe p = {.cli = cli, .board = &board};
-    int r = cli_load_board(cli, &board);
+    struct ttf_board *board = calloc(1, sizeof *board);
+    struct probe p = {.cli = cli, .board = board};
+    unsigned problems = 0;
+    int r = board ? cli_load_board(cli, board) : -ENOMEM;
 
+    /* Another machine's files have no devices to ask. */
+    if (r == 0 && !cli->opt.root)
+        r = ask_devices(&p);
+    if (r == 0 && (board->real || cli->opt.root || cli->opt.output))
+        problems = board_findings(cli, board, p.box.clock);
     if (r == 0)
-        r = box_create(&board, cli->io, NULL, &p.box, &cli->err);
-    if (r < 0)
-        return r;
-    cli_say(cli, "board             %s, serial %s%s", p.box.board, p.box.serial,
-            p.box.simulated ? ", SIMULATED" : "");
-    ttf_json_kstring(&cli->out, "board", p.box.board);
-    ttf_json_kstring(&cli->out, "serial", p.box.serial);
-    ttf_json_kbool(&cli->out, "simulated", p.box.simulated);
-    probe_cameras(&p);
-    probe_lamps(&p);
-    probe_sensors(&p);
-    probe_rest(&p);
-    ttf_json_kint(&cli->out, "silent", p.silent);
+        ttf_json_kint(&cli->out, "problems", problems);
+    if (r == 0 && cli->opt.bundle)
+        r = board_bundle(cli, board);
     ttf_box_destroy(&p.box);
-    return p.silent ? CLI_FAILED : CLI_DONE;
+    free(board);
+    return r < 0 ? r : p.silent || problems ? CLI_FAILED : CLI_DONE;
 }

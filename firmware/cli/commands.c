@@ -59,11 +59,22 @@ static const struct cli_command COMMANDS[] = {
         .args = "",
         .summary = "show what answers on this box",
         .text = "Makes the box's devices as its description says and asks each of them: camera "
-                "modes and limits, lamps, sensors, clock, panel, watchdog. Exit code 1 if one "
-                "that the board names does not answer.",
+                "modes and limits, lamps, sensors, clock, panel, watchdog. Of a box with real "
+                "devices it looks at the machine, too, and says what is wrong and what to do: no "
+                "camera and why, GPIO lines that are something else or somebody else's, who holds "
+                "the USB device controller, a clock that forgets, a sagging supply, and with -o "
+                "the disk under a folder. Exit code 1 if a device that the board names does not "
+                "answer, or a problem was found.",
         .run = cmd_board_probe,
-        .options = {BOARD_OPTIONS, {OPT_JSON, NULL}, {OPT_END, NULL}},
-        .examples = {{"ttfbox board probe --board sim", "the simulated box"}},
+        .options = {BOARD_OPTIONS,
+                    {OPT_OUTPUT, "a folder whose disk is looked at, too, and measured"},
+                    {OPT_BUNDLE, NULL},
+                    {OPT_ROOT, NULL},
+                    {OPT_JSON, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox board probe --board sim", "the simulated box"},
+                     {"ttfbox board probe --board rpi4 -o /var/lib/ttfbox --bundle report.tar.gz",
+                      "a real one and its disk, with an archive for whoever helps"}},
     },
     {
         .name = "calibrate dark",

@@ -57,6 +57,12 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
     [OPT_TRANSFER] = {"transfer", 0, "CURVE", CLI_TEXT, O(transfer), 0, 0,
                       "auto (as the files say, default), srgb or linear"},
     [OPT_TITLE] = {"title", 0, "TEXT", CLI_TEXT, O(title), 0, 0, "a line for people"},
+    [OPT_BUNDLE] = {"bundle", 0, "FILE", CLI_TEXT, O(bundle), 0, 0,
+                    "put what was seen into an archive (tar.gz) to attach to a report; it holds no "
+                    "secrets"},
+    [OPT_ROOT] = {"root", 0, "DIR", CLI_TEXT, O(root), 0, 0,
+                  "look at the files below DIR (sys, dev, proc) instead of this machine's, and ask "
+                  "no device"},
     [OPT_MM_PER_PX] = {"mm-per-px", 0, "MM", CLI_DECIMAL, O(mm_per_px), 1e-6, 1e3,
                        "millimetres per pixel"},
     [OPT_TO] = {"to", 0, "KIND", CLI_TEXT, O(to), 0, 0,

@@ -20,6 +20,8 @@ enum cli_option {
     OPT_END = 0,
     OPT_GROUP, /* no option: the text heads those that follow */
     OPT_BOARD,
+    OPT_BUNDLE,
+    OPT_ROOT,
     OPT_SET,
     OPT_SCENE,
     OPT_OUTPUT,
@@ -112,7 +114,7 @@ enum cli_option {
 /* Values as given; what was not given has the value the option's table names. */
 struct cli_options {
     const char *board, *scene, *output, *calibration, *plan, *shot, *to, *gaps, *order, *transfer;
-    const char *script, *slots, *tag, *author;
+    const char *bundle, *root, *script, *slots, *tag, *author;
     const char *compress, *sink, *stream, *title, *name, *metric;
     bool json, quiet, per_frame, no_speed_check, as_given, with_excluded, check, man;
     int64_t threads, rehearse, frames, every, start, fps, feather, columns, width_max;

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* lines.c: GPIO lines that are something else, or somebody else's. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "files.h"
+
+/* Of the 40-pin header of a Raspberry Pi. `uses`: a file that is there while the line is in use so. */
+static const struct {
+    int first, last;
+    const char *what, *uses;
+} RESERVED[] = {
+    {0, 1, "the ID EEPROM of HATs, which firmware talks to at each boot", NULL},
+    {2, 3, "the I2C bus, with pull-ups of its own on the board", "dev/i2c-1"},
+    {7, 11, "the SPI bus", "dev/spidev0.0"},
+    {14, 15, "the serial console (UART)", "dev/serial0"},
+};
+
+int probe_pi_line(const struct ttf_line_spec *wire)
+{
+    const char *digits = strncmp(wire->line, "GPIO", 4) == 0 ? wire->line + 4 : wire->line;
+    bool header = wire->chip[0] == '\0' || strcmp(wire->chip, "gpiochip0") == 0 ||
+                  strncmp(wire->chip, "pinctrl-", 8) == 0;
+
+    if (!header || !*digits || strspn(digits, "0123456789") != strlen(digits) || strlen(digits) > 3)
+        return -1;
+    return (int)strtol(digits, NULL, 10);
+}
+
+const char *probe_pi_reserved(int line, const char **ret_uses)
+{
+    for (unsigned i = 0; i < TTF_COUNT_OF(RESERVED); i++)
+        if (line >= RESERVED[i].first && line <= RESERVED[i].last) {
+            *ret_uses = RESERVED[i].uses;
+            return RESERVED[i].what;
+        }
+    return NULL;
+}
+
+static void look_up_reserved(const struct probe_machine *m, const struct ttf_line_spec *wire,
+                             const char *about, struct probe_findings *findings)
+{
+    const char *uses = NULL, *what = probe_pi_reserved(probe_pi_line(wire), &uses);
+    struct stat st;
+    bool in_use = what && (!uses || probe_stat(m, uses, &st));
+
+    if (what)
+        probe_add(findings, in_use ? PROBE_PROBLEM : PROBE_NOTE, about,
+                  "take a free line: GPIO4 to 6, 12, 13, 16 to 27", "line %s is also %s%s",
+                  wire->line, what, in_use ? "" : ", which is switched off here");
+}
+
+/*
+ * Who has a line, from the kernel's list (/sys/kernel/debug/gpio, which root alone may read):
+ * " gpio-529 (GPIO17              |left                ) out lo".
+ */
+static bool find_consumer(const struct probe_machine *m, const char *line, char ret[64])
+{
+    char path[512], text[256], want[80];
+    FILE *file = fopen(probe_path(m, "sys/kernel/debug/gpio", path), "re");
+    bool found = false;
+
+    if (!file)
+        return false;
+    (void)snprintf(want, sizeof want, "(%.64s", line);
+    while (!found && fgets(text, sizeof text, file)) {
+        char *name = strstr(text, want), *bar = name ? strchr(name, '|') : NULL;
+        char *end = bar ? strchr(bar, ')') : NULL;
+        size_t n = strlen(want);
+
+        if (!end || strspn(name + n, " ") != (size_t)(bar - name) - n)
+            continue;
+        *end = '\0';
+        for (end--; end > bar && *end == ' '; end--)
+            *end = '\0';
+        (void)snprintf(ret, 64, "%s", bar + 1);
+        found = *ret != '\0';
+    }
+    (void)fclose(file);
+    return found;
+}
+
+static void look_up_wire(const struct probe_machine *m, const struct ttf_line_spec *wire, bool pi,
+                         struct probe_findings *findings)
+{
+    char about[32], consumer[64];
+
+    (void)snprintf(about, sizeof about, "line %.26s", wire->label);
+    if (pi)
+        look_up_reserved(m, wire, about, findings);
+    if (find_consumer(m, wire->line, consumer) && strcmp(consumer, wire->label) != 0)
+        probe_add(findings, PROBE_PROBLEM, about,
+                  "an overlay in config.txt, or another program: a line has one holder",
+                  "line %s is taken by '%s'", wire->line, consumer);
+}
+
+static void look_for_hat(const struct probe_machine *m, struct probe_findings *findings)
+{
+    char product[96];
+
+    if (probe_line(m, "proc/device-tree/hat/product", product, sizeof product) && *product)
+        probe_add(findings, PROBE_NOTE, "lines",
+                  "its maker says which lines it takes; pinout.xyz lists many",
+                  "a HAT is plugged on: %s", product);
+}
+
+void probe_lines(const struct probe_machine *machine, const struct ttf_board *board,
+                 struct probe_findings *findings)
+{
+    const struct ttf_backend_entry *lamps = board->device[TTF_DEVICE_LAMPS];
+    const struct ttf_backend_entry *panel = board->device[TTF_DEVICE_PANEL];
+    char model[96];
+    bool pi = strncmp(probe_model(machine, model), "Raspberry Pi", 12) == 0;
+    bool any = false;
+
+    if (lamps && strcmp(lamps->name, "gpiod") == 0)
+        for (unsigned i = 0; i < board->guardian.n_wires; i++, any = true)
+            look_up_wire(machine, &board->guardian.wires[i], pi, findings);
+    if (panel && strcmp(panel->name, "gpiod") == 0)
+        for (unsigned i = 0; i < board->panel.n_wires; i++, any = true)
+            look_up_wire(machine, &board->panel.wires[i], pi, findings);
+    if (any && pi)
+        look_for_hat(machine, findings);
+}

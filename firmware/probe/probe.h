@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * probe.h: what is wrong with a box, in words for whoever built it. Looks at the machine's files alone (/sys, /dev,
+ * /proc), asks no device and changes nothing; the folder that they lie in is a parameter.
+ */
+#ifndef FIRMWARE_PROBE_H
+#define FIRMWARE_PROBE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+#include "ttf/config/board_file.h"
+#include "ttf/hal/clock.h"
+
+#define PROBE_GROUPS_MAX   64
+#define PROBE_FINDINGS_MAX 64
+
+/* Where to look, and as whom. */
+struct probe_machine {
+    char root[256]; /* "": this machine; else a folder with sys, dev and proc in it */
+    uid_t uid;
+    unsigned n_groups;
+    gid_t groups[PROBE_GROUPS_MAX];
+};
+
+/* This process, on this machine or on what lies below root. */
+void probe_machine_here(struct probe_machine *machine, const char *root);
+
+enum probe_weight {
+    PROBE_NOTE = 0, /* good to know */
+    PROBE_PROBLEM   /* a capture will not do, or not do well */
+};
+
+struct probe_finding {
+    enum probe_weight weight;
+    char about[32]; /* "camera", "line left", "storage" */
+    char text[256]; /* a sentence without a full stop */
+    char hint[256]; /* what to do; may be empty */
+};
+
+struct probe_findings {
+    unsigned n;
+    struct probe_finding finding[PROBE_FINDINGS_MAX]; /* beyond that they are dropped */
+};
+
+/* hint: may be NULL. */
+void probe_add(struct probe_findings *findings, enum probe_weight weight, const char *about,
+               const char *hint, const char *fmt, ...) TTF_PRINTF(5, 6);
+
+/* Cameras of back-end v4l2: none and why, another one than meant, not allowed, in somebody's hands. */
+void probe_cameras(const struct probe_machine *machine, const struct ttf_board *board,
+                   struct probe_findings *findings);
+
+/* Wires of lamps, door, button and light: of what else they are on this machine, who has them, hats. */
+void probe_lines(const struct probe_machine *machine, const struct ttf_board *board,
+                 struct probe_findings *findings);
+
+/* The header's number of a Raspberry Pi's line ("GPIO17", or "17" on its own chip), -1: it is none. */
+int probe_pi_line(const struct ttf_line_spec *wire);
+
+/* What else a line of that header is, NULL: it is free; *ret_uses: a file that is there while it is in use so, NULL: always. */
+const char *probe_pi_reserved(int line, const char **ret_uses);
+
+/* Who holds the USB device controller. */
+void probe_usb(const struct probe_machine *machine, struct probe_findings *findings);
+
+/* A clock that forgets, a date that nobody vouches for. */
+void probe_clock(const struct probe_machine *machine, enum ttf_trust trust,
+                 struct probe_findings *findings);
+
+/* The disk below a folder, by the machine's mounts. */
+void probe_storage(const struct probe_machine *machine, const char *folder,
+                   struct probe_findings *findings);
+
+/* How fast the disk below that folder takes and syncs 8 MiB, a file that is removed again. Bytes a second; errors of the disk. */
+TTF_MUST_USE int64_t probe_write_speed(const char *folder, struct ttf_clock *clock,
+                                       struct probe_findings *findings);
+
+/* A supply that sags, a watchdog that another holds. */
+void probe_power(const struct probe_machine *machine, const struct ttf_board *board,
+                 struct probe_findings *findings);
+
+/* What the machine calls itself, as "Raspberry Pi 4 Model B Rev 1.4"; "" if it does not say. Returns ret. */
+const char *probe_model(const struct probe_machine *machine, char ret[96]);
+
+/*
+ * An archive (tar.gz) to attach to a report: `report` (JSON, as probe prints it), the board's file, and facts of the
+ * machine that hold no secrets; BUNDLE.txt in it says what each is. Nothing is overwritten: -EEXIST.
+ */
+TTF_MUST_USE int probe_bundle(const struct probe_machine *machine, const char *path,
+                              const char *board_path, const char *report, struct ttf_err *err);
+
+#endif

@@ -1,0 +1,351 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* test_probe.c: machines made of files, and what is said of them. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "files.h"
+#include "probe.h"
+
+struct bench {
+    struct probe_machine machine;
+    struct ttf_board board;
+    struct probe_findings findings;
+};
+
+static int setup(void **state)
+{
+    struct bench *b = calloc(1, sizeof *b);
+    char root[] = "/tmp/ttf-probe.XXXXXX";
+
+    if (!b)
+        return -1;
+    assert_true(mkdtemp(root) != NULL);
+    probe_machine_here(&b->machine, root);
+    *state = b;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct bench *b = *state;
+    char command[300];
+
+    (void)snprintf(command, sizeof command, "rm -rf '%s'", b->machine.root);
+    /* NOLINTNEXTLINE(cert-env33-c,concurrency-mt-unsafe): a test's own folder */
+    assert_int_equal(system(command), 0);
+    free(b);
+    return 0;
+}
+
+static void make_folders(char *path)
+{
+    for (char *c = strchr(path + 1, '/'); c; c = strchr(c + 1, '/')) {
+        *c = '\0';
+        (void)mkdir(path, 0755);
+        *c = '/';
+    }
+}
+
+static void put(const struct bench *b, const char *name, const char *text)
+{
+    char path[512];
+    FILE *file;
+
+    (void)probe_path(&b->machine, name, path);
+    make_folders(path);
+    file = fopen(path, "w");
+    assert_true(file != NULL);
+    fputs(text, file);
+    (void)fclose(file);
+}
+
+/* A process that has a device open. */
+static void put_holder(const struct bench *b, const char *process, const char *name,
+                       const char *device)
+{
+    char file[128], path[512];
+
+    (void)snprintf(file, sizeof file, "proc/%s/comm", process);
+    put(b, file, name);
+    (void)snprintf(file, sizeof file, "proc/%s/fd/", process);
+    (void)probe_path(&b->machine, file, path);
+    make_folders(path);
+    (void)snprintf(path + strlen(path), 8, "7");
+    assert_int_equal(symlink(device, path), 0);
+}
+
+static void load(struct bench *b, const char *text)
+{
+    struct ttf_err err = {0};
+
+    if (ttf_board_parse("b.yaml", text, strlen(text), NULL, 0, &b->board, &err) < 0)
+        fail_msg("%s: %s", err.where, err.what);
+}
+
+#define CAMERA "board: t\ncameras: {main: {backend: v4l2}}\nclock: {backend: machine}\n"
+
+/* A finding that says this; its hint if it must say something, too. */
+static const struct probe_finding *found(const struct bench *b, const char *text)
+{
+    for (unsigned i = 0; i < b->findings.n; i++)
+        if (strstr(b->findings.finding[i].text, text))
+            return &b->findings.finding[i];
+    for (unsigned i = 0; i < b->findings.n; i++)
+        print_message("    %s\n", b->findings.finding[i].text);
+    fail_msg("nothing says '%s'", text);
+    return &b->findings.finding[0];
+}
+
+static void cameras(struct bench *b)
+{
+    b->findings.n = 0;
+    probe_cameras(&b->machine, &b->board, &b->findings);
+}
+
+static void a_machine_without_a_camera_says_where_to_look(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, CAMERA);
+    cameras(b);
+    assert_int_equal(b->findings.n, 1);
+    assert_non_null(strstr(found(b, "there is no /dev/video*")->hint, "plugged in"));
+    assert_int_equal(b->findings.finding[0].weight, PROBE_PROBLEM);
+    put(b, "proc/device-tree/model", "Raspberry Pi 4 Model B Rev 1.4");
+    cameras(b);
+    assert_non_null(strstr(found(b, "there is no /dev/video*")->hint, "ribbon"));
+    /* a simulated camera needs none */
+    load(b, "board: t\ncameras: {main: {backend: sim}}\nclock: {backend: machine}\n");
+    cameras(b);
+    assert_int_equal(b->findings.n, 0);
+}
+
+static void a_usb_camera_without_its_driver_is_named(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, CAMERA);
+    put(b, "sys/bus/usb/devices/1-1/product", "HD Pro Webcam C920\n");
+    put(b, "sys/bus/usb/devices/1-1:1.0/bInterfaceClass", "0e\n");
+    cameras(b);
+    assert_non_null(strstr(found(b, "HD Pro Webcam C920")->hint, "modprobe uvcvideo"));
+    /* with a driver it is something else that is wrong */
+    put(b, "sys/bus/usb/devices/1-1:1.0/driver/bind", "");
+    cameras(b);
+    (void)found(b, "the kernel knows no camera");
+}
+
+static void a_camera_that_may_not_be_used_says_which_group_may(void **state)
+{
+    struct bench *b = *state;
+    char path[512];
+
+    load(b, CAMERA);
+    put(b, "dev/video0", "");
+    assert_int_equal(chmod(probe_path(&b->machine, "dev/video0", path), 0660), 0);
+    b->machine.uid = 4711;
+    b->machine.n_groups = 1;
+    b->machine.groups[0] = 4711;
+    cameras(b);
+    assert_non_null(strstr(found(b, "no permission")->hint, "usermod -aG"));
+    b->machine.n_groups = 2;
+    b->machine.groups[1] = getegid();
+    cameras(b);
+    assert_int_equal(b->findings.n, 0);
+}
+
+static void a_camera_that_is_busy_says_who_has_it(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, CAMERA);
+    put(b, "dev/video0", "");
+    put(b, "dev/video1", "");
+    put_holder(b, "812", "motion\n", "/dev/video0");
+    put_holder(b, "813", "other\n", "/dev/null");
+    cameras(b);
+    assert_int_equal(b->findings.n, 1);
+    (void)found(b, "/dev/video0 is held by motion (process 812)");
+}
+
+static void a_device_that_has_another_number_now_is_told(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, "board: t\ncameras: {main: {backend: v4l2, device: /dev/video2}}\n"
+            "clock: {backend: machine}\n");
+    put(b, "dev/video0", "");
+    put(b, "dev/video4", "");
+    cameras(b);
+    assert_non_null(strstr(
+        found(b, "/dev/video2 is not there; there is /dev/video0, /dev/video4")->hint, "by-id"));
+}
+
+#define WIRES                                                                             \
+    CAMERA "lamps:\n  left: {backend: gpiod, line: GPIO17}\n"                             \
+           "  low: {backend: gpiod, line: GPIO1}\n  i2c: {backend: gpiod, line: GPIO2}\n" \
+           "  serial: {backend: gpiod, chip: gpiochip0, line: 14}\n"                      \
+           "  usb: {backend: gpiod, chip: cp2112_gpio, line: 2}\n"                        \
+           "panel: {backend: gpiod, button: {line: GPIO9}}\n"
+
+static void lines_of_a_pi_that_are_something_else_are_told(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, WIRES);
+    put(b, "dev/i2c-1", "");
+    probe_lines(&b->machine, &b->board, &b->findings);
+    assert_int_equal(b->findings.n, 0); /* only a Pi's header is so */
+    put(b, "proc/device-tree/model", "Raspberry Pi 5 Model B Rev 1.0");
+    put(b, "proc/device-tree/hat/product", "Sense HAT");
+    probe_lines(&b->machine, &b->board, &b->findings);
+    assert_int_equal(b->findings.n, 5);
+    assert_int_equal(found(b, "ID EEPROM")->weight, PROBE_PROBLEM);
+    assert_string_equal(found(b, "ID EEPROM")->about, "line low");
+    assert_int_equal(found(b, "I2C bus")->weight, PROBE_PROBLEM);
+    assert_int_equal(found(b, "SPI bus, which is switched off here")->weight, PROBE_NOTE);
+    assert_int_equal(found(b, "serial console (UART), which is switched off")->weight, PROBE_NOTE);
+    assert_int_equal(found(b, "a HAT is plugged on: Sense HAT")->weight, PROBE_NOTE);
+}
+
+static void a_line_that_is_taken_says_by_whom(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, WIRES);
+    put(b, "sys/kernel/debug/gpio",
+        "gpiochip0: GPIOs 512-565, parent: platform/fe200000.gpio, pinctrl-bcm2711:\n"
+        " gpio-513 (GPIO1               |low                 ) out lo\n"
+        " gpio-529 (GPIO17              |onewire@11          ) out hi\n"
+        " gpio-521 (GPIO9               )\n");
+    probe_lines(&b->machine, &b->board, &b->findings);
+    assert_int_equal(b->findings.n,
+                     1); /* the guardian's own, and free ones, are as they should be */
+    assert_string_equal(found(b, "line GPIO17 is taken by 'onewire@11'")->about, "line left");
+}
+
+static void who_holds_the_usb_controller_is_told(void **state)
+{
+    struct bench *b = *state;
+
+    probe_usb(&b->machine, &b->findings);
+    (void)found(b, "no USB device controller");
+    b->findings.n = 0;
+    put(b, "sys/class/udc/fe980000.usb/state", "configured\n");
+    probe_usb(&b->machine, &b->findings);
+    assert_int_equal(b->findings.n, 0);
+    put(b, "sys/class/udc/fe980000.usb/function", "g_ether\n");
+    probe_usb(&b->machine, &b->findings);
+    (void)found(b, "fe980000.usb is held by g_ether");
+    b->findings.n = 0;
+    put(b, "sys/kernel/config/usb_gadget/other/UDC", "\n");
+    put(b, "sys/kernel/config/usb_gadget/webcam/UDC", "fe980000.usb\n");
+    probe_usb(&b->machine, &b->findings);
+    (void)found(b, "fe980000.usb is held by gadget 'webcam'");
+}
+
+static void a_clock_that_forgets_is_told(void **state)
+{
+    struct bench *b = *state;
+
+    probe_clock(&b->machine, TTF_TRUST_NONE, &b->findings);
+    assert_int_equal(b->findings.n, 2);
+    (void)found(b, "no battery-backed clock");
+    (void)found(b, "nobody vouches");
+    b->findings.n = 0;
+    put(b, "sys/class/rtc/rtc0/name", "rtc-ds1307\n");
+    probe_clock(&b->machine, TTF_TRUST_RTC, &b->findings);
+    assert_int_equal(b->findings.n, 0);
+}
+
+static void storage(struct bench *b, const char *folder)
+{
+    b->findings.n = 0;
+    probe_storage(&b->machine, folder, &b->findings);
+}
+
+static void each_kind_of_storage_has_its_words(void **state)
+{
+    struct bench *b = *state;
+
+    put(b, "proc/self/mounts",
+        "/dev/mmcblk0p2 / ext4 rw,noatime 0 0\n"
+        "/dev/sda1 /data ext4 ro,errors=remount-ro 0 0\n"
+        "/dev/sdb1 /data/usb vfat rw 0 0\n"
+        "tmpfs /tmp tmpfs rw 0 0\n"
+        "/dev/sdc1 /database ext4 rw 0 0\n");
+    storage(b, "/var/lib/ttfbox");
+    assert_int_equal(found(b, "memory card (/dev/mmcblk0p2)")->weight, PROBE_NOTE);
+    storage(b, "/data/grass");
+    assert_int_equal(found(b, "/data (ext4) can only be read")->weight, PROBE_PROBLEM);
+    storage(b, "/data/usb");
+    (void)found(b, "/data/usb is vfat");
+    storage(b, "/tmp/x");
+    (void)found(b, "lies in memory");
+    storage(b, "/database/x");
+    assert_int_equal(b->findings.n, 0);
+}
+
+static void a_disk_is_measured_and_nothing_is_left_behind(void **state)
+{
+    struct bench *b = *state;
+    struct ttf_clock *clock = ttf_clock_real_create();
+    char path[512];
+    struct stat st;
+
+    put(b, "data/x", "");
+    assert_true(probe_write_speed(probe_path(&b->machine, "data", path), clock, &b->findings) > 0);
+    assert_false(probe_stat(&b->machine, "data/.ttfbox-speed", &st));
+    assert_int_equal(probe_write_speed("/nowhere", clock, &b->findings), -ENOENT);
+    (void)found(b, "/nowhere cannot be written");
+    ttf_clock_destroy(clock);
+}
+
+static void a_supply_that_sagged_and_a_watchdog_in_other_hands_are_told(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, CAMERA "watchdog: {backend: device}\n");
+    put(b, "sys/class/hwmon/hwmon0/name", "cpu_thermal\n");
+    put(b, "sys/class/hwmon/hwmon1/name", "rpi_volt\n");
+    put(b, "sys/class/hwmon/hwmon1/in0_lcrit_alarm", "0\n");
+    probe_power(&b->machine, &b->board, &b->findings);
+    assert_int_equal(b->findings.n, 0);
+    put(b, "sys/class/hwmon/hwmon1/in0_lcrit_alarm", "1\n");
+    put_holder(b, "1", "systemd\n", "/dev/watchdog");
+    probe_power(&b->machine, &b->board, &b->findings);
+    assert_int_equal(found(b, "voltage has been too low")->weight, PROBE_PROBLEM);
+    assert_non_null(
+        strstr(found(b, "/dev/watchdog is held by systemd (process 1)")->hint, "backend: systemd"));
+}
+
+int main(void)
+{
+#define ON_FILES(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
+    const struct CMUnitTest tests[] = {
+        ON_FILES(a_machine_without_a_camera_says_where_to_look),
+        ON_FILES(a_usb_camera_without_its_driver_is_named),
+        ON_FILES(a_camera_that_may_not_be_used_says_which_group_may),
+        ON_FILES(a_camera_that_is_busy_says_who_has_it),
+        ON_FILES(a_device_that_has_another_number_now_is_told),
+        ON_FILES(lines_of_a_pi_that_are_something_else_are_told),
+        ON_FILES(a_line_that_is_taken_says_by_whom),
+        ON_FILES(who_holds_the_usb_controller_is_told),
+        ON_FILES(a_clock_that_forgets_is_told),
+        ON_FILES(each_kind_of_storage_has_its_words),
+        ON_FILES(a_disk_is_measured_and_nothing_is_left_behind),
+        ON_FILES(a_supply_that_sagged_and_a_watchdog_in_other_hands_are_told),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
