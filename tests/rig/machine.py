@@ -58,6 +58,11 @@ class Machine:
             self.process.wait()
         subprocess.run(["rm", "-rf", self.folder], check=False)
 
+    def cut(self):
+        """Its power."""
+        subprocess.run(["pkill", "-9", "-P", str(self.process.pid)], check=True)
+        self.process.wait(10)
+
     def connect(self, name):
         end = time.monotonic() + 20
         while True:

@@ -8,6 +8,7 @@ import sys
 import time
 import traceback
 
+import boots
 import camera
 import lamps
 import powercuts
@@ -16,7 +17,7 @@ from machine import Machine
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 RIG = ROOT + "/build-rig"
-PROGRAMS = ["ttfbox", "ttfbox-lampd", "lampd_child", "capture_child", "rig_camera", "test_lines", "test_sysfs",
+PROGRAMS = ["ttfbox", "ttfboxd", "ttfbox-lampd", "lampd_child", "capture_child", "rig_camera", "test_lines", "test_sysfs",
             "test_conformance_lampd"]
 # What no machine here has; said, so that nobody takes silence for a pass.
 NOT_HERE = ["exposure control through a real camera driver", "a GPIO chip that is unplugged",
@@ -57,7 +58,7 @@ def prepare():
 def run(scenario, share):
     """None, or what went wrong."""
     try:
-        if scenario in powercuts.SCENARIOS:
+        if scenario in powercuts.SCENARIOS + boots.SCENARIOS:
             scenario(RIG + "/system", share)
             return None
         with Machine(RIG + "/system", share) as machine:
@@ -71,7 +72,7 @@ def run(scenario, share):
 
 def main():
     words = sys.argv[1:]
-    every = lamps.SCENARIOS + camera.SCENARIOS + powercuts.SCENARIOS
+    every = lamps.SCENARIOS + camera.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS
     scenarios = [s for s in every if not words or any(w in s.__name__ for w in words)]
     if not scenarios:
         print("rig: no scenario has such a name; there are:", file=sys.stderr)
