@@ -42,18 +42,28 @@ static int missing_folder(struct ttf_io *io, const char *first, const char *seco
                           struct ttf_err *err)
 {
     struct ttf_manifest of_first;
-    struct ttf_reader *reader;
+    struct ttf_reader *reader = NULL;
     struct ttf_io_stat st;
     char folder[4096];
     const char *slash = strrchr(second, '/');
     bool open_end;
+    int r;
 
     snprintf(folder, sizeof(folder), "%.*s", slash > second ? (int)(slash - second) : 1, second);
-    if (io->ops->stat(io, folder, &st) != -ENOENT ||
-        ttf_manifest_load(io, first, &of_first, NULL) < 0 ||
-        strcmp(of_first.group_member, TTF_MEMBER_FIRST) != 0 ||
-        ttf_reader_open(io, first, &reader, NULL) < 0)
+    if (io->ops->stat(io, folder, &st) != -ENOENT)
         return 0;
+    r = ttf_manifest_load(io, first, &of_first, err);
+    if (r == 0 && strcmp(of_first.group_member, TTF_MEMBER_FIRST) != 0)
+        return 0;
+    if (r == 0)
+        r = ttf_reader_open(io, first, &reader, err);
+    if (r == -ENOMEM)
+        return r; /* it may be begun: who went on in it would do so beside the second one */
+    if (r < 0) {  /* opening it will say what is wrong with it */
+        if (err)
+            *err = (struct ttf_err){0};
+        return 0;
+    }
     open_end = !ttf_reader_summary(reader)->sealed && ttf_reader_summary(reader)->n_segments > 0;
     ttf_reader_close(reader);
     if (!open_end)
@@ -175,10 +185,28 @@ int ttf_second_open(struct ttf_io *io, const char *path, const struct ttf_manife
     return plan;
 }
 
+/* Of the last slots how many were not taken, for ttf_writer_state. */
+static int count_lost(struct ttf_reader *reader, int64_t slots, int64_t *ret, struct ttf_err *err)
+{
+    struct ttf_slot_record record;
+    bool lost = true;
+
+    *ret = 0;
+    for (int64_t i = slots; lost && i-- > 0; *ret += lost) {
+        int r = ttf_reader_slot(reader, i, &record, err);
+
+        if (r < 0)
+            return r;
+        lost = record.result == TTF_RESULT_POWER || record.result == TTF_RESULT_MISSED;
+        ttf_slot_record_free(&record);
+    }
+    return 0;
+}
+
 int ttf_second_state_of(struct ttf_io *io, const char *first, struct ttf_writer_state *ret,
                         struct ttf_manifest *ret_manifest, struct ttf_err *err)
 {
-    struct ttf_writer_state state = {.last_due_ns = TTF_NS_UNKNOWN};
+    struct ttf_writer_state state = {0};
     const struct ttf_reader_summary *summary;
     struct ttf_reader *reader;
     int r = ttf_reader_open(io, first, &reader, err);
@@ -193,6 +221,8 @@ int ttf_second_state_of(struct ttf_io *io, const char *first, struct ttf_writer_
     memcpy(state.counts, summary->counts, sizeof(state.counts));
     if (state.n_segments > 0)
         r = ttf_reader_segment(reader, state.n_segments - 1, &state.last_segment);
+    if (r == 0)
+        r = count_lost(reader, summary->slots, &state.lost_at_end, err);
     *ret_manifest = *ttf_reader_manifest(reader);
     ttf_reader_close(reader);
     if (r == 0)

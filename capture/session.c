@@ -3,7 +3,6 @@
 #include "ttf/capture/session.h"
 
 #include <errno.h>
-#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,9 +18,6 @@
 
 /* Between the slots of a rehearsal. */
 #define REHEARSAL_PAUSE_NS (500 * TTF_NS_PER_MS)
-
-/* A granted exposure this part off what was asked for is an event. */
-#define EXPOSURE_OFF_SHARE 100
 
 /* ---- setting up ---- */
 
@@ -173,20 +169,6 @@ static int set_up_darkrooms(struct ttf_session *s, struct ttf_err *err)
     return 0;
 }
 
-/* A camera that cannot do whole half-periods of the mains shows lamp ripple: somebody should know. */
-static void tell_exposure(struct ttf_session *s, int64_t asked_ns, int64_t granted_ns)
-{
-    int64_t off = granted_ns - asked_ns;
-
-    if (granted_ns == 0)
-        ttf_events_emit(&s->events, "camera",
-                        "%.3f ms were asked for, and the camera's exposure cannot be set",
-                        (double)asked_ns / 1e6);
-    else if (off > asked_ns / EXPOSURE_OFF_SHARE || -off > asked_ns / EXPOSURE_OFF_SHARE)
-        ttf_events_emit(&s->events, "camera", "%.3f ms were asked for, %.3f ms granted and locked",
-                        (double)asked_ns / 1e6, (double)granted_ns / 1e6);
-}
-
 /* Cameras streaming, every setting of the plan locked. */
 static int arm_cameras(struct ttf_session *s, struct ttf_err *err)
 {
@@ -207,7 +189,7 @@ static int arm_cameras(struct ttf_session *s, struct ttf_err *err)
 
             if (r < 0)
                 return r;
-            tell_exposure(s, asked.exposure_ns, s->locked[i][b].granted.exposure_ns);
+            ttf_session_tell_exposure(s, asked.exposure_ns, s->locked[i][b].granted.exposure_ns);
         }
     }
     return 0;
@@ -239,59 +221,6 @@ static int set_up_committer(struct ttf_session *s, struct ttf_err *err)
 
 /* ---- running ---- */
 
-static void tell_resumed(struct ttf_session *s)
-{
-    const struct ttf_resume *r = &s->resume;
-    int64_t lost = r->unready_from - r->grid.first_index;
-    int64_t unready = r->lost_until - r->unready_from;
-
-    if (!r->continued)
-        return;
-    if (r->on_grid)
-        ttf_events_emit(&s->events, "resume",
-                        "on the same grid at slot %lld, %.1f s after the last; %lld slots lost: %s",
-                        (long long)r->grid.first_index, (double)r->outage_ns / 1e9, (long long)lost,
-                        r->lost_reason);
-    else
-        ttf_events_emit(&s->events, "resume", "at once at slot %lld in a new segment: %s",
-                        (long long)r->grid.first_index,
-                        r->clock_implausible ? "UTC lies before the last slot"
-                                             : "how long the outage was is not known");
-    if (unready > 0)
-        ttf_events_emit(&s->events, "resume", "%lld slots lost: %s", (long long)unready,
-                        TTF_REASON_NOT_READY);
-}
-
-/* A run that goes on in a box of another board, or before another scene, captures something else from there on. */
-static void tell_box(struct ttf_session *s)
-{
-    const char *before = s->pulse.before.box;
-    const char *now = s->box->description;
-    size_t same = 0;
-
-    if (!s->pulse.has_before || strcmp(before, now) == 0 || before[0] == '\0' || now[0] == '\0')
-        return;
-    /* From the first of its parts on that differs. */
-    for (size_t i = 0; now[i] != '\0' && now[i] == before[i]; i++)
-        if (now[i] == ' ')
-            same = i + 1;
-    ttf_events_emit(&s->events, "box", "described otherwise: '%.100s' instead of '%.100s'",
-                    now + same, before + same);
-}
-
-static void tell_armed(struct ttf_session *s)
-{
-    struct ttf_progress p = {.kind = TTF_PROGRESS_ARMED,
-                             .index = s->resume.lost_until,
-                             .total = s->plan.count,
-                             .text = "",
-                             .now_ns = ttf_clock_now_ns(s->box->clock),
-                             .error_ns = TTF_NS_UNKNOWN,
-                             .wakeup_ns = TTF_NS_UNKNOWN};
-
-    ttf_committer_tell(&s->committer, &p);
-}
-
 static int run_slots(struct ttf_session *s)
 {
     int64_t k = s->grid.first_index;
@@ -320,13 +249,7 @@ static int run(struct ttf_session *s, struct ttf_err *err)
     if (r < 0)
         return ttf_err_set(err, r, NULL, "no thread for committing");
     ttf_pulse_guard(&s->pulse);
-    if (s->moved_on_from >= 0)
-        ttf_events_emit(&s->events, "plan",
-                        "the plan given is plan %d, but plan %d has come since and is in force",
-                        s->moved_on_from, s->known_plan);
-    tell_resumed(s);
-    tell_box(s);
-    tell_armed(s);
+    ttf_session_tell_beginning(s);
     ttf_pulse_led(&s->pulse, TTF_LED_CAPTURING);
     r = run_slots(s);
     if (r == -ECANCELED)
@@ -343,44 +266,6 @@ static int run(struct ttf_session *s, struct ttf_err *err)
 }
 
 /* ---- the end ---- */
-
-static void fill_result(const struct ttf_session *s, struct ttf_session_result *ret)
-{
-    const struct ttf_ledger *ledger = &s->committer.ledger;
-    const struct ttf_rehearsal *h = &s->rehearsal;
-
-    if (s->committer.writer) {
-        const int64_t *n = ttf_writer_state(s->committer.writer)->counts;
-
-        ret->captured = n[TTF_RESULT_CAPTURED];
-        ret->partial = n[TTF_RESULT_PARTIAL];
-        ret->missed = n[TTF_RESULT_MISSED];
-        ret->failed = n[TTF_RESULT_FAILED];
-        ret->paused = n[TTF_RESULT_PAUSED];
-        ret->power = n[TTF_RESULT_POWER];
-        ret->slots =
-            ret->captured + ret->partial + ret->missed + ret->failed + ret->paused + ret->power;
-    }
-    ret->error_p99_ns = ttf_quantile_ns(&ledger->error, 0.99);
-    ret->error_max_ns = ledger->error.max_ns;
-    ret->wakeup_p99_ns = ttf_quantile_ns(&ledger->wakeup, 0.99);
-    ret->wakeup_max_ns = ledger->wakeup.max_ns;
-    ret->resumed = s->resume.continued;
-    ret->second_storage = s->committer.moved;
-    ret->moved_on_from = s->moved_on_from;
-    ret->total = s->plan.count;
-    if (s->config->rehearse > 0) {
-        int64_t slowest = h->expose_ns > h->commit_ns ? h->expose_ns : h->commit_ns;
-
-        ret->busy_ns = h->busy_ns;
-        ret->headroom_stops = isinf(h->headroom_stops) ? NAN : h->headroom_stops;
-        ret->sharpness = h->sharpness;
-        ret->settle_change =
-            h->first_level > 0 ? (h->last_level - h->first_level) / h->first_level : NAN;
-        ret->slot_bytes = h->slot_bytes;
-        ret->sustained_interval_ns = slowest + slowest / 10;
-    }
-}
 
 static int read_digest(const struct ttf_session *s, char ret[65], struct ttf_err *err)
 {
@@ -431,7 +316,7 @@ static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_resul
     bool complete = r == 0 && writer && s->config->rehearse <= 0 &&
                     ttf_writer_state(writer)->next_index >= s->plan.count;
 
-    fill_result(s, ret);
+    ttf_session_fill_result(s, ret);
     if (r == -ESHUTDOWN || power_lost(s)) {
         ttf_writer_abandon(writer);
         s->committer.writer = NULL;
@@ -450,18 +335,6 @@ static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_resul
     ttf_writer_close(s->committer.writer);
     s->committer.writer = NULL;
     return r;
-}
-
-static void say_why(struct ttf_session *s, int r, struct ttf_err *err)
-{
-    if (!err || err->code == r)
-        return;
-    if (s->queue.fatal == r && s->queue.fatal_err.code != 0) {
-        *err = s->queue.fatal_err;
-        err->code = r;
-        return;
-    }
-    ttf_err_set(err, r, s->committer.path, "the run could not go on");
 }
 
 /* From armed devices to the dataset's end. */
@@ -516,7 +389,7 @@ static int with_devices(struct ttf_session *s, struct ttf_session_result *ret, s
         ttf_pulse_led(&s->pulse, r < 0 ? TTF_LED_STOPPED : TTF_LED_IDLE);
     }
     if (r < 0)
-        say_why(s, r, err);
+        ttf_session_say_why(s, r, err);
     ttf_lamp_driver_end(&s->lamps);
     for (unsigned i = 0; i < s->n_cameras; i++)
         ttf_camera_stop(s->cameras[i].camera);

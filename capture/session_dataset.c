@@ -275,7 +275,7 @@ static int resolve(struct ttf_session *s, const struct ttf_writer_state *state,
 
 int ttf_session_open_dataset(struct ttf_session *s, struct ttf_err *err)
 {
-    struct found found = {.state = {.last_due_ns = TTF_NS_UNKNOWN}};
+    struct found found = {0};
     struct ttf_manifest manifest;
     struct ttf_utc utc = {0};
     int plan;

@@ -66,6 +66,20 @@ TTF_MUST_USE int ttf_session_open_dataset(struct ttf_session *s, struct ttf_err 
 /* Refuses a new run that its disk cannot hold. */
 TTF_MUST_USE int ttf_session_check_disk(struct ttf_session *s, struct ttf_err *err);
 
+/* ---- session_tell.c: what a run says of itself ---- */
+
+/* An event if the exposure that was granted is far off the one asked for: lamp ripple may show. */
+void ttf_session_tell_exposure(struct ttf_session *s, int64_t asked_ns, int64_t granted_ns);
+
+/* With the committer running: which plan, where on the grid, in which box; and that all is armed. */
+void ttf_session_tell_beginning(struct ttf_session *s);
+
+/* Counts and figures; sealed and digest are not its. */
+void ttf_session_fill_result(const struct ttf_session *s, struct ttf_session_result *ret);
+
+/* Sees to it that err (NULL: not wanted) says why the run ended with r < 0: what the committer met, or at least that it did. */
+void ttf_session_say_why(const struct ttf_session *s, int r, struct ttf_err *err);
+
 /* ---- slot.c ---- */
 
 /*

@@ -142,7 +142,7 @@ int ttf_lines_scan(struct ttf_io *io, const char *path, ttf_line_fn *fn, ttf_bad
     }
     if (r == -EFBIG)
         r = damage(&s, path, NULL, "a line is longer than any line may be");
-    else if (r < 0 && (!err || err->code == 0))
+    else if (r < 0 && (!err || err->code != r)) /* not told yet: err may be of a call before */
         ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
     ttf_lines_free(&lines);
     io->ops->close(io, file);

@@ -91,7 +91,7 @@ static int hash_durably(struct ttf_writer *writer, const char *path, char ret_he
         if (r == 0)
             r = ttf_io_sync_parent(io, full);
     }
-    if (r && (!err || err->code == 0))
+    if (r && (!err || err->code != r)) /* not told yet */
         ttf_err_set(err, r, path, "cannot be sealed: %s", strerrordesc_np(-r));
     return r;
 }

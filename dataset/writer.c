@@ -28,7 +28,6 @@ struct ttf_writer *ttf_writer_alloc(struct ttf_io *io, const char *path)
         n--;
     writer->io = io;
     writer->lock = writer->sums = writer->records.file = writer->events.file = -1;
-    writer->state.last_due_ns = TTF_NS_UNKNOWN;
     writer->path = strndup(path, n);
     writer->piece = malloc(TTF_SHA256_PIECE);
     if (!writer->path || !writer->piece) {
@@ -246,7 +245,7 @@ int ttf_writer_commit(struct ttf_writer *writer, const struct ttf_slot_record *r
     if (r)
         return r;
     writer->ended = false;
-    ttf_writer_count_slot(state, record->index, record->due_ns, record->result);
+    ttf_writer_count_slot(state, record->index, record->result);
     list_files(writer, record);
     return 0;
 }

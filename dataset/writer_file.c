@@ -61,7 +61,7 @@ static int attempt(struct attempt *a, struct ttf_file_ref *ret, struct ttf_err *
     if (r < 0) {
         io->ops->close(io, file);
         io->ops->unlink(io, a->temporary);
-        if (err && err->code == 0)
+        if (err && err->code != r) /* not told yet */
             ttf_err_set(err, r, a->path, "cannot be written: %s", strerrordesc_np(-r));
         return r;
     }

@@ -30,13 +30,11 @@ int ttf_writer_learn_calibration(struct ttf_writer *writer, const char *id)
     return 0;
 }
 
-void ttf_writer_count_slot(struct ttf_writer_state *state, int64_t index, int64_t due_ns,
-                           enum ttf_result result)
+void ttf_writer_count_slot(struct ttf_writer_state *state, int64_t index, enum ttf_result result)
 {
     bool lost = result == TTF_RESULT_POWER || result == TTF_RESULT_MISSED;
 
     state->next_index = index + 1;
-    state->last_due_ns = due_ns;
     state->counts[result]++;
     state->lost_at_end = lost ? state->lost_at_end + 1 : 0;
 }
@@ -58,7 +56,7 @@ static int learn_slot(struct ttf_writer *writer, const struct ttf_line *line, st
         return ttf_err_set(err, -TTF_EDAMAGED, line->where,
                            "slot %lld is of segment %d, which has no line before it",
                            (long long)brief.index, brief.segment);
-    ttf_writer_count_slot(state, brief.index, brief.due_ns, brief.result);
+    ttf_writer_count_slot(state, brief.index, brief.result);
     return 0;
 }
 

@@ -58,8 +58,7 @@ TTF_MUST_USE int ttf_writer_learn_segment(struct ttf_writer *writer,
 /* Memory for one more, so that learning it cannot fail once its line is written. */
 TTF_MUST_USE int ttf_writer_room_for_calibration(struct ttf_writer *writer);
 /* What the state knows of one more slot line. */
-void ttf_writer_count_slot(struct ttf_writer_state *state, int64_t index, int64_t due_ns,
-                           enum ttf_result result);
+void ttf_writer_count_slot(struct ttf_writer_state *state, int64_t index, enum ttf_result result);
 TTF_MUST_USE int ttf_writer_learn_calibration(struct ttf_writer *writer, const char *id);
 
 /* Space that events can fall back on. Making it may fail quietly: the disk is full already. */

@@ -8,13 +8,11 @@
 #include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "cuts.h"
+#include "parts.h"
 
-#define PARTS_MAX      64
 #define SEEN_BITS      26 /* half a GiB, as far as it is touched */
 #define STATES_DEFAULT 1000000
 
@@ -58,8 +56,17 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void add(struct cuts_counts *sum, const struct cuts_counts *part)
+struct shares {
+    const struct asked *asked;
+    enum campaign campaign;
+    struct seen *seen;
+    struct cuts_counts *sum;
+};
+
+static void add(void *ctx, const void *found)
 {
+    struct cuts_counts *sum = ((struct shares *)ctx)->sum;
+    const struct cuts_counts *part = found;
     unsigned i;
 
     sum->cuts += part->cuts;
@@ -71,14 +78,16 @@ static void add(struct cuts_counts *sum, const struct cuts_counts *part)
 }
 
 /* One process's share. */
-static void work(const struct asked *asked, enum campaign campaign, unsigned part,
-                 struct seen *seen, struct cuts_counts *ret)
+static void work(void *ctx, unsigned part, void *ret)
 {
+    const struct shares *shares = ctx;
+    const struct asked *asked = shares->asked;
+    enum campaign campaign = shares->campaign;
     struct cuts cuts = {
         .bounds = {{.subset_bits = 10, .tear_step = 16, .pairs = true},
                    {.subset_bits = 4, .tear_step = 512, .pairs = false}},
         .depth = asked->depth,
-        .seen = seen,
+        .seen = shares->seen,
         .steps = fixed_run,
         .n_steps = COUNT_OF(fixed_run),
         .part = part,
@@ -112,43 +121,18 @@ static void work(const struct asked *asked, enum campaign campaign, unsigned par
     default:
         break;
     }
-    *ret = cuts.counts;
+    memcpy(ret, &cuts.counts, sizeof(cuts.counts));
 }
 
-/* All shares, each in a process of its own; false: one of them ended badly. */
+/* All shares. False: a process ended badly. */
 static bool work_all(const struct asked *asked, enum campaign campaign, struct cuts_counts *ret)
 {
-    struct seen *seen = seen_create(SEEN_BITS);
-    struct cuts_counts counts;
-    int ends[PARTS_MAX][2], status;
-    bool well = true;
-    unsigned i;
+    struct shares shares = {
+        .asked = asked, .campaign = campaign, .seen = seen_create(SEEN_BITS), .sum = ret};
+    bool well = parts_work(&(struct parts){
+        .n = asked->parts, .bytes = sizeof(*ret), .ctx = &shares, .work = work, .add = add});
 
-    (void)fflush(stdout);
-    for (i = 0; i < asked->parts; i++) {
-        if (pipe(ends[i]) != 0)
-            return false;
-        switch (fork()) {
-        case -1:
-            return false;
-        case 0:
-            work(asked, campaign, i, seen, &counts);
-            (void)fflush(stdout);
-            _exit(write(ends[i][1], &counts, sizeof(counts)) == (ssize_t)sizeof(counts) ? 0 : 1);
-        default:
-            close(ends[i][1]);
-        }
-    }
-    for (i = 0; i < asked->parts; i++) {
-        if (read(ends[i][0], &counts, sizeof(counts)) == (ssize_t)sizeof(counts))
-            add(ret, &counts);
-        else
-            well = false;
-        close(ends[i][0]);
-    }
-    while (wait(&status) > 0)
-        well = well && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    seen_destroy(seen);
+    seen_destroy(shares.seen);
     return well;
 }
 
@@ -248,11 +232,10 @@ static bool options(int argc, char **argv, struct asked *asked)
 int main(int argc, char **argv)
 {
     struct asked asked = {.depth = 2, .seed = 1, .states = STATES_DEFAULT};
-    long cores = sysconf(_SC_NPROCESSORS_ONLN);
     unsigned i;
     bool any;
 
-    asked.parts = cores > PARTS_MAX ? PARTS_MAX : cores < 1 ? 1 : (unsigned)cores;
+    asked.parts = parts_of_cores();
     if (!options(argc, argv, &asked))
         return usage();
     if (asked.quick) {

@@ -8,13 +8,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <time.h>
-#include <unistd.h>
 
+#include "parts.h"
 #include "session_cuts.h"
 
-#define PARTS_MAX   64
 #define SEEN_BITS   20
 /* quick: one step in so many is cut */
 #define QUICK_STEPS 4
@@ -23,6 +21,11 @@ struct asked {
     bool everywhere, random, quick;
     unsigned parts;
     uint64_t seed, states;
+};
+
+struct campaign {
+    const struct asked *asked;
+    struct session_counts sum; /* of all processes */
 };
 
 static double now_s(void)
@@ -87,8 +90,10 @@ static void cut_at_random(struct session_cuts *cuts, const struct asked *asked, 
     }
 }
 
-static void work(const struct asked *asked, unsigned part, struct session_counts *ret)
+/* One process's share. */
+static void work(void *ctx, unsigned part, void *ret)
 {
+    const struct asked *asked = ((struct campaign *)ctx)->asked;
     struct session_cuts cuts = {.part = part,
                                 .parts = asked->parts * (asked->quick ? QUICK_STEPS : 1),
                                 .each = asked->quick ? 1000 : 1,
@@ -106,11 +111,14 @@ static void work(const struct asked *asked, unsigned part, struct session_counts
         cut_at_random(&cuts, asked,
                       cuts.counts.states + asked->states / asked->parts +
                           (part < asked->states % asked->parts));
-    *ret = cuts.counts;
+    memcpy(ret, &cuts.counts, sizeof(cuts.counts));
 }
 
-static void add(struct session_counts *sum, const struct session_counts *part)
+static void add(void *ctx, const void *found)
 {
+    struct session_counts *sum = &((struct campaign *)ctx)->sum;
+    const struct session_counts *part = found;
+
     sum->boots += part->boots;
     sum->cuts += part->cuts;
     sum->states += part->states;
@@ -119,40 +127,6 @@ static void add(struct session_counts *sum, const struct session_counts *part)
     sum->moved += part->moved;
     sum->ended_early += part->ended_early;
     sum->broken += part->broken;
-}
-
-/* All shares, each in a process of its own; false: one of them ended badly. */
-static bool work_all(const struct asked *asked, struct session_counts *ret)
-{
-    struct session_counts counts;
-    int ends[PARTS_MAX][2], status;
-    bool well = true;
-    unsigned i;
-
-    for (i = 0; i < asked->parts; i++) {
-        if (pipe(ends[i]) != 0)
-            return false;
-        switch (fork()) {
-        case -1:
-            return false;
-        case 0:
-            work(asked, i, &counts);
-            (void)fflush(stdout);
-            _exit(write(ends[i][1], &counts, sizeof(counts)) == (ssize_t)sizeof(counts) ? 0 : 1);
-        default:
-            close(ends[i][1]);
-        }
-    }
-    for (i = 0; i < asked->parts; i++) {
-        if (read(ends[i][0], &counts, sizeof(counts)) == (ssize_t)sizeof(counts))
-            add(ret, &counts);
-        else
-            well = false;
-        close(ends[i][0]);
-    }
-    while (wait(&status) > 0)
-        well = well && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    return well;
 }
 
 static bool options(int argc, char **argv, struct asked *asked)
@@ -200,13 +174,12 @@ static bool options(int argc, char **argv, struct asked *asked)
 
 int main(int argc, char **argv)
 {
-    struct asked asked = {.seed = 1};
-    struct session_counts c = {0};
-    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    struct asked asked = {.seed = 1, .parts = parts_of_cores()};
+    struct campaign campaign = {.asked = &asked};
+    const struct session_counts *c = &campaign.sum;
     double begun = now_s();
     bool well;
 
-    asked.parts = cores > PARTS_MAX ? PARTS_MAX : cores < 1 ? 1 : (unsigned)cores;
     if (!options(argc, argv, &asked)) {
         fputs("usage: crash_session [everywhere|random] [--quick] [--seed N] [--states N] "
               "[--processes N]\n",
@@ -215,12 +188,16 @@ int main(int argc, char **argv)
     }
     if (asked.states == 0)
         asked.states = asked.quick ? 200 : 20000;
-    well = work_all(&asked, &c);
+    well = parts_work(&(struct parts){.n = asked.parts,
+                                      .bytes = sizeof(campaign.sum),
+                                      .ctx = &campaign,
+                                      .work = work,
+                                      .add = add});
     printf("crash session: %" PRIu64 " states of %" PRIu64 " cuts (%" PRIu64
            " of resumed runs), %" PRIu64 " boots (%" PRIu64 " on a disk that failed, %" PRIu64
            " in the second storage, %" PRIu64 " ended early), seed %" PRIu64
            ", %.0f s; broken: %" PRIu64 "%s\n",
-           c.states, c.cuts, c.deeper, c.boots, c.troubled, c.moved, c.ended_early, asked.seed,
-           now_s() - begun, c.broken, well ? "" : "; a process ended badly");
-    return well && c.broken == 0 ? 0 : 1;
+           c->states, c->cuts, c->deeper, c->boots, c->troubled, c->moved, c->ended_early,
+           asked.seed, now_s() - begun, c->broken, well ? "" : "; a process ended badly");
+    return well && c->broken == 0 ? 0 : 1;
 }

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "each_allocation.h"
 #include "sim/sim_run.h"
@@ -224,6 +225,54 @@ static void a_move_to_the_second_storage_loses_no_slot(void **state)
     each_allocation_fails(&piece, run_of_all);
 }
 
+/* A run that was cut off, and its second storage is not mounted when it is looked for. */
+static void begin_looking(void)
+{
+    char path[96];
+
+    begin_moving();
+    alloc_hook_pause();
+    moves = false;
+    run.on_box = run.at_end = NULL;
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, TTF_NS_PER_MIN + 40 * TTF_NS_PER_S);
+    assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
+    snprintf(path, sizeof(path), "%s/second", run.folder);
+    assert_int_equal(rmdir(path), 0);
+    alloc_hook_resume();
+}
+
+/* That nobody can know where it goes on is what must come of it. */
+static int work_looking(struct ttf_err *err)
+{
+    char path[4096];
+    int r = ttf_session_find(ttf_io_posix(), run.path, &run.plan, path, sizeof(path), err);
+
+    if (r == 0)
+        return ttf_err_set(err, -EEXIST, "storage.second", "the run would go on at %.60s", path);
+    if (r != -EINVAL || strcmp(err->where, "storage.second") != 0)
+        return r;
+    *err = (struct ttf_err){0};
+    return 0;
+}
+
+static void end_looking(int r)
+{
+    alloc_hook_pause();
+    sim_run_finish(&run);
+    alloc_hook_resume();
+}
+
+static void without_memory_nobody_says_that_a_run_has_not_moved_on(void **state)
+{
+    static const struct alloc_piece piece = {.name = "looking for a second storage that is away",
+                                             .begin = begin_looking,
+                                             .work = work_looking,
+                                             .end = end_looking};
+
+    (void)state;
+    each_allocation_fails(&piece, run_of_all);
+}
+
 /* ---- asking ---- */
 
 static int64_t numbers[3];
@@ -381,6 +430,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_run_says_that_there_is_no_memory_and_goes_on_when_there_is),
         cmocka_unit_test(a_move_to_the_second_storage_loses_no_slot),
+        cmocka_unit_test(without_memory_nobody_says_that_a_run_has_not_moved_on),
         cmocka_unit_test(what_is_asked_is_done_or_refused),
         cmocka_unit_test(plans_and_calibrations_say_that_there_is_no_memory),
     };

@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 HEAD = "## The promises\n\n| operation | when | what holds | test |\n|---|---|---|---|\n"
-GOOD = "| opening | cut | nothing is lost | `a_test_of_old` |\n"
+GOOD = "| opening | cut | nothing is lost | `a_test_of_old`, `a_test_of_a_long_name` |\n"
 WRONG = [
     ("", "no table"),
     (HEAD, "no table"),
@@ -20,8 +20,10 @@ WRONG = [
     (HEAD + GOOD + "| opening | rot | it is found | `never_called` |\n", "there is no test `never_called`"),
 ]
 SOURCE = """static void a_test_of_old(void **state) {}
+static void
+a_test_of_a_long_name(void **state) {}
 static void never_called(void **state) {}
-int main(void) { cmocka_unit_test(a_test_of_old); }
+int main(void) { cmocka_unit_test(a_test_of_old), cmocka_unit_test(a_test_of_a_long_name); }
 """
 
 

@@ -96,8 +96,14 @@ static void told(void *ctx, const struct ttf_progress *progress)
 {
     struct sim_run *run = ctx;
 
-    if (progress->kind == TTF_PROGRESS_SLOT)
+    if (progress->kind == TTF_PROGRESS_SLOT) {
         run->slots_told++;
+        run->committed = progress->index + 1;
+    }
+    if (progress->kind == TTF_PROGRESS_ALARM) {
+        run->alarms++;
+        snprintf(run->alarm_text, sizeof(run->alarm_text), "%.500s", progress->text);
+    }
     if (progress->kind == TTF_PROGRESS_EVENT)
         run->events_told++;
     if (run->on_progress)
@@ -175,6 +181,13 @@ struct ttf_fault *sim_run_fault(struct sim_run *run, enum ttf_fault_kind kind, i
 
     *fault = (struct ttf_fault){.kind = kind, .at_ns = at_ns};
     return fault;
+}
+
+bool sim_run_path_ends(const char *path, const char *end)
+{
+    size_t n = strlen(path), m = strlen(end);
+
+    return n >= m && strcmp(path + n - m, end) == 0;
 }
 
 static int remove_entry(void *ctx, const char *name, bool is_dir)
@@ -288,6 +301,17 @@ void sim_run_expect_flag(const struct sim_run *run, int64_t index, const char *f
     ttf_slot_record_free(&record);
 }
 
+void sim_run_expect_no_flag(const struct sim_run *run, int64_t index)
+{
+    struct ttf_slot_record record;
+
+    sim_run_record(run, index, &record);
+    assert_int_equal(record.result, TTF_RESULT_CAPTURED);
+    assert_string_equal(record.images[0].flags, "");
+    assert_true(record.images[0].n_files > 0);
+    ttf_slot_record_free(&record);
+}
+
 void sim_run_expect_reason(const struct sim_run *run, int64_t index, const char *reason)
 {
     struct ttf_slot_record record;
@@ -295,6 +319,53 @@ void sim_run_expect_reason(const struct sim_run *run, int64_t index, const char 
     sim_run_record(run, index, &record);
     assert_string_equal(record.reason, reason);
     ttf_slot_record_free(&record);
+}
+
+int64_t sim_run_due_of(const struct sim_run *run, int64_t index)
+{
+    struct ttf_slot_record record;
+    int64_t due;
+
+    sim_run_record(run, index, &record);
+    due = record.due_ns;
+    ttf_slot_record_free(&record);
+    return due;
+}
+
+int sim_run_segment_of(const struct sim_run *run, int64_t index, struct ttf_segment *ret)
+{
+    struct ttf_slot_record record;
+    struct ttf_reader *reader;
+    int n;
+
+    sim_run_record(run, index, &record);
+    n = record.segment;
+    ttf_slot_record_free(&record);
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), run->path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_segment(reader, n, ret), 0);
+    ttf_reader_close(reader);
+    return n;
+}
+
+char *sim_run_text(const struct sim_run *run, const char *name)
+{
+    char path[160];
+    char *text = NULL;
+    size_t bytes;
+
+    snprintf(path, sizeof(path), "%s/%s", run->path, name);
+    return ttf_io_slurp(ttf_io_posix(), path, 1 << 20, &text, &bytes, NULL) < 0 ? NULL : text;
+}
+
+void sim_run_expect_text(const struct sim_run *run, const char *name, const char *what)
+{
+    char *text = sim_run_text(run, name);
+
+    assert_non_null(text);
+    if (!strstr(text, what))
+        print_error("%s: '%s' lacks '%s'\n", name, text, what);
+    assert_non_null(strstr(text, what));
+    free(text);
 }
 
 /* Deep verify: not damaged; sealed as said. Returns its slots. */

@@ -38,6 +38,9 @@ struct sim_run {
     char folder[64]; /* temporary; the dataset is in it */
     char path[96];
     volatile int stop;
+    int64_t committed;    /* the slot told last, and one: slots with a record, as far as is known */
+    unsigned alarms;      /* told */
+    char alarm_text[512]; /* of the last one */
     /* of the last boot */
     int code;
     struct ttf_err err;
@@ -70,6 +73,9 @@ struct ttf_fault *sim_run_fault(struct sim_run *run, enum ttf_fault_kind kind, i
 /* When slot k is due, since the first power-on, for a run that began with the box: about 12 s after power-on. */
 int64_t sim_run_due_ns(const struct sim_run *run, int64_t k);
 
+/* Of what fault is given. */
+bool sim_run_path_ends(const char *path, const char *end);
+
 /* Removes the folder. */
 void sim_run_finish(struct sim_run *run);
 
@@ -77,6 +83,12 @@ void sim_run_finish(struct sim_run *run);
 
 /* The record of slot `index`; free it with ttf_slot_record_free. */
 void sim_run_record(const struct sim_run *run, int64_t index, struct ttf_slot_record *ret);
+
+/* When it was due, on the boot clock of its segment. */
+int64_t sim_run_due_of(const struct sim_run *run, int64_t index);
+
+/* The segment of slot `index`, and its number. */
+int sim_run_segment_of(const struct sim_run *run, int64_t index, struct ttf_segment *ret);
 
 /* The letters of all slots' results in order: c p m f z(paused) w(power), into ret. Asserts index 0..n-1. */
 void sim_run_results(const struct sim_run *run, char *ret, size_t size);
@@ -87,8 +99,17 @@ void sim_run_expect(const struct sim_run *run, const char *letters);
 /* How many lines of events.jsonl are of this kind and contain this text (NULL: any). */
 unsigned sim_run_events(const struct sim_run *run, const char *kind, const char *text);
 
+/* The whole text of a file of the dataset, to be freed; NULL if there is none. */
+char *sim_run_text(const struct sim_run *run, const char *name);
+
+/* Asserts that the file contains this. */
+void sim_run_expect_text(const struct sim_run *run, const char *name, const char *what);
+
 /* Asserts that image 0 of the slot has the flag. */
 void sim_run_expect_flag(const struct sim_run *run, int64_t index, const char *flag);
+
+/* Asserts that image 0 of the slot is there and has no flag. */
+void sim_run_expect_no_flag(const struct sim_run *run, int64_t index);
 
 /* Asserts that the slot's reason is this. */
 void sim_run_expect_reason(const struct sim_run *run, int64_t index, const char *reason);

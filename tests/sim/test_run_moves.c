@@ -4,64 +4,23 @@
 
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
-#include "sim_run.h"
+#include "second_run.h"
 #include "ttf/capture/guided_calibration.h"
 
-static int64_t committed; /* slots told */
-static unsigned alarms;
 static unsigned failed; /* operations */
-
-static void watch(struct sim_run *run, const struct ttf_progress *progress)
-{
-    (void)run;
-    if (progress->kind == TTF_PROGRESS_SLOT)
-        committed = progress->index + 1;
-    alarms += progress->kind == TTF_PROGRESS_ALARM;
-}
 
 static void with_second(struct sim_run *run)
 {
-    char path[96];
-
-    sim_run_init(run);
-    snprintf(path, sizeof(path), "%s/second", run->folder);
-    assert_int_equal(mkdir(path, 0755), 0);
-    snprintf(run->plan.second_storage, sizeof(run->plan.second_storage), "%s", path);
-    run->on_progress = watch;
-    committed = 0;
-    alarms = 0;
+    second_run_init(run);
     failed = 0;
-}
-
-/* The run as it stands in the second storage. */
-static struct sim_run second_of(const struct sim_run *run)
-{
-    struct sim_run second = *run;
-
-    snprintf(second.path, sizeof(second.path), "%s/second/dataset", run->folder);
-    return second;
-}
-
-static bool in_second(const char *path)
-{
-    return strstr(path, "/second") != NULL;
-}
-
-static bool ends_in(const char *path, const char *end)
-{
-    size_t n = strlen(path), m = strlen(end);
-
-    return n >= m && strcmp(path + n - m, end) == 0;
 }
 
 /* Letters of the slots from `from` on, all of which the second dataset has. */
 static void expect_second(const struct sim_run *run, int64_t from, const char *letters)
 {
-    struct sim_run second = second_of(run);
+    struct sim_run second = second_run_of(run);
     struct ttf_slot_record record;
 
     for (int64_t i = 0; letters[i]; i++) {
@@ -76,17 +35,15 @@ static void expect_second(const struct sim_run *run, int64_t from, const char *l
 /* The first one can only be read; the second can be made, but takes no line. */
 static int neither_takes_a_line(struct sim_run *run, const char *op, const char *path)
 {
-    (void)run;
-    if (in_second(path))
-        return strcmp(op, "append") == 0 && ends_in(path, "records.jsonl") ? EROFS : 0;
-    return committed >= 2 ? EROFS : 0;
+    if (second_run_holds(path))
+        return strcmp(op, "append") == 0 && sim_run_path_ends(path, "records.jsonl") ? EROFS : 0;
+    return run->committed >= 2 ? EROFS : 0;
 }
 
 static int first_can_only_be_read(struct sim_run *run, const char *op, const char *path)
 {
-    (void)run;
     (void)op;
-    return !in_second(path) && committed >= 4 ? EROFS : 0;
+    return !second_run_holds(path) && run->committed >= 4 ? EROFS : 0;
 }
 
 static void the_plan_in_force_is_that_of_a_second_dataset_made_under_an_older_one(void **state)
@@ -140,7 +97,7 @@ static void plans_that_come_later_are_counted_as_they_stand_there(void **state)
     change_at_6(&run);
     assert_int_equal(sim_run_boot(&run), 0);
     expect_second(&run, 4, "cccc");
-    second = second_of(&run);
+    second = second_run_of(&run);
     assert_int_equal(ttf_reader_open(ttf_io_posix(), second.path, &reader, NULL), 0);
     assert_int_equal(ttf_reader_summary(reader)->n_plans, 3);
     assert_int_equal(ttf_reader_summary(reader)->n_segments, 2);
@@ -162,7 +119,7 @@ static int the_first_answers(struct sim_run *run, const char *op, const char *pa
 {
     (void)run;
     (void)op;
-    return in_second(path) ? 0 : at_boot;
+    return second_run_holds(path) ? 0 : at_boot;
 }
 
 static void cut_at_slot_2(struct sim_run *run)
@@ -192,7 +149,7 @@ whatever_keeps_the_first_from_being_written_it_is_gone_on_from_in_the_second(voi
         assert_true(run.result.second_storage);
         sim_run_expect(&run, "cc");
         expect_second(&run, 2, "wcc");
-        second = second_of(&run);
+        second = second_run_of(&run);
         assert_int_equal(sim_run_events(&second, "storage", "cannot be written at the start"), 1);
         sim_run_expect_undamaged(&second, true);
         sim_run_finish(&run);
@@ -218,9 +175,8 @@ static void what_says_nothing_of_the_storage_is_no_reason_to_leave_it(void **sta
 
 static int fails_from_4(struct sim_run *run, const char *op, const char *path)
 {
-    (void)run;
     (void)op;
-    return !in_second(path) && committed >= 4 ? EROFS : 0;
+    return !second_run_holds(path) && run->committed >= 4 ? EROFS : 0;
 }
 
 /* Gone on with without a clock, moved, and then somebody gives the time: the segment there is corrected. */
@@ -241,7 +197,7 @@ static void a_clock_that_comes_back_after_the_move_corrects_the_segment_there(vo
     assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
     run.config.power_on_ns = run.back_ns;
     assert_int_equal(sim_run_boot(&run), 0);
-    second = second_of(&run);
+    second = second_run_of(&run);
     sim_run_expect(&run, "cccc");
     expect_second(&run, 4, "cccccc");
     assert_int_equal(ttf_reader_open(ttf_io_posix(), second.path, &reader, NULL), 0);
@@ -281,13 +237,12 @@ static void calibrate(struct sim_run *run, char *folder, size_t size)
 /* Slot 2's files find no way into the first; the second takes neither the calibration nor a line. */
 static int slot_2_and_the_whole_second(struct sim_run *run, const char *op, const char *path)
 {
-    (void)run;
-    if (in_second(path))
+    if (second_run_holds(path))
         return strstr(path, "/calibration") ||
-                       (strcmp(op, "append") == 0 && ends_in(path, "/records.jsonl"))
+                       (strcmp(op, "append") == 0 && sim_run_path_ends(path, "/records.jsonl"))
                    ? EROFS
                    : 0;
-    return committed == 2 && strstr(path, "/frames/") ? EIO : 0;
+    return run->committed == 2 && strstr(path, "/frames/") ? EIO : 0;
 }
 
 static void a_move_that_failed_leaves_the_first_its_calibration(void **state)
@@ -320,11 +275,10 @@ static void a_move_that_failed_leaves_the_first_its_calibration(void **state)
 /* As above, but the second takes lines. */
 static int no_calibration_there(struct sim_run *run, const char *op, const char *path)
 {
-    (void)run;
     (void)op;
-    if (in_second(path))
+    if (second_run_holds(path))
         return strstr(path, "/calibration") ? EIO : 0;
-    return committed >= 2 ? EROFS : 0;
+    return run->committed >= 2 ? EROFS : 0;
 }
 
 static void images_name_no_calibration_that_did_not_come_along(void **state)
@@ -339,7 +293,7 @@ static void images_name_no_calibration_that_did_not_come_along(void **state)
     calibrate(&run, folder, sizeof(folder));
     run.fault = no_calibration_there;
     assert_int_equal(sim_run_boot(&run), 0);
-    second = second_of(&run);
+    second = second_run_of(&run);
     expect_second(&run, 2, "cccc");
     sim_run_record(&second, 2, &record);
     assert_string_equal(record.images[0].calibration, "");
@@ -352,13 +306,12 @@ static void images_name_no_calibration_that_did_not_come_along(void **state)
 /* Slot 2's files fail here once more; there the segment's line is written, and neither acknowledged nor taken back. */
 static int a_segment_in_doubt(struct sim_run *run, const char *op, const char *path)
 {
-    bool lines = ends_in(path, "records.jsonl");
+    bool lines = sim_run_path_ends(path, "records.jsonl");
 
-    (void)run;
-    if (!in_second(path))
-        return committed == 2 && strstr(path, "/frames/") ? EIO : 0;
+    if (!second_run_holds(path))
+        return run->committed == 2 && strstr(path, "/frames/") ? EIO : 0;
     if ((lines && strcmp(op, "sync") == 0 && failed == 0) ||
-        (ends_in(path, "records.jsonl.tmp") && strcmp(op, "open") == 0 && failed == 1) ||
+        (sim_run_path_ends(path, "records.jsonl.tmp") && strcmp(op, "open") == 0 && failed == 1) ||
         (lines && strcmp(op, "truncate") == 0 && failed == 2)) {
         failed++;
         return EIO;
@@ -385,18 +338,8 @@ static void a_second_dataset_that_was_begun_after_all_is_gone_on_with(void **sta
 /* Both fail in the end: the first at slot 2, the second at slot 4. */
 static int one_after_the_other(struct sim_run *run, const char *op, const char *path)
 {
-    (void)run;
     (void)op;
-    return committed >= (in_second(path) ? 4 : 2) ? EROFS : 0;
-}
-
-static char alarm_text[512];
-
-static void keep_alarm(struct sim_run *run, const struct ttf_progress *progress)
-{
-    watch(run, progress);
-    if (progress->kind == TTF_PROGRESS_ALARM)
-        snprintf(alarm_text, sizeof(alarm_text), "%.500s", progress->text);
+    return run->committed >= (second_run_holds(path) ? 4 : 2) ? EROFS : 0;
 }
 
 static void a_second_storage_that_fails_too_ends_the_run_with_what_both_hold(void **state)
@@ -406,12 +349,11 @@ static void a_second_storage_that_fails_too_ends_the_run_with_what_both_hold(voi
 
     (void)state;
     with_second(&run);
-    run.on_progress = keep_alarm;
     run.fault = one_after_the_other;
     assert_int_equal(sim_run_boot(&run), -EROFS);
-    assert_int_equal(alarms, 2);
-    assert_non_null(strstr(alarm_text, "in the second storage too"));
-    second = second_of(&run);
+    assert_int_equal(run.alarms, 2);
+    assert_non_null(strstr(run.alarm_text, "in the second storage too"));
+    second = second_run_of(&run);
     sim_run_expect(&run, "cc");
     expect_second(&run, 2, "cc");
     sim_run_expect_undamaged(&second, false);
@@ -431,7 +373,7 @@ static int spoils_a_file(struct sim_run *run, const char *op, const char *path)
     char name[160];
     FILE *f;
 
-    if (in_second(path) || committed < 2 || strcmp(op, "append") != 0)
+    if (second_run_holds(path) || run->committed < 2 || strcmp(op, "append") != 0)
         return 0;
     if (failed++ == 0) {
         snprintf(name, sizeof(name), "%s/frames/main/000002.tif", run->path);
@@ -453,7 +395,7 @@ static void a_file_that_changed_on_the_failing_disk_is_not_brought_as_if_it_were
     with_second(&run);
     run.fault = spoils_a_file;
     assert_int_equal(sim_run_boot(&run), 0);
-    second = second_of(&run);
+    second = second_run_of(&run);
     expect_second(&run, 2, "cccc");
     sim_run_record(&second, 2, &record);
     assert_int_equal(record.images[0].n_files, 1);
@@ -469,7 +411,7 @@ static int takes_the_files_away(struct sim_run *run, const char *op, const char 
 {
     char name[160];
 
-    if (in_second(path) || committed < 2 || strcmp(op, "append") != 0)
+    if (second_run_holds(path) || run->committed < 2 || strcmp(op, "append") != 0)
         return 0;
     if (failed++ == 0) {
         snprintf(name, sizeof(name), "%s/frames/main/000002.tif", run->path);
@@ -489,7 +431,7 @@ static void a_slot_whose_files_are_lost_on_the_way_says_so(void **state)
     with_second(&run);
     run.fault = takes_the_files_away;
     assert_int_equal(sim_run_boot(&run), 0);
-    second = second_of(&run);
+    second = second_run_of(&run);
     expect_second(&run, 2, "fccc");
     sim_run_expect_reason(&second, 2, "storage error");
     sim_run_expect_undamaged(&second, true);
@@ -499,8 +441,7 @@ static void a_slot_whose_files_are_lost_on_the_way_says_so(void **state)
 /* The first fails when the first of two images is in it: what is there is fetched, the other is written there. */
 static int fails_at_the_second_image(struct sim_run *run, const char *op, const char *path)
 {
-    (void)run;
-    if (in_second(path) || committed < 2)
+    if (second_run_holds(path) || run->committed < 2)
         return 0;
     failed += strstr(path, "/frames/raking/000002") != NULL;
     return failed > 0 && strcmp(op, "rename") != 0 ? EIO : 0;
@@ -521,7 +462,7 @@ static void a_slot_of_two_images_is_moved_in_its_middle(void **state)
     strcpy(run.plan.shots[1].levels[0].lamp, "right");
     run.fault = fails_at_the_second_image;
     assert_int_equal(sim_run_boot(&run), 0);
-    second = second_of(&run);
+    second = second_run_of(&run);
     sim_run_expect(&run, "cc");
     expect_second(&run, 2, "cccc");
     sim_run_record(&second, 2, &record);

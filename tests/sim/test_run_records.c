@@ -6,39 +6,22 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "sim_run.h"
 
-static int64_t committed; /* slots told */
-static unsigned failed;   /* operations */
+static unsigned failed; /* operations */
 static int fails_with;
 static unsigned dark; /* operations of a box without power */
 
-static void watch(struct sim_run *run, const struct ttf_progress *progress)
-{
-    (void)run;
-    if (progress->kind == TTF_PROGRESS_SLOT)
-        committed = progress->index + 1;
-}
-
-static void watched(struct sim_run *run, int (*fault)(struct sim_run *, const char *, const char *))
+static void with_fault(struct sim_run *run,
+                       int (*fault)(struct sim_run *, const char *, const char *))
 {
     sim_run_init(run);
-    run->on_progress = watch;
     run->fault = fault;
-    committed = 0;
     failed = 0;
     fails_with = EIO;
     dark = 0;
-}
-
-static bool ends_in(const char *path, const char *end)
-{
-    size_t n = strlen(path), m = strlen(end);
-
-    return n >= m && strcmp(path + n - m, end) == 0;
 }
 
 static int64_t now_ns(const struct sim_run *run)
@@ -51,13 +34,12 @@ static int64_t now_ns(const struct sim_run *run)
 /* The record of slot 2 is written, its sync fails, and so does all that would take it back. */
 static int a_record_in_doubt(struct sim_run *run, const char *op, const char *path)
 {
-    bool lines = ends_in(path, "/records.jsonl");
+    bool lines = sim_run_path_ends(path, "/records.jsonl");
 
-    (void)run;
-    if (committed != 2)
+    if (run->committed != 2)
         return 0;
     if ((lines && strcmp(op, "sync") == 0 && failed == 0) ||
-        (ends_in(path, "records.jsonl.tmp") && strcmp(op, "open") == 0 && failed == 1) ||
+        (sim_run_path_ends(path, "records.jsonl.tmp") && strcmp(op, "open") == 0 && failed == 1) ||
         (lines && strcmp(op, "truncate") == 0 && failed == 2)) {
         failed++;
         return EIO;
@@ -70,12 +52,12 @@ static void a_record_that_got_there_after_all_is_not_written_again(void **state)
     struct sim_run run;
 
     (void)state;
-    watched(&run, a_record_in_doubt);
+    with_fault(&run, a_record_in_doubt);
     assert_int_equal(sim_run_boot(&run), 0);
     assert_int_equal(failed, 3);
     assert_int_equal(run.slots_told, 6);
     sim_run_expect(&run, "cccccc");
-    sim_run_expect_flag(&run, 2, "");
+    sim_run_expect_no_flag(&run, 2);
     sim_run_expect_whole(&run, true);
     sim_run_finish(&run);
 }
@@ -90,7 +72,8 @@ static int a_file_shrinks(struct sim_run *run, const char *op, const char *path)
 {
     char name[160];
 
-    if (committed != 2 || strcmp(op, "append") != 0 || !ends_in(path, "records.jsonl") || failed)
+    if (run->committed != 2 || strcmp(op, "append") != 0 ||
+        !sim_run_path_ends(path, "records.jsonl") || failed)
         return 0;
     failed++;
     snprintf(name, sizeof(name), "%s/frames/main/000002.tif", run->path);
@@ -106,7 +89,7 @@ static void a_file_that_is_no_more_as_it_was_written_is_not_recorded(void **stat
     struct ttf_slot_record record;
 
     (void)state;
-    watched(&run, a_file_shrinks);
+    with_fault(&run, a_file_shrinks);
     assert_int_equal(sim_run_boot(&run), 0);
     sim_run_expect(&run, "cccccc");
     sim_run_expect_flag(&run, 2, "developed-lost");
@@ -120,8 +103,8 @@ static void a_file_that_is_no_more_as_it_was_written_is_not_recorded(void **stat
 /* Its record's first writing fails, and opening anew clears its files away: the record says so at once. */
 static int a_record_fails_once(struct sim_run *run, const char *op, const char *path)
 {
-    (void)run;
-    if (committed != 5 || strcmp(op, "append") != 0 || !ends_in(path, "records.jsonl") || failed)
+    if (run->committed != 5 || strcmp(op, "append") != 0 ||
+        !sim_run_path_ends(path, "records.jsonl") || failed)
         return 0;
     failed++;
     return ENOSPC;
@@ -133,7 +116,7 @@ a_slot_whose_files_were_cleared_away_is_recorded_as_failed_at_the_second_try(voi
     struct sim_run run;
 
     (void)state;
-    watched(&run, a_record_fails_once);
+    with_fault(&run, a_record_fails_once);
     assert_int_equal(sim_run_boot(&run), 0);
     sim_run_expect(&run, "cccccf");
     sim_run_expect_reason(&run, 5, "storage error");
@@ -149,8 +132,8 @@ a_slot_whose_files_were_cleared_away_is_recorded_as_failed_at_the_second_try(voi
 /* For a second there is no room, not even for an event. */
 static int no_room_when_the_door_opens(struct sim_run *run, const char *op, const char *path)
 {
-    if (!(ends_in(path, "events.jsonl") && strcmp(op, "append") == 0) &&
-        !ends_in(path, ".events-reserve"))
+    if (!(sim_run_path_ends(path, "events.jsonl") && strcmp(op, "append") == 0) &&
+        !sim_run_path_ends(path, ".events-reserve"))
         return 0; /* what was begun of a line can be taken back */
     if (now_ns(run) < OPENED_NS || now_ns(run) > OPENED_NS + 3 * TTF_NS_PER_S)
         return 0;
@@ -174,7 +157,7 @@ static void events_are_written_in_the_order_they_came_in(void **state)
     size_t bytes;
 
     (void)state;
-    watched(&run, no_room_when_the_door_opens);
+    with_fault(&run, no_room_when_the_door_opens);
     sim_run_fault(&run, TTF_FAULT_DOOR_OPEN, OPENED_NS)->duration_ns = 10 * TTF_NS_PER_S;
     assert_int_equal(sim_run_boot(&run), 0);
     assert_true(failed > 0);
@@ -189,8 +172,8 @@ static void events_are_written_in_the_order_they_came_in(void **state)
 /* Between two slots no line of the records finds room; UTC steps twice meanwhile. */
 static int no_room_for_lines(struct sim_run *run, const char *op, const char *path)
 {
-    if (!ends_in(path, "/records.jsonl") || strcmp(op, "append") != 0 || now_ns(run) < OPENED_NS ||
-        now_ns(run) > OPENED_NS + 20 * TTF_NS_PER_S)
+    if (!sim_run_path_ends(path, "/records.jsonl") || strcmp(op, "append") != 0 ||
+        now_ns(run) < OPENED_NS || now_ns(run) > OPENED_NS + 20 * TTF_NS_PER_S)
         return 0;
     failed++;
     return ENOSPC;
@@ -203,7 +186,7 @@ static void the_newest_correction_of_a_segment_is_the_one_that_is_written(void *
     struct sim_run run;
 
     (void)state;
-    watched(&run, no_room_for_lines);
+    with_fault(&run, no_room_for_lines);
     sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, OPENED_NS + 2 * TTF_NS_PER_S)->amount = 100;
     sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, OPENED_NS + 12 * TTF_NS_PER_S)->amount = 7;
     assert_int_equal(sim_run_boot(&run), 0);
@@ -233,11 +216,11 @@ static void a_box_without_power_writes_nothing_that_waited(void **state)
     int64_t due;
 
     (void)state;
-    watched(&run, NULL);
+    with_fault(&run, NULL);
     assert_int_equal(sim_run_boot(&run), 0);
     due = sim_run_due_ns(&run, 2);
     sim_run_finish(&run);
-    watched(&run, NULL);
+    with_fault(&run, NULL);
     run.on_file = count_dark;
     run.config.cost_commit_ns = 10 * TTF_NS_PER_S;
     sim_run_fault(&run, TTF_FAULT_DOOR_OPEN, due + 3 * TTF_NS_PER_S)->duration_ns = TTF_NS_PER_MIN;
@@ -259,7 +242,7 @@ static int the_last_record_fails(struct sim_run *run, const char *op, const char
 
     (void)op;
     (void)path;
-    if (committed != run->plan.count - 1 || now_ns(run) < sim_run_due_ns(run, committed))
+    if (run->committed != run->plan.count - 1 || now_ns(run) < sim_run_due_ns(run, run->committed))
         return 0;
     if (failed++ == 0)
         since = now_ns(run);
@@ -272,7 +255,7 @@ static int the_seal_fails(struct sim_run *run, const char *op, const char *path)
 
     (void)op;
     (void)path;
-    if (committed != run->plan.count)
+    if (run->committed != run->plan.count)
         return 0;
     if (failed++ == 0)
         since = now_ns(run);
@@ -287,7 +270,7 @@ static void a_last_record_waits_for_whatever_may_pass(void **state)
     for (unsigned i = 0; i < sizeof(passing) / sizeof(passing[0]); i++) {
         struct sim_run run;
 
-        watched(&run, the_last_record_fails);
+        with_fault(&run, the_last_record_fails);
         fails_with = passing[i];
         assert_int_equal(sim_run_boot(&run), 0);
         assert_true(failed > 0);
@@ -304,7 +287,7 @@ static void a_seal_waits_for_whatever_may_pass(void **state)
     for (unsigned i = 0; i < sizeof(passing) / sizeof(passing[0]); i++) {
         struct sim_run run;
 
-        watched(&run, the_seal_fails);
+        with_fault(&run, the_seal_fails);
         fails_with = passing[i];
         assert_int_equal(sim_run_boot(&run), 0);
         assert_true(failed > 0);
@@ -318,8 +301,7 @@ static void a_seal_waits_for_whatever_may_pass(void **state)
 /* A disk quota that is used up is a full disk to whoever reads the records. */
 static int no_quota_for_slot_2(struct sim_run *run, const char *op, const char *path)
 {
-    (void)run;
-    if (committed != 2 || strcmp(op, "pwrite") != 0 || !strstr(path, "/main/"))
+    if (run->committed != 2 || strcmp(op, "pwrite") != 0 || !strstr(path, "/main/"))
         return 0;
     failed++;
     return EDQUOT;
@@ -330,7 +312,7 @@ static void a_quota_that_is_used_up_is_called_full(void **state)
     struct sim_run run;
 
     (void)state;
-    watched(&run, no_quota_for_slot_2);
+    with_fault(&run, no_quota_for_slot_2);
     assert_int_equal(sim_run_boot(&run), 0);
     sim_run_expect(&run, "ccfccc");
     sim_run_expect_reason(&run, 2, "disk full");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Storage that fails for good: the run goes on in the plan's second one, or stops with an alarm; on a full disk. */
+/* Storage that fails for good: the run goes on in the plan's second one, or stops with an alarm. */
 #include "cmocka_includes.h"
 
 #include <errno.h>
@@ -7,53 +7,29 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "sim_run.h"
+#include "second_run.h"
 
 /* What the first storage does from slot `fails_from` on. */
 static int fails_with;
 static int64_t fails_from, fails_until;
 static const char *fails_op; /* NULL: any */
 static bool fails_both;      /* the second one too */
-static int64_t committed;    /* slots told */
-static unsigned alarms;
-static char alarm_text[512];
-
-static void watch(struct sim_run *run, const struct ttf_progress *progress)
-{
-    (void)run;
-    if (progress->kind == TTF_PROGRESS_SLOT)
-        committed = progress->index + 1;
-    if (progress->kind == TTF_PROGRESS_ALARM) {
-        alarms++;
-        snprintf(alarm_text, sizeof(alarm_text), "%.500s", progress->text);
-    }
-}
 
 static int fail_first(struct sim_run *run, const char *op, const char *path)
 {
-    (void)run;
-    if ((!fails_both && strstr(path, "/second")) || committed < fails_from ||
-        committed >= fails_until)
+    if ((!fails_both && second_run_holds(path)) || run->committed < fails_from ||
+        run->committed >= fails_until)
         return 0;
     return !fails_op || strcmp(op, fails_op) == 0 ? fails_with : 0;
 }
 
 static void with_second(struct sim_run *run)
 {
-    char path[96];
-
-    sim_run_init(run);
-    snprintf(path, sizeof(path), "%s/second", run->folder);
-    assert_int_equal(mkdir(path, 0755), 0);
-    snprintf(run->plan.second_storage, sizeof(run->plan.second_storage), "%s", path);
-    run->on_progress = watch;
+    second_run_init(run);
     run->fault = fail_first;
-    committed = 0;
-    alarms = 0;
     fails_with = 0;
     fails_from = 2;
     fails_until = INT64_MAX;
@@ -61,55 +37,9 @@ static void with_second(struct sim_run *run)
     fails_both = false;
 }
 
-/* The run as it stands in the second storage. */
-static struct sim_run second_of(const struct sim_run *run)
-{
-    struct sim_run second = *run;
-
-    snprintf(second.path, sizeof(second.path), "%s/second/dataset", run->folder);
-    return second;
-}
-
-/* Results by index, '-' where the dataset has none. */
-static void results_of(const struct sim_run *run, char ret[32])
-{
-    struct ttf_reader *reader;
-
-    memset(ret, '-', 31);
-    ret[31] = '\0';
-    if (ttf_reader_open(ttf_io_posix(), run->path, &reader, NULL) < 0)
-        return;
-    for (int64_t i = 0; i < ttf_reader_summary(reader)->slots; i++) {
-        struct ttf_slot_record record;
-
-        assert_int_equal(ttf_reader_slot(reader, i, &record, NULL), 0);
-        assert_in_range(record.index, 0, 30);
-        ret[record.index] = "cpmfzw"[record.result];
-        ttf_slot_record_free(&record);
-    }
-    ttf_reader_close(reader);
-}
-
-/* Each slot in one of the two, and only one; all of these results. */
-static void expect_both(const struct sim_run *run, const char *letters)
-{
-    struct sim_run second = second_of(run);
-    char first[32], other[32], all[32];
-
-    results_of(run, first);
-    results_of(&second, other);
-    for (int i = 0; i < 31; i++) {
-        assert_true(first[i] == '-' || other[i] == '-');
-        all[i] = first[i] == '-' ? other[i] : first[i];
-    }
-    all[31] = '\0';
-    all[strcspn(all, "-")] = '\0';
-    assert_string_equal(all, letters);
-}
-
 static void expect_group(const struct sim_run *run)
 {
-    struct sim_run second = second_of(run);
+    struct sim_run second = second_run_of(run);
     struct ttf_manifest a, b;
 
     assert_int_equal(ttf_manifest_load(ttf_io_posix(), run->path, &a, NULL), 0);
@@ -137,14 +67,14 @@ static int64_t utc_of(const struct sim_run *run, int64_t index)
 
 static void expect_second_took_over(struct sim_run *run, const char *why)
 {
-    struct sim_run second = second_of(run);
+    struct sim_run second = second_run_of(run);
 
     assert_int_equal(sim_run_boot(run), 0);
     assert_true(run->result.sealed);
     assert_true(run->result.second_storage);
-    assert_int_equal(alarms, 1);
-    assert_non_null(strstr(alarm_text, why));
-    expect_both(run, "cccccc");
+    assert_int_equal(run->alarms, 1);
+    assert_non_null(strstr(run->alarm_text, why));
+    second_run_expect_both(run, "cccccc");
     expect_group(run);
     sim_run_expect_undamaged(run, false);
     sim_run_expect_undamaged(&second, true);
@@ -163,9 +93,9 @@ static void the_second_storage_takes_over_from_one_that_can_only_be_read(void **
     with_second(&run);
     fails_with = EROFS;
     expect_second_took_over(&run, "can only be read");
-    second = second_of(&run);
+    second = second_run_of(&run);
     sim_run_expect(&run, "cc");
-    sim_run_expect_flag(&second, 2, "");
+    sim_run_expect_no_flag(&second, 2);
     sim_run_finish(&run);
 }
 
@@ -222,7 +152,7 @@ static void images_of_a_slot_without_a_record_come_along(void **state)
     fails_with = EROFS;
     fails_op = "append"; /* of lines; image files are written otherwise */
     expect_second_took_over(&run, "can only be read");
-    second = second_of(&run);
+    second = second_run_of(&run);
     sim_run_record(&second, 2, &record);
     assert_int_equal(record.images[0].n_files, 2);
     ttf_slot_record_free(&record);
@@ -240,8 +170,8 @@ static void without_a_second_storage_the_run_stops_with_an_alarm(void **state)
     assert_int_equal(sim_run_boot(&run), -EROFS);
     assert_int_equal(run.err.code, -EROFS);
     assert_true(run.err.what[0] != '\0');
-    assert_int_equal(alarms, 1);
-    assert_non_null(strstr(alarm_text, "names no second storage"));
+    assert_int_equal(run.alarms, 1);
+    assert_non_null(strstr(run.alarm_text, "names no second storage"));
     sim_run_expect(&run, "cc");
     sim_run_expect_undamaged(&run, false);
     /* Mended, it is gone on with. */
@@ -261,7 +191,7 @@ static void both_storages_may_fail(void **state)
     fails_with = EROFS;
     fails_both = true;
     assert_int_equal(sim_run_boot(&run), -EROFS);
-    assert_non_null(strstr(alarm_text, "second storage cannot be used"));
+    assert_non_null(strstr(run.alarm_text, "second storage cannot be used"));
     sim_run_expect(&run, "cc");
     sim_run_expect_undamaged(&run, false);
     sim_run_finish(&run);
@@ -284,9 +214,9 @@ static void a_run_that_has_moved_on_resumes_there(void **state)
     run.config.power_on_ns = run.back_ns;
     assert_int_equal(sim_run_boot(&run), 0);
     assert_true(run.result.second_storage);
-    second = second_of(&run);
+    second = second_run_of(&run);
     sim_run_expect(&run, "cc");
-    expect_both(&run, "ccccwwcc");
+    second_run_expect_both(&run, "ccccwwcc");
     sim_run_expect_reason(&second, 4, "the box was without power");
     sim_run_expect_undamaged(&run, false);
     sim_run_expect_undamaged(&second, true);
@@ -308,9 +238,9 @@ static void a_storage_that_came_back_read_only_is_gone_on_from_in_the_second(voi
     if (sim_run_boot(&run) < 0)
         print_error("%s: %s\n", run.err.where, run.err.what);
     assert_int_equal(run.code, 0);
-    second = second_of(&run);
+    second = second_run_of(&run);
     sim_run_expect(&run, "cccc");
-    expect_both(&run, "ccccwwcc");
+    second_run_expect_both(&run, "ccccwwcc");
     expect_group(&run);
     assert_int_equal(utc_of(&second, 7) - utc_of(&run, 0), 7 * TTF_NS_PER_MIN);
     sim_run_expect_undamaged(&second, true);
@@ -334,9 +264,9 @@ static void the_second_dataset_is_enough_to_go_on_with(void **state)
     assert_int_equal(rename(run.path, away), 0);
     run.config.power_on_ns = run.back_ns;
     assert_int_equal(sim_run_boot(&run), 0);
-    second = second_of(&run);
+    second = second_run_of(&run);
     assert_int_equal(rename(away, run.path), 0);
-    expect_both(&run, "ccccwccc");
+    second_run_expect_both(&run, "ccccwccc");
     sim_run_expect_undamaged(&second, true);
     sim_run_finish(&run);
 }
@@ -348,7 +278,7 @@ static void a_dataset_of_another_run_in_the_second_storage_is_left_alone(void **
 
     (void)state;
     with_second(&run);
-    other = second_of(&run);
+    other = second_run_of(&run);
     other.plan.second_storage[0] = '\0';
     assert_int_equal(sim_run_boot(&other), 0);
     assert_int_equal(sim_run_boot(&run), -EEXIST);
@@ -376,8 +306,8 @@ static void a_changed_plan_moves_too(void **state)
     fails_from = 3;
     fails_with = EROFS;
     assert_int_equal(sim_run_boot(&run), 0);
-    second = second_of(&run);
-    expect_both(&run, "cccccccccc");
+    second = second_run_of(&run);
+    second_run_expect_both(&run, "cccccccccc");
     sim_run_expect_undamaged(&second, true);
     sim_run_record(&second, 3, &record);
     assert_int_equal(record.segment, 0);
@@ -399,7 +329,7 @@ static int fail_and_die(struct sim_run *run, const char *op, const char *path)
 {
     int error = fail_first(run, op, path);
 
-    if (committed >= fails_from && ++operations == kill_at)
+    if (run->committed >= fails_from && ++operations == kill_at)
         _exit(77);
     return error;
 }
@@ -432,13 +362,13 @@ static void killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one(void
         assert_true(WIFEXITED(status));
         if (WEXITSTATUS(status) == 77) {
             kills++;
-            second = second_of(&run);
-            committed = 2; /* the first disk still fails */
+            second = second_run_of(&run);
+            run.committed = 2; /* the first disk still fails */
             run.config.power_on_ns = 150 * TTF_NS_PER_S;
             run.plan.count = 4;
             assert_int_equal(sim_run_boot(&run), 0);
             sim_run_expect(&run, "cc");
-            results_of(&second, results);
+            second_run_results(&second, results);
             assert_memory_equal(results, "--", 2);
             assert_true(results[2] == 'c' || results[2] == 'w');
             assert_true(results[3] == 'c' && results[4] == '-');
@@ -462,9 +392,8 @@ static unsigned seal_fails; /* so many more operations on it do */
 
 static int no_seal(struct sim_run *run, const char *op, const char *path)
 {
-    (void)run;
     (void)op;
-    if (committed < 6 || !strstr(path, "SHA256SUMS") || seal_fails == 0)
+    if (run->committed < 6 || !strstr(path, "SHA256SUMS") || seal_fails == 0)
         return 0;
     seal_fails--;
     return fails_with;
@@ -482,14 +411,14 @@ static void a_seal_that_cannot_be_written_is_an_alarm_and_comes_with_the_next_ru
     seal_fails = UINT_MAX;
     assert_int_equal(sim_run_boot(&run), -EIO);
     assert_false(run.result.sealed);
-    assert_int_equal(alarms, 1);
-    assert_non_null(strstr(alarm_text, "cannot be sealed"));
+    assert_int_equal(run.alarms, 1);
+    assert_non_null(strstr(run.alarm_text, "cannot be sealed"));
     sim_run_expect(&run, "cccccc");
     sim_run_expect_undamaged(&run, false);
     fails_with = 0;
     run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
     assert_int_equal(sim_run_boot(&run), 0);
-    assert_int_equal(alarms, 1);
+    assert_int_equal(run.alarms, 1);
     sim_run_expect_whole(&run, true);
     sim_run_finish(&run);
 }
@@ -507,118 +436,7 @@ static void a_seal_that_was_interrupted_is_tried_again(void **state)
     seal_fails = 12;
     assert_int_equal(sim_run_boot(&run), 0);
     assert_int_equal(seal_fails, 0);
-    assert_int_equal(alarms, 0);
-    sim_run_expect_whole(&run, true);
-    sim_run_finish(&run);
-}
-
-/* ---- a full disk ---- */
-
-static void make_previews(const struct sim_run *run)
-{
-    char path[160];
-
-    snprintf(path, sizeof(path), "%s/preview", run->path);
-    assert_int_equal(mkdir(path, 0755), 0);
-    snprintf(path, sizeof(path), "%s/preview/main", run->path);
-    assert_int_equal(mkdir(path, 0755), 0);
-    for (int i = 0; i < 40; i++) {
-        FILE *f;
-
-        snprintf(path, sizeof(path), "%s/preview/main/%06d.jpg", run->path, i);
-        f = fopen(path, "w");
-        assert_non_null(f);
-        fclose(f);
-    }
-}
-
-static unsigned previews_left(const struct sim_run *run, int from)
-{
-    unsigned n = 0;
-    char path[160];
-
-    for (int i = from; i < 40; i++) {
-        snprintf(path, sizeof(path), "%s/preview/main/%06d.jpg", run->path, i);
-        n += access(path, F_OK) == 0;
-    }
-    return n;
-}
-
-#define RESERVE_BYTES (INT64_C(1) << 20)
-
-/* Each preview that goes makes 10 kB of room. */
-static void previews_hold_room(struct sim_run *run)
-{
-    if (committed >= 2)
-        run->free_bytes = RESERVE_BYTES + (40 - (int64_t)previews_left(run, 0)) * 10000;
-}
-
-static void previews_go_first_oldest_first(void **state)
-{
-    struct sim_run run;
-    unsigned left;
-
-    (void)state;
-    with_second(&run);
-    run.plan.reserve_bytes = RESERVE_BYTES;
-    assert_int_equal(ttf_control_waiting(run.control = ttf_control_create()), 0);
-    assert_true(
-        ttf_control_ask(run.control, &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 1}) > 0);
-    assert_int_equal(sim_run_boot(&run), 0);
-    make_previews(&run);
-    run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
-    run.on_file = previews_hold_room;
-    if (sim_run_boot(&run) < 0)
-        print_error("%s: %s\n", run.err.where, run.err.what);
-    sim_run_expect(&run, "cccccc");
-    assert_false(run.result.second_storage);
-    left = previews_left(&run, 0);
-    assert_in_range(left, 1, 39);
-    assert_int_equal(previews_left(&run, 40 - (int)left), left); /* the newest ones */
-    assert_true(sim_run_events(&run, "disk", "preview/ were removed") >= 1);
-    sim_run_expect_whole(&run, true);
-    ttf_control_destroy(run.control);
-    sim_run_finish(&run);
-}
-
-static void full_from_slot_2_on(struct sim_run *run, const struct ttf_progress *progress)
-{
-    watch(run, progress);
-    if (committed >= 2)
-        run->free_bytes = 1000;
-}
-
-static void a_full_disk_is_left_for_the_second_storage(void **state)
-{
-    struct sim_run run;
-    struct sim_run second;
-
-    (void)state;
-    with_second(&run);
-    run.plan.reserve_bytes = RESERVE_BYTES;
-    run.on_progress = full_from_slot_2_on;
-    assert_int_equal(sim_run_boot(&run), 0);
-    second = second_of(&run);
-    sim_run_expect(&run, "cc");
-    expect_both(&run, "cccccc");
-    assert_int_equal(sim_run_events(&run, "storage", "less room than the reserve"), 1);
-    assert_int_equal(sim_run_events(&second, "storage", "less room than the reserve"), 1);
-    sim_run_expect_undamaged(&second, true);
-    sim_run_finish(&run);
-}
-
-static void without_one_capture_stops_before_the_reserve(void **state)
-{
-    struct sim_run run;
-
-    (void)state;
-    with_second(&run);
-    run.plan.second_storage[0] = '\0';
-    run.plan.reserve_bytes = RESERVE_BYTES;
-    run.on_progress = full_from_slot_2_on;
-    assert_int_equal(sim_run_boot(&run), 0);
-    sim_run_expect(&run, "ccmmmm");
-    sim_run_expect_reason(&run, 5, "disk full");
+    assert_int_equal(run.alarms, 0);
     sim_run_expect_whole(&run, true);
     sim_run_finish(&run);
 }
@@ -641,9 +459,6 @@ int main(void)
         cmocka_unit_test(killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one),
         cmocka_unit_test(a_seal_that_cannot_be_written_is_an_alarm_and_comes_with_the_next_run),
         cmocka_unit_test(a_seal_that_was_interrupted_is_tried_again),
-        cmocka_unit_test(previews_go_first_oldest_first),
-        cmocka_unit_test(a_full_disk_is_left_for_the_second_storage),
-        cmocka_unit_test(without_one_capture_stops_before_the_reserve),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -234,6 +234,51 @@ static void whoever_asks_hears_which_of_the_two_it_is(void **state)
     assert_string_equal(path, first);
 }
 
+static void commit(struct ttf_writer *writer, int64_t index, enum ttf_result result,
+                   const char *reason)
+{
+    struct ttf_slot_record record;
+
+    ttf_slot_record_init(&record);
+    record.index = index;
+    record.result = result;
+    snprintf(record.reason, sizeof(record.reason), "%s", reason);
+    assert_int_equal(ttf_writer_commit(writer, &record, NULL), 0);
+    ttf_slot_record_free(&record);
+}
+
+static void what_can_only_be_read_is_known_as_a_writer_would_know_it(void **state)
+{
+    struct ttf_writer_state as_read;
+    struct ttf_manifest of_read;
+    struct ttf_writer *writer = NULL;
+
+    (void)state;
+    make(first, &manifest, BEGUN);
+    assert_int_equal(ttf_writer_open(ttf_io_posix(), first, &writer, NULL), 0);
+    for (int64_t k = 0; k < 6; k++) {
+        const struct ttf_writer_state *known = ttf_writer_state(writer);
+
+        assert_int_equal(ttf_second_state_of(ttf_io_posix(), first, &as_read, &of_read, NULL), 0);
+        assert_string_equal(of_read.uuid, manifest.uuid);
+        assert_int_equal(as_read.next_index, known->next_index);
+        assert_int_equal(as_read.n_segments, known->n_segments);
+        assert_int_equal(as_read.last_segment.interval_ns, known->last_segment.interval_ns);
+        assert_int_equal(as_read.lost_at_end, known->lost_at_end);
+        assert_int_equal(as_read.n_plans, known->n_plans);
+        assert_int_equal(as_read.sealed, known->sealed);
+        assert_memory_equal(as_read.counts, known->counts, sizeof(known->counts));
+        if (k == 1)
+            commit(writer, k, TTF_RESULT_PAUSED, "paused by a person");
+        else if (k == 4)
+            commit(writer, k, TTF_RESULT_MISSED, "the box was getting ready");
+        else
+            commit(writer, k, TTF_RESULT_POWER, "the box was without power");
+    }
+    assert_int_equal(as_read.lost_at_end, 3);
+    ttf_writer_close(writer);
+}
+
 static void one_that_was_made_and_is_another_s_or_begun_is_not_opened(void **state)
 {
     struct ttf_manifest m;
@@ -273,6 +318,7 @@ int main(void)
         T(what_cannot_be_read_there_is_for_a_person),
         T(a_second_storage_that_is_away_matters_once_the_run_has_begun),
         T(whoever_asks_hears_which_of_the_two_it_is),
+        T(what_can_only_be_read_is_known_as_a_writer_would_know_it),
         T(one_that_was_made_and_is_another_s_or_begun_is_not_opened),
     };
 

@@ -10,18 +10,13 @@
 #include <string.h>
 
 #include "scratch.h"
+#include "tagged.h"
 #include "ttf/base/attr.h"
 #include "ttf/dataset/dng.h"
 
 #define PIXELS 600 /* where they lie in the file */
 #define TABLE  800 /* where values lie that are longer than four bytes */
 #define BYTES  1024
-#define NO     UINT32_MAX
-
-struct tag {
-    uint16_t tag, type; /* 1: 8 bits, 3: 16, 4: 32 */
-    uint32_t n, value;  /* in the entry itself, or where it lies */
-};
 
 /* A mosaic of 4 x 2, 16 bits, codes 100, 200, ... */
 static const struct tag good[] = {
@@ -39,43 +34,23 @@ static const struct tag good[] = {
     {33421, 3, 2, 0x00020002},
     {33422, 1, 4, 0x02010100},
     {50706, 1, 4, 0x0401},
-    {50712, 3, 2, NO},
-    {50713, 3, 2, NO},
+    {50712, 3, 2, TAG_ABSENT},
+    {50713, 3, 2, TAG_ABSENT},
     {50714, 3, 1, 64},
     {50717, 4, 1, 4095},
-    {50829, 4, 4, NO},
+    {50829, 4, 4, TAG_ABSENT},
 };
-
-static void put(uint8_t *at, uint32_t value, unsigned bytes)
-{
-    for (unsigned i = 0; i < bytes; i++)
-        at[i] = (uint8_t)(value >> 8 * i);
-}
 
 /* The good file with up to two of its tags changed; words lie at TABLE. */
 static const char *file_with(void **state, struct tag a, struct tag b, const uint32_t words[4])
 {
-    uint8_t bytes[BYTES] = "II*";
-    unsigned n = 0;
+    uint8_t bytes[BYTES] = {0};
 
-    put(bytes + 4, 8, 4);
-    for (unsigned i = 0; i < TTF_COUNT_OF(good); i++) {
-        struct tag tag = good[i].tag == a.tag ? a : good[i].tag == b.tag ? b : good[i];
-        uint8_t *entry = bytes + 10 + n * 12;
-
-        if (tag.value == NO)
-            continue;
-        put(entry, tag.tag, 2);
-        put(entry + 2, tag.type, 2);
-        put(entry + 4, tag.n, 4);
-        put(entry + 8, tag.value, 4);
-        n++;
-    }
-    put(bytes + 8, n, 2);
+    tagged_head(bytes, good, TTF_COUNT_OF(good), a, b);
     for (unsigned i = 0; i < 8; i++)
-        put(bytes + PIXELS + 2 * i, 100 * (i + 1), 2);
+        tagged_put(bytes + PIXELS + 2 * i, 100 * (i + 1), 2);
     for (unsigned i = 0; words && i < 4; i++)
-        put(bytes + TABLE + 4 * i, words[i], 4);
+        tagged_put(bytes + TABLE + 4 * i, words[i], 4);
     scratch_write(state, "f.dng", bytes, sizeof(bytes));
     return scratch_path(state, "f.dng");
 }
@@ -194,10 +169,10 @@ static void mosaics_that_are_not_read_say_so(void **state)
         {33421, 3, 2, 0x00060006}, /* a pattern of 6 x 6 */
         {33421, 3, 2, 0x00020004}, /* of 4 x 2 */
         {33421, 3, 2, 0x00040002}, /* of 2 x 4 */
-        {33421, 3, 2, NO},
+        {33421, 3, 2, TAG_ABSENT},
         {33422, 1, 4, 0x02010101}, /* of two reds */
         {33422, 1, 3, 0x00010100}, /* of three */
-        {33422, 1, 4, NO},
+        {33422, 1, 4, TAG_ABSENT},
         {50717, 4, 1, 64},   /* white is not above black */
         {273, 4, 1, 100000}, /* the pixels are not there */
         {256, 4, 1, 60000},  /* more pixels than there are bits */

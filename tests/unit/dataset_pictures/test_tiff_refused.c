@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "scratch.h"
+#include "tagged.h"
 #include "ttf/base/attr.h"
 #include "ttf/dataset/dng.h"
 #include "ttf/dataset/tiff.h"
@@ -32,43 +33,19 @@ enum {
     TAG_KIND = 339
 };
 
-struct tag {
-    uint16_t tag, type; /* 3: 16 bits, 4: 32 */
-    uint32_t value;
-};
-
 /* Grey, 4 x 2, 8 bits. In the order of tags, as they must be. */
 static const struct tag good[] = {
-    {TAG_WIDTH, 4, 4},       {TAG_HEIGHT, 4, 2},       {TAG_BITS, 3, 8},    {TAG_COMPRESSION, 3, 1},
-    {TAG_PHOTOMETRIC, 3, 1}, {TAG_OFFSETS, 4, PIXELS}, {TAG_SAMPLES, 3, 1}, {TAG_ROWS, 4, 2},
-    {TAG_COUNTS, 4, 8},      {TAG_PLANAR, 3, 1},       {TAG_KIND, 3, 1}};
+    {TAG_WIDTH, 4, 1, 4},       {TAG_HEIGHT, 4, 1, 2},      {TAG_BITS, 3, 1, 8},
+    {TAG_COMPRESSION, 3, 1, 1}, {TAG_PHOTOMETRIC, 3, 1, 1}, {TAG_OFFSETS, 4, 1, PIXELS},
+    {TAG_SAMPLES, 3, 1, 1},     {TAG_ROWS, 4, 1, 2},        {TAG_COUNTS, 4, 1, 8},
+    {TAG_PLANAR, 3, 1, 1},      {TAG_KIND, 3, 1, 1}};
 
-static void put(uint8_t *at, uint32_t value, unsigned bytes)
-{
-    for (unsigned i = 0; i < bytes; i++)
-        at[i] = (uint8_t)(value >> 8 * i);
-}
-
-/* The good file with up to two of its tags changed; one of value UINT32_MAX is left out. */
+/* The good file with up to two of its tags changed. */
 static const char *file_with(void **state, struct tag a, struct tag b)
 {
-    uint8_t bytes[BYTES] = "II*";
-    unsigned n = 0;
+    uint8_t bytes[BYTES] = {0};
 
-    put(bytes + 4, 8, 4);
-    for (unsigned i = 0; i < TTF_COUNT_OF(good); i++) {
-        struct tag tag = good[i].tag == a.tag ? a : good[i].tag == b.tag ? b : good[i];
-        uint8_t *entry = bytes + 10 + n * 12;
-
-        if (tag.value == UINT32_MAX)
-            continue;
-        put(entry, tag.tag, 2);
-        put(entry + 2, tag.type, 2);
-        put(entry + 4, 1, 4);
-        put(entry + 8, tag.value, tag.type == 3 ? 2 : 4);
-        n++;
-    }
-    put(bytes + 8, n, 2);
+    tagged_head(bytes, good, TTF_COUNT_OF(good), a, b);
     for (unsigned i = 0; i < 8; i++)
         bytes[PIXELS + i] = (uint8_t)(10 * i);
     scratch_write(state, "f.tif", bytes, sizeof(bytes));
@@ -93,27 +70,27 @@ static void each_tag_that_is_not_read_is_told(void **state)
         int code;
         const char *says;
     } cases[] = {
-        {{TAG_WIDTH, 4, UINT32_MAX}, {TAG_WIDTH, 4, UINT32_MAX}, -TTF_EDAMAGED, ""},
-        {{TAG_HEIGHT, 4, 0}, {TAG_HEIGHT, 4, 0}, -TTF_EDAMAGED, ""},
-        {{TAG_WIDTH, 4, (1u << 20) + 1}, {TAG_ROWS, 4, 2}, -ENOTSUP, "a side of"},
-        {{TAG_HEIGHT, 4, (1u << 20) + 1}, {TAG_ROWS, 4, 2}, -ENOTSUP, "a side of"},
-        {{TAG_KIND, 3, 2}, {TAG_KIND, 3, 2}, -ENOTSUP, "sample format"},
-        {{TAG_KIND, 3, 6}, {TAG_KIND, 3, 6}, -ENOTSUP, "sample format"},
-        {{TAG_KIND, 3, 3}, {TAG_BITS, 3, 8}, -ENOTSUP, "bits per sample"},
-        {{TAG_KIND, 3, 3}, {TAG_BITS, 3, 64}, -ENOTSUP, "bits per sample"},
-        {{TAG_BITS, 3, 17}, {TAG_BITS, 3, 17}, -ENOTSUP, "bits per sample"},
-        {{TAG_BITS, 3, 64}, {TAG_BITS, 3, 64}, -ENOTSUP, "bits per sample"},
-        {{TAG_SAMPLES, 3, 65}, {TAG_SAMPLES, 3, 65}, -ENOTSUP, "samples per pixel"},
-        {{TAG_SAMPLES, 3, 5}, {TAG_SAMPLES, 3, 5}, -ENOTSUP, "samples per pixel"},
-        {{TAG_COMPRESSION, 3, 60000}, {TAG_PLANAR, 3, 1}, -ENOTSUP, "compression"},
-        {{TAG_PHOTOMETRIC, 3, 6}, {TAG_SAMPLES, 3, 3}, -ENOTSUP, "YCbCr"},
-        {{TAG_PHOTOMETRIC, 3, 8}, {TAG_SAMPLES, 3, 3}, -ENOTSUP, "photometric"},
-        {{TAG_PHOTOMETRIC, 3, 6}, {TAG_COMPRESSION, 3, 7}, -TTF_EDAMAGED, ""},
-        {{TAG_SAMPLES, 3, 0}, {TAG_PLANAR, 3, 1}, -TTF_EDAMAGED, ""},
-        {{TAG_BITS, 3, 0}, {TAG_PLANAR, 3, 1}, -TTF_EDAMAGED, ""},
-        {{TAG_ROWS, 4, 0}, {TAG_PLANAR, 3, 1}, -TTF_EDAMAGED, ""},
-        {{TAG_OFFSETS, 4, 100000}, {TAG_PLANAR, 3, 1}, -TTF_EDAMAGED, ""},
-        {{TAG_OFFSETS, 4, UINT32_MAX}, {TAG_PLANAR, 3, 1}, -TTF_EDAMAGED, ""},
+        {{TAG_WIDTH, 4, 1, TAG_ABSENT}, {TAG_WIDTH, 4, 1, TAG_ABSENT}, -TTF_EDAMAGED, ""},
+        {{TAG_HEIGHT, 4, 1, 0}, {TAG_HEIGHT, 4, 1, 0}, -TTF_EDAMAGED, ""},
+        {{TAG_WIDTH, 4, 1, (1u << 20) + 1}, {TAG_ROWS, 4, 1, 2}, -ENOTSUP, "a side of"},
+        {{TAG_HEIGHT, 4, 1, (1u << 20) + 1}, {TAG_ROWS, 4, 1, 2}, -ENOTSUP, "a side of"},
+        {{TAG_KIND, 3, 1, 2}, {TAG_KIND, 3, 1, 2}, -ENOTSUP, "sample format"},
+        {{TAG_KIND, 3, 1, 6}, {TAG_KIND, 3, 1, 6}, -ENOTSUP, "sample format"},
+        {{TAG_KIND, 3, 1, 3}, {TAG_BITS, 3, 1, 8}, -ENOTSUP, "bits per sample"},
+        {{TAG_KIND, 3, 1, 3}, {TAG_BITS, 3, 1, 64}, -ENOTSUP, "bits per sample"},
+        {{TAG_BITS, 3, 1, 17}, {TAG_BITS, 3, 1, 17}, -ENOTSUP, "bits per sample"},
+        {{TAG_BITS, 3, 1, 64}, {TAG_BITS, 3, 1, 64}, -ENOTSUP, "bits per sample"},
+        {{TAG_SAMPLES, 3, 1, 65}, {TAG_SAMPLES, 3, 1, 65}, -ENOTSUP, "samples per pixel"},
+        {{TAG_SAMPLES, 3, 1, 5}, {TAG_SAMPLES, 3, 1, 5}, -ENOTSUP, "samples per pixel"},
+        {{TAG_COMPRESSION, 3, 1, 60000}, {TAG_PLANAR, 3, 1, 1}, -ENOTSUP, "compression"},
+        {{TAG_PHOTOMETRIC, 3, 1, 6}, {TAG_SAMPLES, 3, 1, 3}, -ENOTSUP, "YCbCr"},
+        {{TAG_PHOTOMETRIC, 3, 1, 8}, {TAG_SAMPLES, 3, 1, 3}, -ENOTSUP, "photometric"},
+        {{TAG_PHOTOMETRIC, 3, 1, 6}, {TAG_COMPRESSION, 3, 1, 7}, -TTF_EDAMAGED, ""},
+        {{TAG_SAMPLES, 3, 1, 0}, {TAG_PLANAR, 3, 1, 1}, -TTF_EDAMAGED, ""},
+        {{TAG_BITS, 3, 1, 0}, {TAG_PLANAR, 3, 1, 1}, -TTF_EDAMAGED, ""},
+        {{TAG_ROWS, 4, 1, 0}, {TAG_PLANAR, 3, 1, 1}, -TTF_EDAMAGED, ""},
+        {{TAG_OFFSETS, 4, 1, 100000}, {TAG_PLANAR, 3, 1, 1}, -TTF_EDAMAGED, ""},
+        {{TAG_OFFSETS, 4, 1, TAG_ABSENT}, {TAG_PLANAR, 3, 1, 1}, -TTF_EDAMAGED, ""},
     };
 
     for (unsigned i = 0; i < TTF_COUNT_OF(cases); i++) {

@@ -90,6 +90,28 @@ static void a_file_written_back_and_forth_has_its_right_hash(void **state)
     ttf_writer_close(writer);
 }
 
+/* Fails without a word of its own. */
+static int produce_no_room(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
+{
+    (void)ctx, (void)io, (void)file, (void)err;
+    return -ENOSPC;
+}
+
+static void the_error_told_is_the_one_that_is_returned(void **state)
+{
+    struct ttf_writer *writer = small_create(ttf_io_posix(), in(*state, "d"));
+    struct ttf_file_ref ref;
+    struct ttf_err err = {0};
+
+    (void)ttf_err_set(&err, -EIO, "elsewhere", "what a call before met");
+    assert_int_equal(
+        ttf_writer_file(writer, "mask", "main", 0, -1, "tif", produce_no_room, NULL, &ref, &err),
+        -ENOSPC);
+    assert_int_equal(err.code, -ENOSPC);
+    assert_non_null(strstr(err.what, "No space left"));
+    ttf_writer_close(writer);
+}
+
 static void a_name_that_is_no_name_is_refused(void **state)
 {
     struct ttf_manifest manifest;
@@ -250,6 +272,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         T(what_is_written_is_read_back),
         T(a_file_written_back_and_forth_has_its_right_hash),
+        T(the_error_told_is_the_one_that_is_returned),
         T(a_name_that_is_no_name_is_refused),
         T(an_existing_dataset_is_not_written_over),
         T(two_writers_at_once_are_kept_apart),

@@ -24,7 +24,6 @@ struct ttf_writer_state {
         next_index; /* of the first slot without a record, from the first segment's first_index on */
     int n_segments;
     struct ttf_segment last_segment; /* valid if n_segments > 0 */
-    int64_t last_due_ns; /* of the last slot record, on its segment's boot clock; TTF_NS_UNKNOWN */
     int64_t
         lost_at_end; /* slots at the end that are `power` or `missed`: recorded perhaps before they were due */
     int n_plans;
