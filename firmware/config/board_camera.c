@@ -109,6 +109,8 @@ static int read_camera(struct yaml_node *node, struct ttf_board_camera *ret, str
         return r;
     ret->mode = read.mode;
     ret->v4l2 = read.v4l2;
+    ret->v4l2.width = read.mode.width; /* what a run that asks for the native mode gets */
+    ret->v4l2.height = read.mode.height;
     ret->v4l2.buffers = read.buffers;
     ret->v4l2.settle_frames = read.settle;
     ret->v4l2.black_level = (uint16_t)read.black;

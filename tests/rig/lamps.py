@@ -14,8 +14,8 @@ LEFT, RIGHT, MARK = 0, 1, 5
 TIMES = 20
 
 
-def guard(m):
-    code, out = m.run("printf '%s' >/run/board.yaml" % BOARD.replace("\n", "\\n"))
+def guard(m, board=BOARD):
+    code, out = m.run("printf '%s' >/run/board.yaml" % board.replace("\n", "\\n"))
     assert code == 0, out
     code, out = m.run("ttfbox-lampd --board /run/board.yaml >/run/said 2>&1 & "
                       "i=0; while [ $i -lt 200 ] && ! grep -q guarding /run/said; do sleep 0.05; i=$((i+1)); done; "

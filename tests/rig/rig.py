@@ -16,7 +16,7 @@ from machine import Machine
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 RIG = ROOT + "/build-rig"
-PROGRAMS = ["ttfbox-lampd", "lampd_child", "capture_child", "rig_camera", "test_lines", "test_sysfs",
+PROGRAMS = ["ttfbox", "ttfbox-lampd", "lampd_child", "capture_child", "rig_camera", "test_lines", "test_sysfs",
             "test_conformance_lampd"]
 # What no machine here has; said, so that nobody takes silence for a pass.
 NOT_HERE = ["exposure control through a real camera driver", "a GPIO chip that is unplugged",

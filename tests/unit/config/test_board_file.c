@@ -229,6 +229,7 @@ static void every_key_of_real_devices_reaches_its_field(void **state)
     assert_true(b.real);
     assert_string_equal(b.cameras[0].backend->name, "v4l2");
     assert_int_equal(b.cameras[0].mode.width, 640);
+    assert_true(v->width == 640 && v->height == 480); /* also what a run's native mode is */
     assert_string_equal(v->device, "/dev/video2");
     assert_string_equal(v->bus, "usb-1");
     assert_string_equal(v->name, "C920");
