@@ -271,6 +271,7 @@ static int work_json(struct ttf_err *err)
     static const char piece[] = "a\\n\\u00e9\\\"\\\\", back[] = "a\n\xc3\xa9\"\\";
     char text[4 * LONG_TEXT], expected[LONG_TEXT * 2] = "";
     size_t n = (size_t)snprintf(text, sizeof(text), "{\"list\":[null,null,null,1.25,");
+    size_t m = 0;
     json_t *json = NULL;
     int r;
 
@@ -279,7 +280,7 @@ static int work_json(struct ttf_err *err)
     n += (size_t)snprintf(text + n, sizeof(text) - n, "1],\"text\":\"");
     for (unsigned i = 0; i < LONG_TEXT / sizeof(piece); i++) {
         n += (size_t)snprintf(text + n, sizeof(text) - n, "%s", piece);
-        strcat(expected, back);
+        m += (size_t)snprintf(expected + m, sizeof(expected) - m, "%s", back);
     }
     n += (size_t)snprintf(text + n, sizeof(text) - n, "\"}");
     r = ttf_json_parse(text, n, &json, NULL);
