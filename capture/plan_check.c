@@ -196,6 +196,9 @@ static int check_exposures(const struct ttf_plan *plan, unsigned i,
     char where[64];
     char name[32] = "exposure";
 
+    if (caps->exposure_max_ns == 0 && shot->n_brackets > 1)
+        return ttf_err_set(err, -EINVAL, shot_field(where, sizeof(where), i, "brackets"),
+                           "the camera's exposure cannot be set, so there are no brackets");
     for (unsigned b = 0; b < ttf_shot_images(shot); b++) {
         struct ttf_exposure e = ttf_shot_exposure(shot, b, plan->mains_hz, 0);
 

@@ -16,6 +16,7 @@ static void look(struct cli *cli, const struct ttf_board *board, struct ttf_cloc
     char real[4096];
 
     probe_machine_here(&machine, cli->opt.root);
+    probe_is_meant(&machine, board, findings);
     probe_cameras(&machine, board, findings);
     probe_lines(&machine, board, findings);
     probe_usb(&machine, findings);

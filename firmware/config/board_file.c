@@ -59,6 +59,7 @@ static const struct cfg_field BOARD[] = {
     {"panel", board_read_panel, 0, 0, 0, "light, button and door, or none", 0, 0},
     {"watchdog", board_read_device, 0, TTF_DEVICE_WATCHDOG, 0, "the watchdog's back-end, or none",
      0, 0},
+    {"machine", board_read_machine, 0, 0, 0, "what the computer in the box is", 0, 0},
     {"lock", cfg_path512, B(lock), 0, 0, "the file that says who owns the box, or none", 0, 0},
     {"sim", board_read_sim, 0, 0, 0, "the simulated box's model", 0, 0},
     {0}};
@@ -123,6 +124,9 @@ static int decode_board(struct yaml_node *root, struct ttf_board *board, struct 
     if (r < 0)
         return r;
     r = finish_mixture(board, root, err);
+    if (r < 0)
+        return r;
+    r = board_finish_machine(board, root, err);
     if (r < 0)
         return r;
     finish_lock(board);

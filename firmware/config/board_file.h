@@ -42,6 +42,11 @@ int board_finish_guardian(struct ttf_board *board, struct yaml_node *root, struc
             "true: a low level lights it", 0, 0                                              \
     }
 
+/* `machine:`; and, at the end, whether wires and ports get along on it. */
+int board_read_machine(const struct cfg_field *field, struct yaml_node *node, void *at,
+                       struct ttf_err *err);
+int board_finish_machine(struct ttf_board *board, struct yaml_node *root, struct ttf_err *err);
+
 /* `sim:`: everything of struct ttf_sim_config and the scene; at is the struct ttf_board. */
 int board_read_sim(const struct cfg_field *field, struct yaml_node *node, void *at,
                    struct ttf_err *err);

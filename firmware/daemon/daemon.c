@@ -292,7 +292,8 @@ static int begin(struct daemon *d, struct ttf_err *err)
     prepare(d);
     log_line(LOG_LEVEL_NOTICE, "started", "version=%s board=%s simulated=%s dataset=\"%s\"",
              TTFBOX_VERSION, d->board.name, d->board.simulated ? "yes" : "no", d->config.dataset);
-    manager_tell(&d->manager, "READY=1");
+    /* Looking at a long dataset comes before anything is armed, and takes as long as it takes. */
+    manager_tell(&d->manager, d->manager.watchdog_ns > 0 ? "READY=1\nWATCHDOG_USEC=0" : "READY=1");
     r = live(d, err);
     manager_tell(&d->manager, "STOPPING=1");
     if (r == 0)

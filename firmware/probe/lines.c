@@ -6,49 +6,17 @@
 
 #include "files.h"
 
-/* Of the 40-pin header of a Raspberry Pi. `uses`: a file that is there while the line is in use so. */
-static const struct {
-    int first, last;
-    const char *what, *uses;
-} RESERVED[] = {
-    {0, 1, "the ID EEPROM of HATs, which firmware talks to at each boot", NULL},
-    {2, 3, "the I2C bus, with pull-ups of its own on the board", "dev/i2c-1"},
-    {7, 11, "the SPI bus", "dev/spidev0.0"},
-    {14, 15, "the serial console (UART)", "dev/serial0"},
-};
-
-int probe_pi_line(const struct ttf_line_spec *wire)
-{
-    const char *digits = strncmp(wire->line, "GPIO", 4) == 0 ? wire->line + 4 : wire->line;
-    bool header = wire->chip[0] == '\0' || strcmp(wire->chip, "gpiochip0") == 0 ||
-                  strncmp(wire->chip, "pinctrl-", 8) == 0;
-
-    if (!header || !*digits || strspn(digits, "0123456789") != strlen(digits) || strlen(digits) > 3)
-        return -1;
-    return (int)strtol(digits, NULL, 10);
-}
-
-const char *probe_pi_reserved(int line, const char **ret_uses)
-{
-    for (unsigned i = 0; i < TTF_COUNT_OF(RESERVED); i++)
-        if (line >= RESERVED[i].first && line <= RESERVED[i].last) {
-            *ret_uses = RESERVED[i].uses;
-            return RESERVED[i].what;
-        }
-    return NULL;
-}
-
 static void look_up_reserved(const struct probe_machine *m, const struct ttf_line_spec *wire,
                              const char *about, struct probe_findings *findings)
 {
-    const char *uses = NULL, *what = probe_pi_reserved(probe_pi_line(wire), &uses);
+    const struct ttf_header_use *use = ttf_board_header_use(wire);
     struct stat st;
-    bool in_use = what && (!uses || probe_stat(m, uses, &st));
+    bool in_use = use && (!use->uses || probe_stat(m, use->uses, &st));
 
-    if (what)
+    if (use)
         probe_add(findings, in_use ? PROBE_PROBLEM : PROBE_NOTE, about,
                   "take a free line: GPIO4 to 6, 12, 13, 16 to 27", "line %s is also %s%s",
-                  wire->line, what, in_use ? "" : ", which is switched off here");
+                  wire->line, use->what, in_use ? "" : ", which is switched off here");
 }
 
 /*

@@ -22,6 +22,19 @@ const char *probe_model(const struct probe_machine *machine, char ret[96])
     return ret;
 }
 
+void probe_is_meant(const struct probe_machine *machine, const struct ttf_board *board,
+                    struct probe_findings *findings)
+{
+    char model[96];
+
+    if (!*board->machine.model || strncmp(probe_model(machine, model), board->machine.model,
+                                          strlen(board->machine.model)) == 0)
+        return;
+    probe_add(findings, PROBE_PROBLEM, "machine", "is it the right --board?",
+              "the board '%s' is for a %s; this is %s", board->name, board->machine.model,
+              *model ? model : "a machine without a name");
+}
+
 void probe_clock(const struct probe_machine *machine, enum ttf_trust trust,
                  struct probe_findings *findings)
 {

@@ -59,14 +59,12 @@ void probe_cameras(const struct probe_machine *machine, const struct ttf_board *
 void probe_lines(const struct probe_machine *machine, const struct ttf_board *board,
                  struct probe_findings *findings);
 
-/* The header's number of a Raspberry Pi's line ("GPIO17", or "17" on its own chip), -1: it is none. */
-int probe_pi_line(const struct ttf_line_spec *wire);
-
-/* What else a line of that header is, NULL: it is free; *ret_uses: a file that is there while it is in use so, NULL: always. */
-const char *probe_pi_reserved(int line, const char **ret_uses);
-
 /* Who holds the USB device controller. */
 void probe_usb(const struct probe_machine *machine, struct probe_findings *findings);
+
+/* Another machine than the board is for. */
+void probe_is_meant(const struct probe_machine *machine, const struct ttf_board *board,
+                    struct probe_findings *findings);
 
 /* A clock that forgets, a date that nobody vouches for. */
 void probe_clock(const struct probe_machine *machine, enum ttf_trust trust,

@@ -169,7 +169,7 @@ int ttf_lampd_run(struct ttf_lampd *d, const volatile int *stop)
     bool armed =
         d->config.watchdog && ttf_watchdog_arm(d->config.watchdog, d->config.watchdog_ns) == 0;
 
-    while (!*stop) {
+    while (__atomic_load_n(stop, __ATOMIC_RELAXED) == 0) {
         int fed;
 
         one_round(d);

@@ -54,7 +54,8 @@ static int set_up(struct v4l2_camera *camera, struct ttf_err *err)
     camera->controls.sys = camera->sys;
     camera->controls.ctx = camera->ctx;
     camera->controls.fd = camera->fd;
-    return v4l2_controls_set_up(&camera->controls, &camera->config, camera->base.format.width, err);
+    return v4l2_controls_set_up(&camera->controls, &camera->config, camera->base.format.width,
+                                camera->period_ns, err);
 }
 
 static void let_go(struct v4l2_camera *camera)

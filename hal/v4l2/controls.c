@@ -39,17 +39,19 @@ static int switch_off(struct v4l2_controls *c, struct ttf_err *err)
 {
     for (unsigned i = 0; i < TTF_COUNT_OF(AUTOMATICS); i++) {
         struct v4l2_query_ext_ctrl q;
-        int64_t value = 0;
+        int64_t value = 0, off;
         int r = v4l2_control_query(c, AUTOMATICS[i].id, &q);
 
         if (r == -ENODEV)
             return ttf_err_set(err, r, NULL, "the camera is gone");
         if (r < 0 || (q.flags & V4L2_CTRL_FLAG_READ_ONLY) || is_button(&q))
             continue;
-        r = v4l2_control_set(c, q.id, AUTOMATICS[i].off);
+        /* Some cameras know no off of a compensation, only its least. */
+        off = q.minimum > AUTOMATICS[i].off ? q.minimum : AUTOMATICS[i].off;
+        r = v4l2_control_set(c, q.id, off);
         if (r == 0)
             r = v4l2_control_get(c, q.id, &value);
-        if (r < 0 || value != AUTOMATICS[i].off)
+        if (r < 0 || value != off)
             return ttf_err_set(err, r < 0 ? r : -EIO, q.name,
                                "this automatic cannot be switched off");
         c->automatics_off++;
@@ -104,7 +106,18 @@ static int64_t line_ns(const struct v4l2_controls *c, uint32_t width)
     return ((int64_t)width + blank) * TTF_NS_PER_S / rate;
 }
 
-static void find_exposure(struct v4l2_controls *c, uint32_t width)
+/* A camera that keeps its rate exposes no longer than a frame, whatever its control takes and reads back. */
+static void keep_within(struct v4l2_controls *c, int64_t period_ns)
+{
+    struct v4l2_query_ext_ctrl q;
+    int64_t most = c->exposure_unit_ns > 0 ? period_ns / c->exposure_unit_ns : 0;
+
+    if (v4l2_control_query(c, V4L2_CID_EXPOSURE_AUTO_PRIORITY, &q) == 0 && most < c->exposure.max &&
+        most >= c->exposure.min)
+        c->exposure.max = (int32_t)most;
+}
+
+static void find_exposure(struct v4l2_controls *c, uint32_t width, int64_t period_ns)
 {
     find_dial(c, V4L2_CID_EXPOSURE_ABSOLUTE, &c->exposure);
     c->exposure_unit_ns = ABSOLUTE_NS;
@@ -118,6 +131,7 @@ static void find_exposure(struct v4l2_controls *c, uint32_t width)
     if (c->exposure.id && c->exposure.min < 1)
         c->exposure.min = 1;
     if (c->exposure.id) {
+        keep_within(c, period_ns);
         c->has |= TTF_V4L2_EXPOSURE;
         c->mapped |= TTF_V4L2_EXPOSURE;
     }
@@ -207,7 +221,7 @@ static int fix_flicker(struct v4l2_controls *c, enum ttf_v4l2_flicker flicker, s
 }
 
 int v4l2_controls_set_up(struct v4l2_controls *c, const struct ttf_v4l2_config *config,
-                         uint32_t width, struct ttf_err *err)
+                         uint32_t width, int64_t period_ns, struct ttf_err *err)
 {
     int r;
 
@@ -222,7 +236,7 @@ int v4l2_controls_set_up(struct v4l2_controls *c, const struct ttf_v4l2_config *
         r = fix_flicker(c, config->flicker, err);
     if (r < 0)
         return r;
-    find_exposure(c, width);
+    find_exposure(c, width, period_ns);
     r = find_gain(c, err);
     if (r == 0)
         r = find_balance(c, config, err);

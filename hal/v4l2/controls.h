@@ -29,12 +29,12 @@ struct v4l2_controls {
 
 /*
  * Looks what there is on an open device whose format is set, switches off what is automatic, fixes what the
- * configuration fixes. c->sys, ctx and fd are set. width: pixels of a line, for sensors that expose in lines.
+ * configuration fixes. c->sys, ctx and fd are set. width: pixels of a line, for sensors that expose in lines; period_ns: of the stream.
  * -ENOTSUP for an exposure that stays automatic, -EINVAL for a control that there is not or a value it does not take,
  * -EIO, -ENODEV, -EBUSY.
  */
 TTF_MUST_USE int v4l2_controls_set_up(struct v4l2_controls *c, const struct ttf_v4l2_config *config,
-                                      uint32_t width, struct ttf_err *err);
+                                      uint32_t width, int64_t period_ns, struct ttf_err *err);
 
 /* Limits and what there is not, into the capabilities. */
 void v4l2_controls_caps(const struct v4l2_controls *c, struct ttf_camera_caps *caps);

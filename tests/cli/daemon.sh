@@ -88,7 +88,7 @@ start NOTIFY_SOCKET="$WORK/notify" WATCHDOG_USEC=20000000
 heard log "<5>done slots=12"
 heard manager "STATUS=SIMULATED, capturing: 12 of 12 slots"
 heard manager " of 12 slots captured, sealed"
-heard manager "READY=1"
+heard manager "READY=1 | WATCHDOG_USEC=0"
 heard manager "WATCHDOG_USEC=20000000" # armed while it runs
 heard manager "WATCHDOG=1"
 grep -q STOPPING manager && fail "it stops too soon"

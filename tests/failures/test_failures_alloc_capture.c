@@ -436,5 +436,7 @@ int main(int argc, char **argv)
     };
 
     run_of_all = alloc_run_of(argc, argv);
+    if (argc > 1 && strcmp(argv[1], "plans") == 0)
+        cmocka_set_test_filter("plans_*");
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -13,6 +13,7 @@
 
 #include "each_allocation.h"
 #include "model_disk.h"
+#include "ttf/dataset/json_parse.h"
 #include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
 #include "ttf/dataset/sequence.h"
@@ -260,6 +261,45 @@ static void what_could_not_be_done_without_memory_leaves_all_as_it_was(void **st
         each_allocation_fails(&pieces[i], run_of_all);
 }
 
+/* ---- JSON ---- */
+
+#define LONG_TEXT 700
+
+/* Long texts with all that has to be copied piece by piece; numbers, and containers that grow. */
+static int work_json(struct ttf_err *err)
+{
+    static const char piece[] = "a\\n\\u00e9\\\"\\\\", back[] = "a\n\xc3\xa9\"\\";
+    char text[4 * LONG_TEXT], expected[LONG_TEXT * 2] = "";
+    size_t n = (size_t)snprintf(text, sizeof(text), "{\"list\":[null,null,null,1.25,");
+    size_t m = 0;
+    json_t *json = NULL;
+    int r;
+
+    for (unsigned i = 0; i < 24; i++)
+        n += (size_t)snprintf(text + n, sizeof(text) - n, "{\"n\":%u},", 1000000000u + i);
+    n += (size_t)snprintf(text + n, sizeof(text) - n, "1],\"text\":\"");
+    for (unsigned i = 0; i < LONG_TEXT / sizeof(piece); i++) {
+        n += (size_t)snprintf(text + n, sizeof(text) - n, "%s", piece);
+        m += (size_t)snprintf(expected + m, sizeof(expected) - m, "%s", back);
+    }
+    n += (size_t)snprintf(text + n, sizeof(text) - n, "\"}");
+    r = ttf_json_parse(text, n, &json, NULL);
+    if (r < 0)
+        return ttf_err_set(err, r, "json", "cannot be parsed");
+    assert_string_equal(json_string_value(json_object_get(json, "text")), expected);
+    assert_int_equal(json_array_size(json_object_get(json, "list")), 29);
+    json_decref(json);
+    return 0;
+}
+
+static void a_text_that_finds_no_memory_harms_nothing(void **state)
+{
+    static const struct alloc_piece piece = {.name = "JSON with long texts", .work = work_json};
+
+    (void)state;
+    each_allocation_fails(&piece, run_of_all);
+}
+
 /* ---- */
 
 /* A piece of a line behind each log, and files of a slot under way; its list lacks the last lines. */
@@ -310,6 +350,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(looking_says_that_there_was_no_memory),
         cmocka_unit_test(what_could_not_be_done_without_memory_leaves_all_as_it_was),
+        cmocka_unit_test(a_text_that_finds_no_memory_harms_nothing),
     };
 
     run_of_all = alloc_run_of(argc, argv);

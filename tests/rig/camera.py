@@ -163,8 +163,9 @@ def a_capture_from_vivid_has_its_lamps_as_seen_from_outside(m):
                 right = level_at(changes, lamps.RIGHT, 1, zero + edge)
                 assert (said["left"] > 0) == (left == 1) and (said["right"] > 0) == (right == 0), (r, left, right)
             lit += left
-        # In the middle between two slots it is dark: the lamps burn for the capture only.
-        assert level_at(changes, lamps.LEFT, 0, zero + r["due_ns"] / 1e9 + 0.5) == 0, r
+        # In the middle between two slots it is dark, if the exposure came on time: the lamps burn for the capture only.
+        late_one = any("late" in i.get("flags", []) for i in r.get("images", []))
+        assert late_one or level_at(changes, lamps.LEFT, 0, zero + r["due_ns"] / 1e9 + 0.5) == 0, r
     print("    %d of %d slots captured, lamps as recorded in each; slot error p99 %.1f ms, %.1f at most" %
           (len(late), SLOTS, late[len(late) * 99 // 100] if late else -1, late[-1] if late else -1))
     assert len(late) >= SLOTS - 1 and lit >= SLOTS - 1, (late, lit)

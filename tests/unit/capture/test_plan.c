@@ -292,6 +292,13 @@ static void what_this_camera_cannot_do_is_refused(void **state)
     refused(&plan, &box, "shots[0].gain");
     camera->caps.gain_min_milli = camera->caps.gain_max_milli = 0; /* it has none to set */
     assert_int_equal(ttf_plan_check(&plan, &box, NULL, NULL), 0);
+    camera->caps.exposure_min_ns = camera->caps.exposure_max_ns = 0; /* nor an exposure */
+    assert_int_equal(ttf_plan_check(&plan, &box, NULL, NULL), 0);
+    plan.shots[0].n_brackets = 2;
+    plan.shots[0].brackets[0] = 1;
+    plan.shots[0].brackets[1] = 2;
+    refused(&plan, &box, "shots[0].brackets");
+    plan.shots[0].n_brackets = 0;
     camera->format.cfa = TTF_CFA_NONE;
     assert_int_equal(ttf_plan_check(&plan, &box, &f, NULL), 0);
     assert_true(f.slot_bytes > 0);

@@ -380,6 +380,17 @@ static const struct {
     {REAL "panel: {backend: gpiod, door_switch: true}\n", "dir/b.yaml:4:25", "unknown key", ""},
     {REAL "panel: {backend: gpiod, button: {chip: c}}\n", "dir/b.yaml:4:33", "'line' is missing",
      ""},
+    {REAL "machine: {header: raspberry-pi}\nlamps: {a: {backend: gpiod, line: GPIO0}}\n",
+     "dir/b.yaml:5:12", "ID EEPROM", "16 to 27"},
+    {REAL "machine: {header: raspberry-pi}\nlamps: {a: {backend: gpiod, line: GPIO4}}\n"
+          "guardian: {door: {chip: gpiochip0, line: 14}}\n",
+     "dir/b.yaml:6:18", "serial console", ""},
+    {REAL "lamps: {a: {backend: gpiod, line: x}}\npanel: {backend: gpiod, led: {line: x}}\n",
+     "dir/b.yaml:5:30", "already that of 'a'", ""},
+    {"board: t\ncameras: {main: {backend: v4l2, bus: usb-1}}\nclock: {backend: machine}\n"
+     "machine: {usb_role: device, usb_single: true}\n",
+     "dir/b.yaml:2:17", "one USB port is a device", "host"},
+    {REAL "machine: {usb_role: gadget}\n", "dir/b.yaml:4:21", "gadget", "device"},
     {REAL "watchdog: {backend: systemd, device: /dev/watchdog}\n", "dir/b.yaml:4:30", "unknown key",
      ""},
     /* fields that only make sense together: ttf_sim_config_check's, placed all the same */

@@ -254,6 +254,19 @@ static void who_holds_the_usb_controller_is_told(void **state)
     (void)found(b, "fe980000.usb is held by gadget 'webcam'");
 }
 
+static void a_board_for_another_machine_is_told(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, CAMERA "machine: {model: Raspberry Pi 4}\n");
+    put(b, "proc/device-tree/model", "Raspberry Pi 4 Model B Rev 1.4");
+    probe_is_meant(&b->machine, &b->board, &b->findings);
+    assert_int_equal(b->findings.n, 0);
+    put(b, "proc/device-tree/model", "Raspberry Pi 5 Model B Rev 1.0");
+    probe_is_meant(&b->machine, &b->board, &b->findings);
+    (void)found(b, "is for a Raspberry Pi 4; this is Raspberry Pi 5 Model B");
+}
+
 static void a_clock_that_forgets_is_told(void **state)
 {
     struct bench *b = *state;
@@ -341,6 +354,7 @@ int main(void)
         ON_FILES(lines_of_a_pi_that_are_something_else_are_told),
         ON_FILES(a_line_that_is_taken_says_by_whom),
         ON_FILES(who_holds_the_usb_controller_is_told),
+        ON_FILES(a_board_for_another_machine_is_told),
         ON_FILES(a_clock_that_forgets_is_told),
         ON_FILES(each_kind_of_storage_has_its_words),
         ON_FILES(a_disk_is_measured_and_nothing_is_left_behind),

@@ -105,7 +105,7 @@ void lampd_fixture_stop(struct lampd_fixture *f)
 {
     if (!f->running)
         return;
-    f->stop = 1;
+    __atomic_store_n(&f->stop, 1, __ATOMIC_RELAXED);
     pthread_join(f->thread, NULL);
     f->running = false;
     atomic_store(&f->heat.hangs, false);

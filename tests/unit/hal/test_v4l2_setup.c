@@ -244,6 +244,36 @@ static void all_that_is_automatic_is_switched_off(void **state)
     assert_string_equal(info.pixel_format, "RG10");
 }
 
+static void a_compensation_without_off_is_set_to_its_least(void **state)
+{
+    struct bench *bench = *state;
+
+    bench->fake.controls[10] = (struct fake_control){
+        V4L2_CID_BACKLIGHT_COMPENSATION, V4L2_CTRL_TYPE_INTEGER, "Backlight", 1, 8, 1, 4, 4, false};
+    assert_int_equal(bench_configure(bench), 0);
+    assert_int_equal(bench->fake.controls[10].value, 1);
+}
+
+static void a_camera_that_keeps_its_rate_exposes_no_longer_than_a_frame(void **state)
+{
+    struct bench *bench = *state;
+
+    assert_int_equal(bench_configure(bench), 0);
+    assert_true(ttf_camera_caps(bench->camera)->exposure_max_ns == 500 * MS);
+    bench->fake.controls[10] = (struct fake_control){V4L2_CID_EXPOSURE_AUTO_PRIORITY,
+                                                     V4L2_CTRL_TYPE_BOOLEAN,
+                                                     "Exposure, Dynamic Framerate",
+                                                     0,
+                                                     1,
+                                                     1,
+                                                     1,
+                                                     1,
+                                                     false};
+    assert_int_equal(bench_configure(bench), 0);
+    assert_int_equal(bench->fake.controls[10].value, 0);
+    assert_true(ttf_camera_caps(bench->camera)->exposure_max_ns == bench->fake.period_ns);
+}
+
 static void an_automatic_that_stays_on_is_refused(void **state)
 {
     struct bench *bench = *state;
@@ -408,6 +438,8 @@ int main(void)
         ON_BENCH(wider_rows_are_the_format),
         ON_BENCH(a_rate_is_asked_for_and_what_is_granted_counts),
         ON_BENCH(all_that_is_automatic_is_switched_off),
+        ON_BENCH(a_compensation_without_off_is_set_to_its_least),
+        ON_BENCH(a_camera_that_keeps_its_rate_exposes_no_longer_than_a_frame),
         ON_BENCH(an_automatic_that_stays_on_is_refused),
         ON_BENCH(what_has_no_unit_is_fixed_and_no_capability),
         ON_BENCH(a_camera_without_exposure_control_says_so),

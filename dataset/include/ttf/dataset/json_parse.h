@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* json_parse.h: jansson's parser, by which no memory and no JSON are two things. */
+/* json_parse.h: jansson's parser, by which no memory and no JSON are two things, and the former does no harm. */
 #ifndef TTF_DATASET_JSON_PARSE_H
 #define TTF_DATASET_JSON_PARSE_H
 

@@ -77,6 +77,37 @@ struct ttf_board_panel {
     int button, led; /* indices of wires; -1: none */
 };
 
+enum ttf_header_kind {
+    TTF_HEADER_NONE = 0,
+    TTF_HEADER_RASPBERRY_PI
+};
+
+/* Of the port that may be either. */
+enum ttf_usb_role {
+    TTF_USB_NONE = 0,
+    TTF_USB_HOST,
+    TTF_USB_DEVICE
+};
+
+/* What the computer in the box is. */
+struct ttf_board_machine {
+    char model[64]; /* how its own name for itself begins; empty: any */
+    int header;     /* enum ttf_header_kind */
+    int usb_role;   /* enum ttf_usb_role */
+    bool usb_single, usb_powers;
+};
+
+/* Lines of a header that are something else, too. */
+struct ttf_header_use {
+    int first, last;
+    const char *what;
+    const char *
+        uses; /* a file that is there while the line is in use so, without its first slash; NULL: always */
+};
+
+/* Of a Raspberry Pi's header; NULL: a free line, or none of the header. Constant. */
+const struct ttf_header_use *ttf_board_header_use(const struct ttf_line_spec *wire);
+
 struct ttf_board {
     char path[512]; /* of the file */
     char name[64];
@@ -88,8 +119,9 @@ struct ttf_board {
     /* Facts of lamps and sensors lie in sim.lamps[].info and sim.sensors[], whatever drives them. */
     struct ttf_board_guardian guardian;
     struct ttf_board_panel panel; /* of other back-ends than "sim" */
-    char watchdog_path[64];       /* of back-end "device" */
-    char lock[512];               /* the file that says who owns the box; empty: nobody asks */
+    struct ttf_board_machine machine;
+    char watchdog_path[64]; /* of back-end "device" */
+    char lock[512];         /* the file that says who owns the box; empty: nobody asks */
     unsigned n_sysfs;
     struct ttf_sysfs_sensor sysfs[TTF_SENSORS_MAX];
     bool simulated; /* some device is: then sim and scene hold, and all that it yields says so */

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# The services as systemd reads them: nothing unknown, nothing missing, little exposed, never given up.
+. "$(dirname "$0")/cli.bash"
+command -v systemd-analyze >/dev/null || { echo "skipped: no systemd-analyze here"; exit 77; }
+: "${UNITS:?the folder of units}" "${BIN:?the folder of programs}"
+
+for unit in ttfboxd ttfbox-lampd; do
+    # Where they will be installed, nothing is yet.
+    sed "s|^ExecStart=[^ ]*/|ExecStart=$BIN/|" "$UNITS/$unit.service" >"$unit.service"
+    grep -q "^ExecStart=$BIN/$unit " "$unit.service" || fail "$unit starts something else"
+    grep -q '^Restart=always' "$unit.service" || fail "$unit is not started again"
+    grep -q '^StartLimitIntervalSec=0' "$unit.service" || fail "$unit is given up"
+done
+systemd-analyze --version | head -n 1
+for unit in ttfboxd ttfbox-lampd; do
+    SYSTEMD_UNIT_PATH=$WORK: systemd-analyze verify --man=no "./$unit.service" >out 2>&1 ||
+        fail "systemd does not like $unit"
+    grep -E "$unit\.service" out && fail "systemd has something to say of $unit"
+    systemd-analyze security --offline=true --threshold=25 "./$unit.service" >out 2>&1 ||
+        fail "$unit is exposed"
+    tail -n 1 out
+done
+
+# The guardian's watchdog is longer than its round, the daemon's than what its loop arms.
+grep -q '^WatchdogSec=20s' ttfboxd.service || fail "less than the loop's 15 s, or nothing"
+if command -v systemd-sysusers >/dev/null; then
+    mkdir -p root/etc
+    expect 0 systemd-sysusers --root="$WORK/root" "$SOURCE/firmware/units/ttfbox.sysusers"
+    grep -q '^ttfbox-lampd:' root/etc/passwd || fail "the guardian has no user"
+fi
