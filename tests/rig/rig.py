@@ -12,6 +12,7 @@ import boots
 import camera
 import lamps
 import powercuts
+import strokes
 from machine import Machine
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -72,7 +73,7 @@ def run(scenario, share):
 
 def main():
     words = sys.argv[1:]
-    every = lamps.SCENARIOS + camera.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS
+    every = lamps.SCENARIOS + camera.SCENARIOS + strokes.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS
     scenarios = [s for s in every if not words or any(w in s.__name__ for w in words)]
     if not scenarios:
         print("rig: no scenario has such a name; there are:", file=sys.stderr)
