@@ -142,6 +142,6 @@ int main(int argc, char **argv)
     if (strcmp(argv[1], "case") == 0)
         return rig_case(argv[2]);
     if (strcmp(argv[1], "soak") == 0)
-        return rig_soak((unsigned)atoi(argv[2]));
+        return rig_soak((unsigned)strtoul(argv[2], NULL, 10));
     return 2;
 }

@@ -3,6 +3,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -76,10 +77,10 @@ static int attempt(struct run *run, int64_t middle_ns)
 
     if (r == 0)
         r = ttf_camera_next(run->camera, until, &frame, &err);
-    if (r < 0) {
+    if (r < 0 || !frame) {
         (void)ttf_err_text(&err, run->said, sizeof(run->said));
         ttf_camera_cancel(run->camera);
-        return r;
+        return r < 0 ? r : -EIO;
     }
     if (frame->flags & (TTF_FRAME_ERROR | TTF_FRAME_SHORT)) {
         (void)snprintf(run->said, sizeof(run->said), "a frame in error");
@@ -219,7 +220,8 @@ static void all_slots(struct run *run, const struct fault *fault, unsigned slots
 
             if (r < 0) {
                 printf("    the fault cannot be made: %d\n", r);
-                exit(2);
+                run->lost = UINT_MAX;
+                return;
             }
         }
         if (!slot(run, due)) {
@@ -266,7 +268,7 @@ static unsigned descriptors(void)
     DIR *folder = opendir("/proc/self/fd");
     unsigned n = 0;
 
-    while (folder && readdir(folder))
+    while (folder && readdir(folder)) /* NOLINT(concurrency-mt-unsafe): a stream of its own */
         n++;
     if (folder)
         (void)closedir(folder);
@@ -276,10 +278,11 @@ static unsigned descriptors(void)
 static long resident_kb(void)
 {
     FILE *f = fopen("/proc/self/statm", "re");
+    char text[128], *second;
     long pages = -1;
 
-    if (f && fscanf(f, "%*d %ld", &pages) != 1)
-        pages = -1;
+    if (f && fgets(text, sizeof(text), f) && (second = strchr(text, ' ')) != NULL)
+        pages = strtol(second, NULL, 10);
     if (f)
         (void)fclose(f);
     return pages < 0 ? -1 : pages * (sysconf(_SC_PAGESIZE) / 1024);

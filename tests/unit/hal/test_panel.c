@@ -189,7 +189,8 @@ static int setup(void **state)
 {
     struct bench *b = calloc(1, sizeof(*b));
 
-    assert_true(b != NULL);
+    if (!b)
+        return -1;
     b->guardian = lampd_fixture_make();
     lampd_fixture_start(b->guardian);
     snprintf(b->path, sizeof(b->path), "%s/panel", b->guardian->folder);
@@ -347,7 +348,8 @@ static int make(struct ttf_box *ret)
 {
     void *state = NULL;
 
-    (void)setup(&state);
+    if (setup(&state) < 0 || !state)
+        return -1;
     *ret = (struct ttf_box){.box_private = state, .destroy = destroy_box};
     ret->clock = ((struct bench *)state)->guardian->clock;
     ret->panel = ((struct bench *)state)->panel;
