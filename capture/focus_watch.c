@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "focus_watch.h"
 
-#include <string.h>
-
 static double median(const double recent[TTF_FOCUS_MEDIAN])
 {
     double sorted[TTF_FOCUS_MEDIAN];

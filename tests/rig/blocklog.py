@@ -77,15 +77,13 @@ class Replay:
 
     def overtake(self, entry):
         """A write that is certain at once: what it overwrites must have been there before it, or never come."""
-        self.waiting = [w for w in self.waiting
-                        if w.at + w.size <= entry.at or w.at >= entry.at + entry.size or w.put(self.disk)]
-
-    def all(self):
-        """If everything told had come to rest."""
-        disk = bytearray(self.disk)
+        apart = []
         for w in self.waiting:
-            w.put(disk)
-        return disk
+            if w.at + w.size <= entry.at or w.at >= entry.at + entry.size:
+                apart.append(w)
+            else:
+                w.put(self.disk)
+        self.waiting = apart
 
     def cut(self, chance):
         """What a cut may leave: each write there, gone or torn, in whatever order. (disk, how many of each)."""

@@ -7,7 +7,6 @@ that it acknowledges it waits until the log's length is noted. Then, without boo
 (or every so many), and as of CASES random moments with what was not flushed dropped, torn or reordered. Of each: e2fsck
 repairs what a journal repairs, `ttfbox verify` finds nothing damaged, every acknowledged slot is there and whole.
 """
-import json
 import os
 import random
 import shutil

@@ -172,3 +172,13 @@ int64_t wait_for_wire(const struct lampd_fixture *f, unsigned i, char level, int
     }
     return now_ns - from_ns;
 }
+
+struct ttf_lamps *lampd_fixture_client(const struct lampd_fixture *f)
+{
+    struct ttf_lamps *lamps = NULL;
+    struct ttf_err err = {0};
+
+    if (ttf_lamps_lampd_create(f->socket, f->clock, &lamps, &err) < 0)
+        fail_msg("%s: %s", err.where, err.what);
+    return lamps;
+}

@@ -40,6 +40,9 @@ void lampd_fixture_start(struct lampd_fixture *f);
 void lampd_fixture_stop(struct lampd_fixture *f); /* the guardian alone */
 void lampd_fixture_free(struct lampd_fixture *f);
 
+/* A client of it; the test fails if there is none. Free with ttf_lamps_destroy. */
+struct ttf_lamps *lampd_fixture_client(const struct lampd_fixture *f);
+
 /* What somebody who looks at wire i from outside sees: '0' or '1'; and moves it. */
 char wire(const struct lampd_fixture *f, unsigned i);
 void move_wire(const struct lampd_fixture *f, unsigned i, char level);

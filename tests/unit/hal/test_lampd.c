@@ -28,14 +28,18 @@
  */
 #define MUCH_LATER_NS (20 * TTF_NS_PER_S)
 
-static struct ttf_lamps *client(struct lampd_fixture *f)
+/* What another guardian at the same socket is told. */
+static int second_guardian(struct lampd_fixture *f)
 {
-    struct ttf_lamps *lamps = NULL;
-    struct ttf_err err = {0};
+    const struct ttf_lampd_config config = {.socket = f->socket,
+                                            .n = LAMPD_LAMPS,
+                                            .info = f->info,
+                                            .lines = f->lines,
+                                            .door = -1,
+                                            .clock = f->clock};
+    struct ttf_lampd *second;
 
-    if (ttf_lamps_lampd_create(f->socket, f->clock, &lamps, &err) < 0)
-        fail_msg("%s: %s", err.where, err.what);
-    return lamps;
+    return ttf_lampd_create(&config, &second, NULL);
 }
 
 static int64_t in(struct lampd_fixture *f, int64_t ns)
@@ -45,7 +49,7 @@ static int64_t in(struct lampd_fixture *f, int64_t ns)
 
 static struct ttf_lamps *lit_client(struct lampd_fixture *f)
 {
-    struct ttf_lamps *lamps = client(f);
+    struct ttf_lamps *lamps = lampd_fixture_client(f);
 
     assert_int_equal(ttf_lamps_acquire(lamps, in(f, TTF_NS_PER_H), NULL), 0);
     assert_int_equal(ttf_lamps_set(lamps, 0, 1000, NULL), 0);
@@ -64,7 +68,7 @@ static struct ttf_lamp_state look(struct ttf_lamps *lamps, unsigned i)
 static void wires_follow_commands_whatever_their_polarity(void **state)
 {
     struct lampd_fixture *f = *state;
-    struct ttf_lamps *lamps = client(f);
+    struct ttf_lamps *lamps = lampd_fixture_client(f);
 
     assert_int_equal(wire(f, 0), '0');
     assert_int_equal(wire(f, 1), '1'); /* active low */
@@ -82,7 +86,7 @@ static void wires_follow_commands_whatever_their_polarity(void **state)
 static void only_the_holder_lights_but_anyone_darkens(void **state)
 {
     struct lampd_fixture *f = *state;
-    struct ttf_lamps *holder = lit_client(f), *other = client(f);
+    struct ttf_lamps *holder = lit_client(f), *other = lampd_fixture_client(f);
 
     assert_int_equal(ttf_lamps_acquire(other, in(f, TTF_NS_PER_S), NULL), -EBUSY);
     assert_int_equal(ttf_lamps_set(other, 1, 1000, NULL), -ESTALE);
@@ -235,7 +239,7 @@ static void heat_darkens_a_lamp_until_it_has_cooled(void **state)
 
     watched_lamp(state);
     f = *state;
-    lamps = client(f);
+    lamps = lampd_fixture_client(f);
     assert_int_equal(ttf_lamps_acquire(lamps, in(f, TTF_NS_PER_H), NULL), 0);
     while (ttf_lamps_set(lamps, 0, 1000, NULL) == -EPERM) /* until the first reading */
         (void)ttf_clock_wait_until(f->clock, in(f, MS));
@@ -254,7 +258,7 @@ static void a_sensor_that_hangs_does_not_hang_the_guardian(void **state)
 
     watched_lamp(state);
     f = *state;
-    lamps = client(f);
+    lamps = lampd_fixture_client(f);
     assert_int_equal(ttf_lamps_acquire(lamps, in(f, TTF_NS_PER_H), NULL), 0);
     while (ttf_lamps_set(lamps, 0, 1000, NULL) == -EPERM)
         (void)ttf_clock_wait_until(f->clock, in(f, MS));
@@ -301,15 +305,8 @@ static int deaf_guardian(const struct lampd_fixture *f)
 static void a_guardian_that_hangs_does_not_hang_its_clients(void **state)
 {
     struct lampd_fixture *f = *state;
-    const struct ttf_lampd_config config = {.socket = f->socket,
-                                            .n = LAMPD_LAMPS,
-                                            .info = f->info,
-                                            .lines = f->lines,
-                                            .door = -1,
-                                            .clock = f->clock};
     struct ttf_lamps *lamps = lit_client(f);
     struct ttf_lamp_state s;
-    struct ttf_lampd *second;
     struct ttf_lamps *another;
     int deaf;
 
@@ -323,7 +320,7 @@ static void a_guardian_that_hangs_does_not_hang_its_clients(void **state)
         assert_int_equal(ttf_lamps_state(lamps, 0, &s), -ENODEV);
     }
     assert_int_equal(ttf_lamps_lampd_create(f->socket, f->clock, &another, NULL), -ENODEV);
-    assert_int_equal(ttf_lampd_create(&config, &second, NULL), -EADDRINUSE);
+    assert_int_equal(second_guardian(f), -EADDRINUSE);
     (void)alarm(0);
     ttf_lamps_destroy(lamps);
     (void)close(deaf);
@@ -333,16 +330,9 @@ static void a_guardian_that_hangs_does_not_hang_its_clients(void **state)
 static void two_guardians_are_one_too_many(void **state)
 {
     struct lampd_fixture *f = *state;
-    const struct ttf_lampd_config config = {.socket = f->socket,
-                                            .n = LAMPD_LAMPS,
-                                            .info = f->info,
-                                            .lines = f->lines,
-                                            .door = -1,
-                                            .clock = f->clock};
     struct ttf_lamps *lamps = lit_client(f);
-    struct ttf_lampd *second;
 
-    assert_int_equal(ttf_lampd_create(&config, &second, NULL), -EADDRINUSE);
+    assert_int_equal(second_guardian(f), -EADDRINUSE);
     assert_int_equal(ttf_lamps_alive(lamps, in(f, TTF_NS_PER_H), NULL), 0);
     assert_int_equal(wire(f, 0), '1');
     ttf_lamps_destroy(lamps);

@@ -84,21 +84,11 @@ static struct lampd_fixture *guarded_bank(struct bank *bank, void **state)
     return f;
 }
 
-static struct ttf_lamps *client(struct lampd_fixture *f)
-{
-    struct ttf_lamps *lamps = NULL;
-    struct ttf_err err = {0};
-
-    if (ttf_lamps_lampd_create(f->socket, f->clock, &lamps, &err) < 0)
-        fail_msg("%s: %s", err.where, err.what);
-    return lamps;
-}
-
 static void a_door_whose_switch_bounced_is_where_it_came_to_rest(void **state)
 {
     static struct bank bank;
     struct lampd_fixture *f = guarded_bank(&bank, state);
-    struct ttf_lamps *lamps = client(f);
+    struct ttf_lamps *lamps = lampd_fixture_client(f);
 
     assert_int_equal(ttf_lamps_lampd_door(lamps, NULL), 0);
     /* Of opening, the kernel had room for the first edges alone, and the last of them closed it. */
@@ -114,7 +104,7 @@ static void edges_without_end_do_not_keep_the_guardian_from_its_clients(void **s
 {
     static struct bank bank;
     struct lampd_fixture *f = guarded_bank(&bank, state);
-    struct ttf_lamps *lamps = client(f);
+    struct ttf_lamps *lamps = lampd_fixture_client(f);
 
     (void)alarm(30); /* a guardian that never comes round again would not end either */
     atomic_store(&bank.edges, -1);
