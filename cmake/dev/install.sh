@@ -12,7 +12,7 @@ ttf_demo_packages="ffmpeg"
 ttf_fuzz_packages="clang libclang-rt-14-dev"
 ttf_coverage_packages="gcovr"
 # An emulated arm64 board, a system for it, and a compiler for that.
-ttf_rig_packages="qemu-system-arm mmdebstrap crossbuild-essential-arm64 kmod cpio xz-utils e2fsprogs python3-minimal"
+ttf_rig_packages="qemu-system-arm mmdebstrap crossbuild-essential-arm64 kmod cpio make xz-utils e2fsprogs python3-minimal"
 ttf_lint_packages="clang-format clang-tidy shellcheck"
 
 # Installs those of the named packages that are missing; says nothing if none is.
