@@ -12,7 +12,7 @@ ttf_demo_packages="ffmpeg"
 ttf_fuzz_packages="clang libclang-rt-14-dev"
 ttf_coverage_packages="gcovr"
 # An emulated arm64 board, a system for it, and a compiler for that.
-ttf_rig_packages="qemu-system-arm mmdebstrap crossbuild-essential-arm64 kmod cpio xz-utils e2fsprogs python3-minimal"
+ttf_rig_packages="qemu-system-arm mmdebstrap crossbuild-essential-arm64 kmod cpio make xz-utils e2fsprogs python3-minimal"
 # Debian packages; arm64's against the rig's system.
 ttf_package_packages="dpkg-dev file lintian mmdebstrap"
 # Bootable images, and machines to boot them in.

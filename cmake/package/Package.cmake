@@ -66,7 +66,7 @@ foreach(part IN ITEMS tools:ttfbox box:ttfbox-box)
     list(GET part 1 package)
     install(FILES ${notes}/changelog.Debian.gz ${CMAKE_CURRENT_LIST_DIR}/copyright
             DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package} COMPONENT ${component})
+    install(FILES ${CMAKE_CURRENT_LIST_DIR}/overrides/${package}
+            DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides COMPONENT ${component})
 endforeach()
-install(FILES ${CMAKE_CURRENT_LIST_DIR}/overrides/ttfbox-box
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides COMPONENT box)
 include(CPack)

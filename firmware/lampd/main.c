@@ -59,12 +59,10 @@ static void usage(FILE *to)
 /* 0 go on, 1 ended well, -EINVAL. */
 static int take_options(struct lampd *d, int argc, char **argv)
 {
-    static const struct option LONG[] = {{"board", required_argument, NULL, 'b'},
-                                         {"config", required_argument, NULL, 'c'},
-                                         {"socket", required_argument, NULL, 's'},
-                                         {"version", no_argument, NULL, 'v'},
-                                         {"help", no_argument, NULL, 'h'},
-                                         {NULL, 0, NULL, 0}};
+    static const struct option LONG[] = {
+        {"board", required_argument, NULL, 'b'},  {"config", required_argument, NULL, 'c'},
+        {"socket", required_argument, NULL, 's'}, {"version", no_argument, NULL, 'v'},
+        {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0}};
     int c;
 
     /* NOLINTNEXTLINE(concurrency-mt-unsafe): one thread runs yet */

@@ -10,6 +10,7 @@ import traceback
 
 import boots
 import camera
+import drivers
 import lamps
 import powercuts
 import strokes
@@ -53,6 +54,7 @@ def build():
 def prepare():
     """The system and the programs; where the guest finds them."""
     subprocess.run(["bash", HERE + "/tree.sh", RIG + "/system"], check=True)
+    subprocess.run(["bash", HERE + "/modules.sh", RIG], check=True)
     return build()
 
 
@@ -73,7 +75,7 @@ def run(scenario, share):
 
 def main():
     words = sys.argv[1:]
-    every = lamps.SCENARIOS + camera.SCENARIOS + strokes.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS
+    every = lamps.SCENARIOS + camera.SCENARIOS + strokes.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS + drivers.SCENARIOS
     scenarios = [s for s in every if not words or any(w in s.__name__ for w in words)]
     if not scenarios:
         print("rig: no scenario has such a name; there are:", file=sys.stderr)

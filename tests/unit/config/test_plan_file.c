@@ -100,7 +100,8 @@ static void every_key_reaches_its_field(void **state)
 
 static void a_box_s_zone_is_that_of_a_plan_which_names_none(void **state)
 {
-    static const char NONE[] = "interval: 1min\ncount: 3\n", NAMED[] = "interval: 1min\ncount: 3\nzone: UTC\n";
+    static const char NONE[] = "interval: 1min\ncount: 3\n",
+                      NAMED[] = "interval: 1min\ncount: 3\nzone: UTC\n";
     struct ttf_plan_file *file = NULL;
 
     (void)state;

@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# modules.sh RIG: drivers that Debian's kernel leaves out, for the kernel of RIG/system/tree: vimc (a camera that
+# libcamera finds), gpio-sim and irq_sim (GPIO lines with a hand on them). Built out of tree from the very source
+# package of that kernel, kept in RIG/modules, and put where the guest's modprobe finds them.
+set -euo pipefail
+rig=$(cd "$1" && pwd)
+tree=$rig/system/tree
+out=$rig/modules
+
+kernel=$(basename "$tree"/boot/vmlinuz-*)
+kernel=${kernel#vmlinuz-}
+version=$(zcat "$tree/usr/share/doc/linux-image-$kernel/changelog.gz" | sed -n 1p)
+
+# A package archive for two architectures, apart from this machine's own: the guest's and the compiler's.
+apt_own() { # WORD...
+    apt-get -q -o Dir::Etc::sourcelist="$out/apt/list" -o Dir::Etc::sourceparts=- -o Dir::State::lists="$out/apt/lists" \
+        -o Dir::Cache="$out/apt" -o APT::Architecture=arm64 -o APT::Architectures::=arm64 \
+        -o APT::Architectures::="$(dpkg --print-architecture)" -o APT::Sandbox::User= "$@"
+}
+
+fetch() { # what the modules are made from, into $out/from
+    local mirror deb
+    mkdir -p "$out/apt/lists/partial" "$out/apt/archives/partial" "$out/from" "$out/debs"
+    # shellcheck disable=SC2016 # apt's own placeholders
+    mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' | grep -v security | sed -n 1p)
+    echo "deb [arch=arm64,$(dpkg --print-architecture)] $mirror bookworm main" >"$out/apt/list"
+    apt_own update
+    (cd "$out/debs" && apt_own download "linux-headers-$kernel:arm64" \
+        "linux-headers-${kernel%-arm64}-common" linux-source-6.1 \
+        "linux-kbuild-6.1:$(dpkg --print-architecture)")
+    for deb in "$out"/debs/linux-headers-*.deb "$out"/debs/linux-kbuild-*.deb; do
+        dpkg-deb -x "$deb" "$out/from"
+    done
+    dpkg-deb --fsys-tarfile "$out"/debs/linux-source-*.deb |
+        tar -xO ./usr/src/linux-source-6.1.tar.xz | xz -dc -T0 |
+        tar -x -C "$out/from" --strip-components=1 linux-source-6.1/drivers/media/test-drivers/vimc \
+            linux-source-6.1/drivers/gpio/gpio-sim.c linux-source-6.1/drivers/gpio/gpiolib.h \
+            linux-source-6.1/kernel/irq/irq_sim.c
+    # The headers name each other by the places they would be installed at.
+    sed -i "s|/usr/src/|$out/from/usr/src/|; s|/usr/lib/|$out/from/usr/lib/|" \
+        "$out/from/usr/src/linux-headers-$kernel/Makefile"
+}
+
+build() {
+    local vimc=$out/from/drivers/media/test-drivers/vimc gpio=$out/gpio
+    mkdir -p "$gpio"
+    cp "$out/from/drivers/gpio/gpio-sim.c" "$out/from/drivers/gpio/gpiolib.h" "$gpio/"
+    # irq_sim is a part of the kernel proper and was never a module: it reaches a descriptor by a function that modules
+    # may not call, and says no licence.
+    {
+        printf '#include <linux/module.h>\n#include <linux/irq.h>\n'
+        sed 's/irq_to_desc(\([a-z_>.-]*\))/irq_data_to_desc(irq_get_irq_data(\1))/' "$out/from/kernel/irq/irq_sim.c"
+        printf 'MODULE_LICENSE("GPL");\n'
+    } >"$gpio/irq_sim.c"
+    printf 'obj-m := gpio-sim.o irq_sim.o\n' >"$gpio/Makefile"
+    local folder
+    for folder in "$vimc" "$gpio"; do
+        make -s -C "$out/from/usr/src/linux-headers-$kernel" ARCH=arm64 CROSS_COMPILE=aarch64-linux-gnu- \
+            M="$folder" CONFIG_VIDEO_VIMC=m modules
+    done
+    cp "$vimc/vimc.ko" "$gpio/gpio-sim.ko" "$gpio/irq_sim.ko" "$out/"
+}
+
+stamp="$kernel $version $(sha256sum <"$0" | cut -c1-64)"
+if [ "$(cat "$out/stamp" 2>/dev/null || true)" != "$stamp" ]; then
+    echo "rig: building modules for the guest's kernel (about two minutes, of which most is fetching 150 MB)" >&2
+    rm -rf "$out"
+    mkdir -p "$out"
+    trap 'tail -n 20 "$out/log" >&2; exit 1' ERR
+    set -E
+    fetch >"$out/log" 2>&1
+    build >>"$out/log" 2>&1
+    trap - ERR
+    rm -rf "$out/from" "$out/debs" "$out/apt" "$out/gpio"
+    echo "$stamp" >"$out/stamp"
+fi
+extra=$tree/lib/modules/$kernel/extra
+if ! cmp -s "$out/stamp" "$extra/stamp"; then
+    mkdir -p "$extra"
+    cp "$out"/*.ko "$extra/"
+    depmod -b "$tree" "$kernel"
+    cp "$out/stamp" "$extra/stamp"
+fi
