@@ -70,5 +70,7 @@ held "purged: what a person wrote and the datasets are all that is left"
 
 apt-get -q install -y --no-install-recommends /debs/*.deb
 dpkg --purge ttfbox-box ttfbox
-[ ! -e /etc/ttfbox ] && [ ! -e /run/ttfbox ] && [ ! -e /var/lib/ttfbox ] || wrong "folders are left of a box that nobody used"
+for folder in /etc/ttfbox /run/ttfbox /var/lib/ttfbox; do
+    [ ! -e "$folder" ] || wrong "$folder is left of a box that nobody used"
+done
 held "purged unused: nothing is left"

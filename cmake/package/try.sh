@@ -13,6 +13,7 @@ trap 'rm -f "$log"' EXIT
 lintian --fail-on error,warning "$debs"/*.deb 2>"$log" || { cat "$log" >&2; exit 1; }
 echo "lintian has nothing to say"
 # All in the hooks: so it needs neither root nor a folder that has to be cleared away.
+# shellcheck disable=SC2016 # the hook's own $1
 if ! mmdebstrap --quiet --variant=minbase --format=null --include=systemd,man-db \
     --customize-hook="mkdir \"\$1/debs\" && cp \"$debs\"/*.deb \"$here/try-inside.sh\" \"\$1/debs/\"" \
     --customize-hook='chroot "$1" sh /debs/try-inside.sh' \
