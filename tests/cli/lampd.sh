@@ -76,11 +76,26 @@ expect 2 "$LAMPD" --board nowhere
 said err "no such board"
 expect 2 "$LAMPD" --board "$SOURCE/boards/sim/board.yaml"
 said err "nothing to guard"
+expect 2 "$LAMPD" --board box.yaml --config d.yaml
+said err "one too many"
+printf 'board: ./box.yaml\nplan: p.yaml\ndata: d\nset: {guardian.file: elsewhere}\n' >d.yaml
+printf 'board: %s\nplan: p.yaml\ndata: d\n' "$SOURCE/boards/sim/board.yaml" >none.yaml
+expect 4 "$LAMPD" --config none.yaml # a box without lamps: not to be tried again
+said err "nothing to guard"
+expect 2 "$LAMPD" --config nowhere.yaml
 expect 0 "$LAMPD" --help
 said out "SIGTERM"
 guard
 expect 1 "$LAMPD" --board box.yaml
 said err "another lamp guardian answers"
+kill -TERM $guardian
+wait $guardian
+
+# ---- the daemon's board, with what its configuration changes of it ----
+"$LAMPD" --config d.yaml >said 2>&1 &
+guardian=$!
+for _ in $(seq 400); do grep -q guarding said && break; sleep 0.05; done
+[ "$(cat elsewhere)" = "010" ] || fail "it holds other wires than the daemon's board has: $(cat said)"
 kill -TERM $guardian
 wait $guardian
 

@@ -4,7 +4,6 @@
 # libcamera finds), gpio-sim and irq_sim (GPIO lines with a hand on them). Built out of tree from the very source
 # package of that kernel, kept in RIG/modules, and put where the guest's modprobe finds them.
 set -euo pipefail
-here=$(cd "$(dirname "$0")" && pwd)
 rig=$(cd "$1" && pwd)
 tree=$rig/system/tree
 out=$rig/modules
