@@ -5,9 +5,9 @@
 
 ttf_build_packages="gcc libc6-dev cmake ninja-build pkg-config git ca-certificates
  libtiff-dev libspng-dev libjpeg-dev liblcms2-dev libjansson-dev libyaml-dev nettle-dev
- zlib1g-dev libarchive-dev libgpiod-dev libcmocka-dev python3-minimal libpython3-stdlib"
+ zlib1g-dev libmicrohttpd-dev libcurl4-gnutls-dev libarchive-dev libgpiod-dev libcmocka-dev python3-minimal libpython3-stdlib"
 # Oracles and players that the tests hold our files against.
-ttf_test_packages="ffmpeg libraw-bin libimage-exiftool-perl libtiff-tools rt-tests man-db groff"
+ttf_test_packages="curl xxd ffmpeg libraw-bin libimage-exiftool-perl libtiff-tools rt-tests man-db groff"
 ttf_demo_packages="ffmpeg"
 ttf_fuzz_packages="clang libclang-rt-14-dev"
 ttf_coverage_packages="gcovr"

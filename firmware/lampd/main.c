@@ -11,10 +11,10 @@
 
 #include "ttf/config/board_file.h"
 #include "ttf/config/daemon_file.h"
-#include "ttf/hal/gpiod.h"
 #include "ttf/hal/lampd.h"
 #include "ttf/hal/sysfs.h"
 #include "ttf/hal/systemd.h"
+#include "wires.h"
 
 #define EXIT_NO_LAMPS 4
 
@@ -24,6 +24,7 @@ struct lampd {
     struct ttf_board_set sets[TTF_DAEMON_SETS_MAX];
     struct ttf_board board;
     const char *socket;  /* given, or the board's */
+    const char *sys;     /* where the kernel shows its devices */
     const char *notify;  /* NOTIFY_SOCKET; NULL: nobody listens */
     int64_t watchdog_ns; /* what the unit allows; 0: no watchdog */
     struct ttf_lamp_info info[TTF_LAMPS_MAX];
@@ -44,12 +45,13 @@ static void on_signal(int number)
 
 static void usage(FILE *to)
 {
-    fputs("Usage: ttfbox-lampd --board BOARD | --config FILE [--socket PATH]\n"
+    fputs("Usage: ttfbox-lampd --board BOARD | --config FILE [--socket PATH] [--sys FOLDER]\n"
           "Holds the lamps of a board and turns them off when a limit says so, or when nobody\n"
           "shows that they are still wanted. Ends on SIGTERM, with all lamps dark.\n\n"
           "  -b, --board BOARD   a board's name, or its board.yaml\n"
           "  -c, --config FILE   ttfboxd's configuration: its board, with its changes of it\n"
           "  -s, --socket PATH   where clients find it (default: the board's)\n"
+          "  -y, --sys FOLDER    where sensors and PWM channels are shown (default: /sys)\n"
           "      --version       the program's version\n"
           "  -h, --help          this\n\n"
           "Exit: 0 told to end, 1 failed, 2 a file is wrong, 4 this board has no lamps to guard.\n",
@@ -59,14 +61,17 @@ static void usage(FILE *to)
 /* 0 go on, 1 ended well, -EINVAL. */
 static int take_options(struct lampd *d, int argc, char **argv)
 {
-    static const struct option LONG[] = {
-        {"board", required_argument, NULL, 'b'},  {"config", required_argument, NULL, 'c'},
-        {"socket", required_argument, NULL, 's'}, {"version", no_argument, NULL, 'v'},
-        {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0}};
+    static const struct option LONG[] = {{"board", required_argument, NULL, 'b'},
+                                         {"config", required_argument, NULL, 'c'},
+                                         {"socket", required_argument, NULL, 's'},
+                                         {"sys", required_argument, NULL, 'y'},
+                                         {"version", no_argument, NULL, 'v'},
+                                         {"help", no_argument, NULL, 'h'},
+                                         {NULL, 0, NULL, 0}};
     int c;
 
     /* NOLINTNEXTLINE(concurrency-mt-unsafe): one thread runs yet */
-    while ((c = getopt_long(argc, argv, "b:c:s:h", LONG, NULL)) != -1) {
+    while ((c = getopt_long(argc, argv, "b:c:s:y:h", LONG, NULL)) != -1) {
         switch (c) {
         case 'b':
             d->board_name = optarg;
@@ -76,6 +81,9 @@ static int take_options(struct lampd *d, int argc, char **argv)
             break;
         case 's':
             d->socket = optarg;
+            break;
+        case 'y':
+            d->sys = optarg;
             break;
         case 'v':
             puts("ttfbox-lampd " TTFBOX_VERSION);
@@ -137,25 +145,15 @@ static int load(struct lampd *d, struct ttf_err *err)
 /* What the service manager put into the environment, before there are threads. */
 static void learn_manager(struct lampd *d)
 {
-    const char *usec = getenv("WATCHDOG_USEC"); /* NOLINT(concurrency-mt-unsafe) */
-
     d->notify = getenv("NOTIFY_SOCKET"); /* NOLINT(concurrency-mt-unsafe) */
-    d->watchdog_ns = usec ? strtoll(usec, NULL, 10) * 1000 : 0;
-}
-
-static int open_wires(struct lampd *d, struct ttf_err *err)
-{
-    const struct ttf_board_guardian *g = &d->board.guardian;
-
-    if (strcmp(d->board.device[TTF_DEVICE_LAMPS]->name, "file") == 0)
-        return ttf_lines_file_create(g->file, g->wires, g->n_wires, &d->lines, err);
-    return ttf_lines_gpiod_create(g->wires, g->n_wires, &d->lines, err);
+    d->watchdog_ns = ttf_systemd_watchdog_ns();
 }
 
 static int open_all(struct lampd *d, struct ttf_err *err)
 {
     const struct ttf_board_guardian *g = &d->board.guardian;
-    int r = open_wires(d, err); /* first: dark, whatever comes after */
+    int r =
+        lampd_wires_open(&d->board, d->sys, &d->lines, err); /* first: dark, whatever comes after */
 
     if (r < 0)
         return r;
@@ -163,7 +161,7 @@ static int open_all(struct lampd *d, struct ttf_err *err)
     if (!d->clock)
         return ttf_err_set(err, -errno, NULL, "the machine's clock cannot be had");
     if (d->board.n_sysfs > 0)
-        r = ttf_sensors_sysfs_create("/sys", d->board.sysfs, d->board.n_sysfs, d->clock,
+        r = ttf_sensors_sysfs_create(d->sys, d->board.sysfs, d->board.n_sysfs, d->clock,
                                      &d->sensors, err);
     if (r == 0 && d->notify && d->watchdog_ns > 0)
         r = ttf_watchdog_systemd_create(d->notify, d->watchdog_ns, &d->watchdog, err);
@@ -217,7 +215,7 @@ static void close_all(struct lampd *d)
 
 int main(int argc, char **argv)
 {
-    static struct lampd d;
+    static struct lampd d = {.sys = "/sys"};
     struct ttf_err err = {0};
     int r = take_options(&d, argc, argv);
 
