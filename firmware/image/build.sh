@@ -7,7 +7,7 @@ here=firmware/image
 board=${1:-}
 conf=boards/$board/image/image.conf
 if [ -z "$board" ] || [ ! -f "$conf" ]; then
-    echo "image: there is no image of '$board'; there are: $(cd boards && ls -d -- */image | sed 's|/image||' | xargs)" >&2
+    echo "image: there is no image of '$board'; there are: $(find boards -name image.conf | cut -d/ -f2 | sort | xargs)" >&2
     exit 2
 fi
 out=build-image
@@ -71,9 +71,24 @@ tmpfs /var/lib/systemd tmpfs nosuid,nodev,noexec,size=1M,mode=0755 0 0
 END
 }
 
-# The system as a tar: everything that runs programs of its processor.
+# Debian's part as a tar, which takes the longest and is the same until its packages change: those of the list, or theirs.
+make_base() {
+    local base=$1
+    echo "image: making a Debian for $arch: some minutes, once" >&2
+    # The initramfs is made in the end (finish.sh), not by the kernel's own script.
+    INITRD=No mmdebstrap --quiet --variant=minbase --architectures="$arch" \
+        --include="$(echo "$base_packages $kernel $packages" | xargs | tr ' ' ,)" \
+        --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
+        --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' \
+        --dpkgopt='path-include=/usr/share/doc/ttfbox*' --aptopt='APT::Install-Recommends "false"' \
+        bookworm "$base.new.tar" "$work/sources.list" >"$work/mmdebstrap.log" 2>&1 ||
+        { tail -n 30 "$work/mmdebstrap.log" >&2; exit 1; }
+    mv "$base.new.tar" "$base"
+}
+
+# The system as a tar.
 make_system() { # DISK-ID
-    local overlay=$work/overlay
+    local overlay=$work/overlay base
     rm -rf "$overlay"
     mkdir -p "$overlay/etc" "$overlay/debs"
     cp -a $here/root/. "$overlay/"
@@ -83,14 +98,12 @@ make_system() { # DISK-ID
     printf '127.0.0.1 localhost\n127.0.1.1 ttfbox\n' >"$overlay/etc/hosts"
     cp build-package/"$arch"/*.deb $here/finish.sh "$overlay/debs/"
     sources >"$work/sources.list"
-    echo "image: making the system of $board ($arch): some minutes" >&2
-    # The initramfs is made once, in the end (finish.sh), not by the kernel's own script.
+    # A week old, it is asked for anew: updates.
+    base=$out/base-$(echo "$arch $base_packages $kernel $packages $(cat "$work/sources.list")" | sha256sum | cut -c1-16).tar
+    [ -n "$(find "$base" -mtime -7 2>/dev/null)" ] || make_base "$base"
+    echo "image: making the system of $board" >&2
     # shellcheck disable=SC2016 # the hook's own $1
-    INITRD=No mmdebstrap --quiet --variant=minbase --architectures="$arch" \
-        --include="$(echo "$base_packages $kernel $packages" | xargs | tr ' ' ,)" \
-        --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
-        --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' \
-        --dpkgopt='path-include=/usr/share/doc/ttfbox*' --aptopt='APT::Install-Recommends "false"' \
+    mmdebstrap --quiet --variant=custom --architectures="$arch" --setup-hook="tar -C \"\$1\" --numeric-owner -xf $base" \
         --customize-hook="sync-in $overlay /" --customize-hook='chroot "$1" sh /debs/finish.sh' \
         bookworm "$work/system.tar" "$work/sources.list" >"$work/mmdebstrap.log" 2>&1 ||
         { tail -n 30 "$work/mmdebstrap.log" >&2; exit 1; }
@@ -151,7 +164,7 @@ if [ "${2:-}" = assemble ]; then # ourselves, within fakeroot
 fi
 mkdir -p "$work"
 rm -f "$out/$board.img"
-for package in $kernel $packages; do
+for package in $kernel $packages; do # before anything is begun: never half an image
     known "$package" || { echo "image: $(setting missing | sed "s/@PACKAGE@/$package/")" >&2; exit 2; }
 done
 foreign_programs_run

@@ -21,7 +21,7 @@ systemctl mask systemd-machine-id-commit.service systemd-firstboot.service syste
     dpkg-db-backup.timer e2scrub_all.timer e2scrub_reap.service ldconfig.service
 # Nobody can log in: a box has no password that all know. Its console shows the journal's errors.
 passwd -l root
-systemctl mask getty@.service serial-getty@.service console-getty.service
+systemctl mask getty-static.service getty@.service serial-getty@.service console-getty.service
 
 update-initramfs -c -k all
 apt-get clean

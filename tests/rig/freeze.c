@@ -81,7 +81,8 @@ int main(int argc, char **argv)
         return 1;
     }
     (void)clock_gettime(CLOCK_BOOTTIME, &now);
-    printf("frozen %" PRId64 " %" PRId64 "\n", (int64_t)now.tv_sec * 1000000000 + now.tv_nsec, until);
+    printf("frozen %" PRId64 " %" PRId64 "\n", (int64_t)now.tv_sec * 1000000000 + now.tv_nsec,
+           until);
     (void)fflush(stdout);
     /* What comes of it is for others to see: a killed process is gone without asking us. */
     while (waitpid(pid, &status, __WALL) == pid && WIFSTOPPED(status))
