@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "exposure.h"
+#include "flicker.h"
 #include "lamp_programme.h"
 #include "stock.h"
 #include "ttf/base/checked.h"
@@ -190,6 +191,27 @@ static void fill_lamp(const struct ttf_plan *plan, const struct ttf_box *box, un
         window > 0 ? (unsigned)((double)worst * 1000 / (double)window + 0.5) : 0;
 }
 
+/* Of the shortest exposure of a shot, all its dimmed lamps together: at worst their bands coincide. */
+static int64_t shot_flicker_ppm(const struct ttf_plan *plan, const struct ttf_plan_shot *shot,
+                                const struct ttf_box *box, int64_t exposure_max_ns)
+{
+    int64_t shortest_ns = INT64_MAX, ppm = 0;
+
+    for (unsigned i = 0; i < ttf_shot_images(shot); i++) {
+        int64_t ns = ttf_shot_exposure(shot, i, plan->mains_hz, exposure_max_ns).exposure_ns;
+
+        if (ns < shortest_ns)
+            shortest_ns = ns;
+    }
+    for (unsigned i = 0; box->lamps && i < ttf_lamps_count(box->lamps); i++) {
+        const struct ttf_lamp_info *info = ttf_lamps_info(box->lamps, i);
+
+        ppm += ttf_flicker_ppm(shortest_ns, info->pwm_period_ns,
+                               level_of(shot->levels, shot->n_levels, info->name));
+    }
+    return ppm;
+}
+
 static void fill_shot(const struct ttf_plan *plan, const struct ttf_box *box, unsigned i,
                       struct ttf_plan_figures *f)
 {
@@ -211,6 +233,7 @@ static void fill_shot(const struct ttf_plan *plan, const struct ttf_box *box, un
     f->slot_busy_ns += ttf_shot_busy_ns(plan, shot, box);
     f->exposure_ns[i] = ttf_exposure_snap(shot->exposure.exposure_ns, plan->mains_hz,
                                           ttf_camera_caps(camera)->exposure_max_ns);
+    f->flicker_ppm[i] = shot_flicker_ppm(plan, shot, box, ttf_camera_caps(camera)->exposure_max_ns);
     /* Two raw sums, the camera's own buffers, dark and flat per pixel, strips of work. */
     memory = raw_px * (2 * 4 + 4 + 2) +
              (int64_t)ttf_camera_caps(camera)->buffers * (int64_t)format->stride * format->height +

@@ -18,7 +18,11 @@ add_compile_options(
     $<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes> -Wwrite-strings -Wformat=2 -Wvla -Wundef -Wno-unused-parameter
     # The same bits everywhere: no fused multiply-add behind our back (ARCHITECTURE.md).
     -ffp-contract=off -fno-common -fstack-protector-strong)
-# No fortify under sanitizers or without optimisation.
+# No fortify under sanitizers or without optimisation: packages have it.
+if(TTFBOX_PACKAGE)
+    add_compile_definitions(_FORTIFY_SOURCE=2)
+    add_link_options(-Wl,-z,relro,-z,now)
+endif()
 if(TTFBOX_WERROR)
     add_compile_options(-Werror)
 endif()

@@ -5,14 +5,19 @@
 
 ttf_build_packages="gcc g++ libc6-dev cmake ninja-build pkg-config git ca-certificates
  libtiff-dev libspng-dev libjpeg-dev liblcms2-dev libjansson-dev libyaml-dev nettle-dev
- zlib1g-dev libarchive-dev libgpiod-dev libcamera-dev libcmocka-dev python3-minimal libpython3-stdlib"
+ zlib1g-dev libmicrohttpd-dev libcurl4-gnutls-dev libarchive-dev libgpiod-dev libcamera-dev libcmocka-dev python3-minimal libpython3-stdlib"
 # Oracles and players that the tests hold our files against.
-ttf_test_packages="ffmpeg libraw-bin libimage-exiftool-perl libtiff-tools rt-tests man-db groff"
+ttf_test_packages="curl xxd ffmpeg libraw-bin libimage-exiftool-perl libtiff-tools rt-tests man-db groff"
 ttf_demo_packages="ffmpeg"
 ttf_fuzz_packages="clang libclang-rt-14-dev"
 ttf_coverage_packages="gcovr"
 # An emulated arm64 board, a system for it, and a compiler for that.
 ttf_rig_packages="qemu-system-arm mmdebstrap crossbuild-essential-arm64 kmod cpio make xz-utils e2fsprogs python3-minimal"
+# Debian packages; arm64's against the rig's system.
+ttf_package_packages="dpkg-dev file lintian mmdebstrap"
+# Bootable images, and machines to boot them in.
+ttf_image_packages="mmdebstrap qemu-user-static fakeroot fdisk mtools dosfstools e2fsprogs dpkg-dev file"
+ttf_image_test_packages="qemu-system-arm qemu-system-x86 qemu-efi-aarch64 ovmf qemu-utils"
 ttf_lint_packages="clang-format clang-tidy shellcheck"
 
 # Installs those of the named packages that are missing; says nothing if none is.
@@ -55,5 +60,11 @@ ttf_install_fuzz() { ttf_install $ttf_fuzz_packages; }
 ttf_install_coverage() { ttf_install $ttf_coverage_packages; }
 # shellcheck disable=SC2086
 ttf_install_rig() { ttf_install $ttf_rig_packages; }
+# shellcheck disable=SC2086
+ttf_install_package() { ttf_install $ttf_package_packages; }
+# shellcheck disable=SC2086
+ttf_install_image() { ttf_install $ttf_image_packages; }
+# shellcheck disable=SC2086
+ttf_install_image_test() { ttf_install $ttf_image_test_packages; }
 # shellcheck disable=SC2086
 ttf_install_lint() { ttf_install $ttf_lint_packages; }

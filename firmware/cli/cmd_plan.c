@@ -76,6 +76,18 @@ static void say_lamps(const struct cli *cli, const struct check *c)
                 f->lamp_switchings[i], f->lamp_duty_permille[i]);
 }
 
+/* A warning, not a refusal: whoever averages or does not mind rows may know better. */
+static void warn_of_flicker(const struct check *c)
+{
+    const struct ttf_plan *plan = ttf_plan_file_plan(c->file);
+
+    for (unsigned i = 0; i < plan->n_shots; i++)
+        if (c->figures.flicker_ppm[i] > TTF_FLICKER_SHOWS_PPM)
+            cli_warn("ttfbox plan check: warning: shot '%s': lamps dimmed by pulses leave bands of "
+                     "%.1f%% in it: expose for whole cycles, or longer, or take a shorter 'period'",
+                     plan->shots[i].stream, (double)c->figures.flicker_ppm[i] / 1e4);
+}
+
 static void say(const struct cli *cli, const struct check *c)
 {
     const struct ttf_plan *plan = ttf_plan_file_plan(c->file);
@@ -128,6 +140,11 @@ static void put_json(struct ttf_json *j, const struct check *c)
     ttf_json_kint(j, "memory_bytes", f->memory_bytes);
     if (*plan->second_storage)
         ttf_json_kstring(j, "second_storage", plan->second_storage);
+    ttf_json_key(j, "flicker_ppm");
+    ttf_json_array(j);
+    for (unsigned i = 0; i < plan->n_shots; i++)
+        ttf_json_int(j, f->flicker_ppm[i]);
+    ttf_json_array_end(j);
     ttf_json_key(j, "lamps");
     ttf_json_array(j);
     for (unsigned i = 0; c->box.lamps && i < ttf_lamps_count(c->box.lamps); i++) {
@@ -211,6 +228,7 @@ int cmd_plan_check(struct cli *cli)
     if (r == 0)
         r = check(cli, &c, &board);
     if (r == 0) {
+        warn_of_flicker(&c);
         say(cli, &c);
         put_json(&cli->out, &c);
     }

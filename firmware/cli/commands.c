@@ -240,6 +240,25 @@ static const struct cli_command COMMANDS[] = {
         .examples = {{"ttfbox verify grass", NULL}},
     },
     {
+        .name = "serve",
+        .args = "FOLDER",
+        .summary = "offer a folder of datasets to browsers and programs by HTTP",
+        .text =
+            "Lists the datasets of FOLDER and gives their records, files and archives, by ranges "
+            "and with checksums; what a dataset gets while it is captured is there at once. "
+            "Programs of this machine may read freely; a listener that others reach asks them for "
+            "a "
+            "token (Authorization: Bearer TOKEN). Nothing is ever written into FOLDER. What can be "
+            "asked for: firmware/http/openapi.yaml.",
+        .min_args = 1,
+        .max_args = 1,
+        .run = cmd_serve,
+        .options = {{OPT_LISTEN, NULL}, {OPT_TOKEN_FILE, NULL}, {OPT_JSON, NULL}, {OPT_END, NULL}},
+        .examples = {{"ttfbox serve datasets", NULL},
+                     {"curl http://127.0.0.1:8417/api/v1/datasets", "what there is"},
+                     {"curl -O http://127.0.0.1:8417/api/v1/datasets/grass/tar", "all of one"}},
+    },
+    {
         .name = "develop",
         .args = "DATASET",
         .summary = "develop a dataset's raw frames anew, with another calibration",

@@ -5,11 +5,14 @@
 #include <string.h>
 
 #include "board_file.h"
+#include "ttf/hal/pwm.h"
 
 /* A lamp as it is read: facts, and the wire of one that is not simulated. */
 struct lamp {
     struct ttf_lamp_info info;
     struct ttf_line_spec wire;
+    struct ttf_line_spec pwm; /* its wire, if that is a PWM channel */
+    unsigned channel;
 };
 
 #define L(member) offsetof(struct lamp, info.member)
@@ -35,6 +38,15 @@ static int read_interlock(const struct cfg_field *field, struct yaml_node *node,
 
 #define DAY ((double)TTF_NS_PER_DAY)
 
+#define P(member) offsetof(struct lamp, member)
+
+static const struct cfg_field PWM[] = {
+    {"chip", cfg_text64, P(pwm.chip), 0, 0, "the PWM chip, as pwmchip0, or its device", 0, true},
+    {"channel", cfg_u32, P(channel), 0, 255, "the chip's channel, as 0", 0, true},
+    {"period", cfg_i64_time, P(pwm.period_ns), TTF_PWM_PERIOD_MIN_NS, TTF_PWM_PERIOD_MAX_NS,
+     "the length of a cycle, as 50us", 0, true},
+    {0}};
+
 static const struct cfg_field LAMP[] = {
     {"backend", NULL, 0, 0, 0, NULL, 0, 0},
     {"kind", cfg_enum, L(kind), 0, 0, "switch, steps or pwm", KINDS, 0},
@@ -49,20 +61,44 @@ static const struct cfg_field LAMP[] = {
      "how much cooler it must be to be lit again, as 5degC", 0, 0},
     {"interlock", read_interlock, L(interlock_door), 0, 0, "door or none", 0, 0},
     {"warm_up", cfg_i64_time, L(warm_up_ns), 0, DAY, "the time its light takes to settle", 0, 0},
-    BOARD_WIRE_FIELDS(offsetof(struct lamp, wire)),
+    BOARD_WIRE_FIELDS(P(wire)),
+    {"pwm", cfg_section, 0, 0, 0, "{chip, channel, period}: its wire is a PWM channel", PWM, 0},
     {0}};
+
+/* A lamp on a PWM channel takes any level, unless it is said to have steps or to be a switch. */
+static int take_channel(struct yaml_node *node, struct lamp *lamp, struct ttf_err *err)
+{
+    if (lamp->wire.line[0] || lamp->wire.chip[0] || lamp->wire.active_low)
+        return cfg_error(node, err, "either 'line' or 'pwm'; a PWM lamp is lit while it is high",
+                         "a lamp has one wire");
+    if (!yaml_child(node, "kind"))
+        lamp->info.kind = TTF_LAMP_PWM;
+    lamp->info.pwm_period_ns = lamp->info.kind == TTF_LAMP_SWITCH ? 0 : lamp->pwm.period_ns;
+    lamp->wire = lamp->pwm;
+    (void)snprintf(lamp->wire.line, sizeof lamp->wire.line, "%u", lamp->channel);
+    return 0;
+}
 
 /* One that is not simulated has a wire of its name; wires come in the lamps' order. */
 static int take_wire(struct ttf_board *board, struct yaml_node *node, struct lamp *lamp,
                      struct ttf_err *err)
 {
     struct ttf_line_spec *wire = &board->guardian.wires[board->guardian.n_wires];
+    int r;
 
     if (strcmp(board->device[TTF_DEVICE_LAMPS]->name, "sim") == 0)
-        return lamp->wire.line[0] || lamp->wire.chip[0]
-                   ? cfg_error(node, err, "take away 'line' and 'chip'",
+        return lamp->wire.line[0] || lamp->wire.chip[0] || yaml_child(node, "pwm")
+                   ? cfg_error(node, err, "take away 'line', 'chip' and 'pwm'",
                                "a simulated lamp has no wire")
                    : 0;
+    if (yaml_child(node, "pwm")) {
+        r = take_channel(node, lamp, err);
+        if (r < 0)
+            return r;
+    } else if (lamp->info.kind != TTF_LAMP_SWITCH) {
+        return cfg_error(yaml_child(node, "kind"), err, "write pwm: {chip, channel, period}",
+                         "a line is on or off: levels between need a PWM channel");
+    }
     if (lamp->wire.line[0] == '\0')
         return cfg_error(node, err, "write line: GPIO17, or chip: gpiochip0 and line: 17",
                          "'line' is missing: the lamp's wire");

@@ -45,6 +45,8 @@ const struct ttf_header_use *ttf_board_header_use(const struct ttf_line_spec *wi
                   strncmp(wire->chip, "pinctrl-", 8) == 0;
     long line;
 
+    if (wire->period_ns > 0) /* a chip of channels, not the header's */
+        return NULL;
     if (!header || !*digits || strspn(digits, "0123456789") != strlen(digits) || strlen(digits) > 3)
         return NULL;
     line = strtol(digits, NULL, 10);
@@ -89,15 +91,18 @@ static int check_wire(const struct ttf_board *board, const struct place *places,
     const struct ttf_line_spec *wire = places[i].wire;
     const struct ttf_header_use *use =
         board->machine.header == TTF_HEADER_RASPBERRY_PI ? ttf_board_header_use(wire) : NULL;
+    bool pwm = wire->period_ns > 0;
 
     if (use)
         return cfg_error(places[i].node, err, "take a free line: GPIO4 to 6, 12, 13, 16 to 27",
                          "line %s is also %s", wire->line, use->what);
     for (unsigned k = 0; k < i; k++)
-        if (strcmp(places[k].wire->chip, wire->chip) == 0 &&
+        if ((places[k].wire->period_ns > 0) == pwm &&
+            strcmp(places[k].wire->chip, wire->chip) == 0 &&
             strcmp(places[k].wire->line, wire->line) == 0)
             return cfg_error(places[i].node, err, "each wire has a line of its own",
-                             "line %s is already that of '%s'", wire->line, places[k].wire->label);
+                             "%s %s is already that of '%s'", pwm ? "PWM channel" : "line",
+                             wire->line, places[k].wire->label);
     return 0;
 }
 

@@ -9,6 +9,7 @@
 #include "decode.h"
 #include "paths.h"
 #include "ttf/base/time.h"
+#include "ttf/config/plan_file.h"
 
 #define D(member) offsetof(struct read, c.member)
 
@@ -51,6 +52,7 @@ static const struct cfg_field DAEMON[] = {
     {"dataset", cfg_text128, offsetof(struct read, name), 0, 0, "the dataset's name, as grass", 0,
      0},
     {"calibration", cfg_path512, D(calibration), 0, 0, "the folder of a calibration", 0, 0},
+    {"zone", cfg_text64, D(zone), 0, 0, "the box's time zone, as Europe/Berlin", 0, 0},
     {"threads", cfg_u32, D(threads), 0, 1024, "threads that develop; 0: all processors", 0, 0},
     {"retry", cfg_i64_time, D(retry_ns), 1e8, 3.6e12,
      "how long to wait before what failed is tried again, as 5s", 0, 0},
@@ -73,6 +75,7 @@ static int finish(struct read *read, const char *file, const struct yaml_node *r
 {
     struct ttf_daemon_config *c = &read->c;
     const struct yaml_node *named = yaml_child(root, "dataset");
+    int offset_s;
 
     if (!*read->name)
         name_of_plan(c->plan, read->name);
@@ -84,6 +87,9 @@ static int finish(struct read *read, const char *file, const struct yaml_node *r
     cfg_from_folder_of(file, c->plan);
     cfg_from_folder_of(file, c->data);
     cfg_from_folder_of(file, c->calibration);
+    if (ttf_zone_offset(c->zone, 0, &offset_s, err) < 0)
+        return cfg_error(yaml_child(root, "zone"), err, "UTC, or a name as Europe/Berlin",
+                         "this machine knows no time zone '%s'", c->zone);
     if (snprintf(c->dataset, sizeof c->dataset, "%s/%s", c->data, read->name) >=
         (int)sizeof c->dataset)
         return cfg_error(yaml_child(root, "data"), err, "a shorter path", "is too long");

@@ -331,6 +331,12 @@ const char *ttf_plan_file_text(const struct ttf_plan_file *file)
     return file->text;
 }
 
+void ttf_plan_file_default_zone(struct ttf_plan_file *file, const char *zone)
+{
+    if (*zone && !yaml_child(file->tree.root, "zone"))
+        (void)snprintf(file->plan.zone, sizeof file->plan.zone, "%s", zone);
+}
+
 int ttf_plan_file_resolve(struct ttf_plan_file *file, int64_t now_utc_ns, struct ttf_err *err)
 {
     int64_t at = file->plan.start_utc_ns ? file->plan.start_utc_ns : now_utc_ns;

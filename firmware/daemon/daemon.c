@@ -82,6 +82,8 @@ static int load_plan(struct daemon *d, struct ttf_err *err)
     r = ttf_plan_file_load(d->config.plan, &d->run.file, err);
     if (r < 0)
         d->run.file = NULL;
+    else
+        ttf_plan_file_default_zone(d->run.file, d->config.zone);
     return r;
 }
 

@@ -5,18 +5,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "ttf/hal/systemd.h"
 
 void manager_find(struct manager *manager)
 {
-    const char *usec = getenv("WATCHDOG_USEC"); /* NOLINT(concurrency-mt-unsafe) */
-    const char *pid = getenv("WATCHDOG_PID");   /* NOLINT(concurrency-mt-unsafe) */
-
     manager->socket = getenv("NOTIFY_SOCKET"); /* NOLINT(concurrency-mt-unsafe) */
-    if (usec && (!pid || strtol(pid, NULL, 10) == (long)getpid()))
-        manager->watchdog_ns = strtoll(usec, NULL, 10) * 1000;
+    manager->watchdog_ns = ttf_systemd_watchdog_ns();
 }
 
 void manager_tell(struct manager *manager, const char *state)

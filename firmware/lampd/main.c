@@ -10,14 +10,21 @@
 #include <unistd.h>
 
 #include "ttf/config/board_file.h"
-#include "ttf/hal/gpiod.h"
+#include "ttf/config/daemon_file.h"
 #include "ttf/hal/lampd.h"
 #include "ttf/hal/sysfs.h"
 #include "ttf/hal/systemd.h"
+#include "wires.h"
+
+#define EXIT_NO_LAMPS 4
 
 struct lampd {
+    const char *board_name, *config_file; /* one of them */
+    struct ttf_daemon_config config;      /* of config_file */
+    struct ttf_board_set sets[TTF_DAEMON_SETS_MAX];
     struct ttf_board board;
     const char *socket;  /* given, or the board's */
+    const char *sys;     /* where the kernel shows its devices */
     const char *notify;  /* NOTIFY_SOCKET; NULL: nobody listens */
     int64_t watchdog_ns; /* what the unit allows; 0: no watchdog */
     struct ttf_lamp_info info[TTF_LAMPS_MAX];
@@ -38,56 +45,95 @@ static void on_signal(int number)
 
 static void usage(FILE *to)
 {
-    fputs("Usage: ttfbox-lampd --board BOARD [--socket PATH]\n"
+    fputs("Usage: ttfbox-lampd --board BOARD | --config FILE [--socket PATH] [--sys FOLDER]\n"
           "Holds the lamps of a board and turns them off when a limit says so, or when nobody\n"
           "shows that they are still wanted. Ends on SIGTERM, with all lamps dark.\n\n"
           "  -b, --board BOARD   a board's name, or its board.yaml\n"
+          "  -c, --config FILE   ttfboxd's configuration: its board, with its changes of it\n"
           "  -s, --socket PATH   where clients find it (default: the board's)\n"
-          "  -h, --help          this\n",
+          "  -y, --sys FOLDER    where sensors and PWM channels are shown (default: /sys)\n"
+          "      --version       the program's version\n"
+          "  -h, --help          this\n\n"
+          "Exit: 0 told to end, 1 failed, 2 a file is wrong, 4 this board has no lamps to guard.\n",
           to);
 }
 
-static int take_options(struct lampd *d, int argc, char **argv, const char **ret_board)
+/* 0 go on, 1 ended well, -EINVAL. */
+static int take_options(struct lampd *d, int argc, char **argv)
 {
     static const struct option LONG[] = {{"board", required_argument, NULL, 'b'},
+                                         {"config", required_argument, NULL, 'c'},
                                          {"socket", required_argument, NULL, 's'},
+                                         {"sys", required_argument, NULL, 'y'},
+                                         {"version", no_argument, NULL, 'v'},
                                          {"help", no_argument, NULL, 'h'},
                                          {NULL, 0, NULL, 0}};
     int c;
 
     /* NOLINTNEXTLINE(concurrency-mt-unsafe): one thread runs yet */
-    while ((c = getopt_long(argc, argv, "b:s:h", LONG, NULL)) != -1) {
-        if (c == 'b')
-            *ret_board = optarg;
-        else if (c == 's')
+    while ((c = getopt_long(argc, argv, "b:c:s:y:h", LONG, NULL)) != -1) {
+        switch (c) {
+        case 'b':
+            d->board_name = optarg;
+            break;
+        case 'c':
+            d->config_file = optarg;
+            break;
+        case 's':
             d->socket = optarg;
-        else if (c == 'h')
+            break;
+        case 'y':
+            d->sys = optarg;
+            break;
+        case 'v':
+            puts("ttfbox-lampd " TTFBOX_VERSION);
             return 1;
-        else
+        case 'h':
+            usage(stdout);
+            return 1;
+        default:
+            usage(stderr);
             return -EINVAL;
+        }
     }
-    if (!*ret_board || optind != argc) {
-        fprintf(stderr, "ttfbox-lampd: %s\n",
-                *ret_board ? "there is an argument too many" : "--board is missing");
-        return -EINVAL;
-    }
-    return 0;
+    if ((!d->board_name) != (!d->config_file) && optind == argc)
+        return 0;
+    fprintf(stderr, "ttfbox-lampd: %s\n",
+            optind != argc  ? "there is an argument too many"
+            : d->board_name ? "--board and --config are one too many"
+                            : "--board is missing");
+    usage(stderr);
+    return -EINVAL;
 }
 
-static int load(struct lampd *d, const char *name, struct ttf_err *err)
+/* The daemon's board, so that the two cannot have two different ones. */
+static int load_config(struct lampd *d, struct ttf_err *err)
+{
+    int r = ttf_daemon_file_load(d->config_file, &d->config, err);
+
+    for (unsigned i = 0; r == 0 && i < d->config.n_sets; i++)
+        d->sets[i] = (struct ttf_board_set){d->config.set[i].path, d->config.set[i].value};
+    d->board_name = d->config.board;
+    return r;
+}
+
+static int load(struct lampd *d, struct ttf_err *err)
 {
     static const char *const FOLDERS[] = {"/etc/ttfbox/boards", "boards", TTFBOX_INSTALLED_BOARDS,
                                           NULL};
     char path[512];
-    int r = ttf_board_locate(name, FOLDERS, path, sizeof path, err);
+    int r = d->config_file ? load_config(d, err) : 0;
 
     if (r == 0)
-        r = ttf_board_load(path, NULL, 0, &d->board, err);
+        r = ttf_board_locate(d->board_name, FOLDERS, path, sizeof path, err);
+    if (r == 0)
+        r = ttf_board_load(path, d->sets, d->config.n_sets, &d->board, err);
     if (r == 0 && d->board.guardian.n_wires == 0) {
         ttf_err_set(err, -EINVAL, path,
                     "the board has no lamps with wires: there is nothing to guard");
         ttf_err_hint(err, "a lamp's wire is 'backend: gpiod' with 'chip' and 'line'");
-        return -EINVAL;
+        /* Of a board by name a mistake; of the daemon's, a box without lamps: not to be tried again. */
+        return d->config_file ? -ENODATA : -EINVAL;
     }
     for (unsigned i = 0; r == 0 && i < d->board.sim.n_lamps; i++)
         d->info[i] = d->board.sim.lamps[i].info;
@@ -99,25 +145,15 @@ static int load(struct lampd *d, const char *name, struct ttf_err *err)
 /* What the service manager put into the environment, before there are threads. */
 static void learn_manager(struct lampd *d)
 {
-    const char *usec = getenv("WATCHDOG_USEC"); /* NOLINT(concurrency-mt-unsafe) */
-
     d->notify = getenv("NOTIFY_SOCKET"); /* NOLINT(concurrency-mt-unsafe) */
-    d->watchdog_ns = usec ? strtoll(usec, NULL, 10) * 1000 : 0;
-}
-
-static int open_wires(struct lampd *d, struct ttf_err *err)
-{
-    const struct ttf_board_guardian *g = &d->board.guardian;
-
-    if (strcmp(d->board.device[TTF_DEVICE_LAMPS]->name, "file") == 0)
-        return ttf_lines_file_create(g->file, g->wires, g->n_wires, &d->lines, err);
-    return ttf_lines_gpiod_create(g->wires, g->n_wires, &d->lines, err);
+    d->watchdog_ns = ttf_systemd_watchdog_ns();
 }
 
 static int open_all(struct lampd *d, struct ttf_err *err)
 {
     const struct ttf_board_guardian *g = &d->board.guardian;
-    int r = open_wires(d, err); /* first: dark, whatever comes after */
+    int r =
+        lampd_wires_open(&d->board, d->sys, &d->lines, err); /* first: dark, whatever comes after */
 
     if (r < 0)
         return r;
@@ -125,7 +161,7 @@ static int open_all(struct lampd *d, struct ttf_err *err)
     if (!d->clock)
         return ttf_err_set(err, -errno, NULL, "the machine's clock cannot be had");
     if (d->board.n_sysfs > 0)
-        r = ttf_sensors_sysfs_create("/sys", d->board.sysfs, d->board.n_sysfs, d->clock,
+        r = ttf_sensors_sysfs_create(d->sys, d->board.sysfs, d->board.n_sysfs, d->clock,
                                      &d->sensors, err);
     if (r == 0 && d->notify && d->watchdog_ns > 0)
         r = ttf_watchdog_systemd_create(d->notify, d->watchdog_ns, &d->watchdog, err);
@@ -158,11 +194,13 @@ static void catch_signals(void)
     (void)sigaction(SIGHUP, &action, NULL);
 }
 
-static int say_error(const struct ttf_err *err)
+static int say_error(int r, const struct ttf_err *err)
 {
     char text[900];
 
     fprintf(stderr, "ttfbox-lampd: %s\n", ttf_err_text(err, text, sizeof text));
+    if (r == -ENODATA)
+        return EXIT_NO_LAMPS;
     return err->code == -EINVAL || err->code == -ENOENT ? 2 : 1;
 }
 
@@ -177,18 +215,15 @@ static void close_all(struct lampd *d)
 
 int main(int argc, char **argv)
 {
-    static struct lampd d;
+    static struct lampd d = {.sys = "/sys"};
     struct ttf_err err = {0};
-    const char *board = NULL;
-    int r = take_options(&d, argc, argv, &board);
+    int r = take_options(&d, argc, argv);
 
-    if (r != 0) {
-        usage(r > 0 ? stdout : stderr);
+    if (r != 0)
         return r > 0 ? 0 : 2;
-    }
     catch_signals();
     learn_manager(&d);
-    r = load(&d, board, &err);
+    r = load(&d, &err);
     if (r == 0)
         r = open_all(&d, &err);
     if (r == 0) {
@@ -200,5 +235,5 @@ int main(int argc, char **argv)
         (void)ttf_systemd_notify(d.notify, "STOPPING=1");
     }
     close_all(&d);
-    return r < 0 ? say_error(&err) : 0;
+    return r < 0 ? say_error(r, &err) : 0;
 }

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "files.h"
 
@@ -63,6 +64,48 @@ static void look_up_wire(const struct probe_machine *m, const struct ttf_line_sp
                   "line %s is taken by '%s'", wire->line, consumer);
 }
 
+static bool is_pwm_chip(const struct probe_machine *m, const char *entry, const char *chip)
+{
+    char path[320], whole[512], target[512];
+    const char *slash;
+    ssize_t n;
+
+    if (strcmp(entry, chip) == 0)
+        return true;
+    (void)snprintf(path, sizeof path, "sys/class/pwm/%.200s/device", entry);
+    n = readlink(probe_path(m, path, whole), target, sizeof target - 1);
+    if (n <= 0)
+        return false;
+    target[n] = '\0';
+    slash = strrchr(target, '/');
+    return strcmp(slash ? slash + 1 : target, chip) == 0;
+}
+
+/* A lamp on a PWM channel: is there such a chip, and does it have as many? */
+static void look_up_channel(const struct probe_machine *m, const struct ttf_line_spec *wire,
+                            struct probe_findings *findings)
+{
+    char **names = probe_names(m, "sys/class/pwm");
+    char path[320], text[32], about[32];
+    bool found = false;
+
+    (void)snprintf(about, sizeof about, "lamp %.26s", wire->label);
+    for (char **name = names; name && *name && !found; name++) {
+        found = is_pwm_chip(m, *name, wire->chip);
+        (void)snprintf(path, sizeof path, "sys/class/pwm/%.200s/npwm", *name);
+        if (found && probe_line(m, path, text, sizeof text) &&
+            strtol(wire->line, NULL, 10) >= strtol(text, NULL, 10))
+            probe_add(findings, PROBE_PROBLEM, about, "channels are counted from 0",
+                      "PWM chip %s has %s channels: there is no channel %s", wire->chip, text,
+                      wire->line);
+    }
+    probe_names_free(names);
+    if (!found)
+        probe_add(findings, PROBE_PROBLEM, about,
+                  "on a Raspberry Pi an overlay in config.txt makes one: dtoverlay=pwm",
+                  "there is no PWM chip %s", wire->chip);
+}
+
 static void look_for_hat(const struct probe_machine *m, struct probe_findings *findings)
 {
     char product[96];
@@ -83,8 +126,14 @@ void probe_lines(const struct probe_machine *machine, const struct ttf_board *bo
     bool any = false;
 
     if (lamps && strcmp(lamps->name, "gpiod") == 0)
-        for (unsigned i = 0; i < board->guardian.n_wires; i++, any = true)
-            look_up_wire(machine, &board->guardian.wires[i], pi, findings);
+        for (unsigned i = 0; i < board->guardian.n_wires; i++, any = true) {
+            const struct ttf_line_spec *wire = &board->guardian.wires[i];
+
+            if (wire->period_ns > 0)
+                look_up_channel(machine, wire, findings);
+            else
+                look_up_wire(machine, wire, pi, findings);
+        }
     if (panel && strcmp(panel->name, "gpiod") == 0)
         for (unsigned i = 0; i < board->panel.n_wires; i++, any = true)
             look_up_wire(machine, &board->panel.wires[i], pi, findings);

@@ -7,7 +7,6 @@
 #include <sys/epoll.h>
 #include <unistd.h>
 
-#include "ttf/base/time.h"
 #include "ttf/hal/gpiod.h"
 #include "wire.h"
 
@@ -48,15 +47,25 @@ static int watch(struct gpiod_lines *l, unsigned i)
     return 0;
 }
 
-/* Outputs first: what may burn is dark before anything else can go wrong. */
+/*
+ * Outputs first, and all of them, whichever fails: what may burn is dark before anything else can go wrong. The
+ * first error counts.
+ */
 static int request(struct gpiod_lines *l, struct ttf_err *err)
 {
     int r = 0;
 
-    for (unsigned pass = 0; pass < 2; pass++)
-        for (unsigned i = 0; i < l->base.n && r == 0; i++)
-            if (l->base.spec[i].input == (pass == 1))
-                r = wire_request(&l->base.spec[i], &l->wire[i], err);
+    for (unsigned i = 0; i < l->base.n; i++) {
+        int one = l->base.spec[i].input
+                      ? 0
+                      : wire_request(&l->base.spec[i], &l->wire[i], r == 0 ? err : NULL);
+
+        if (r == 0)
+            r = one;
+    }
+    for (unsigned i = 0; i < l->base.n && r == 0; i++)
+        if (l->base.spec[i].input)
+            r = wire_request(&l->base.spec[i], &l->wire[i], err);
     for (unsigned i = 0; i < l->base.n && r == 0; i++)
         if (l->base.spec[i].input && (r = watch(l, i)) < 0)
             ttf_err_set(err, r, l->base.spec[i].label, "its edges cannot be waited for");
@@ -95,7 +104,7 @@ static int gpiod_event(struct ttf_lines *base, struct ttf_line_event *ret)
         return n < 0 && errno != EINTR ? -errno : 0;
     if (!(waiting.events & EPOLLIN))
         return -ENODEV; /* hung up: the chip is gone */
-    *ret = (struct ttf_line_event){.i = waiting.data.u32, .at_ns = TTF_NS_UNKNOWN};
+    *ret = (struct ttf_line_event){.i = waiting.data.u32};
     r = wire_event(l->wire[ret->i], &ret->active);
     return r;
 }
@@ -104,6 +113,10 @@ static int gpiod_reopen(struct ttf_lines *base, struct ttf_err *err)
 {
     struct gpiod_lines *l = (struct gpiod_lines *)base;
 
+    /* Lines on another chip than the one that went may be lit, and would stay so for as long as it is away. */
+    for (unsigned i = 0; i < base->n; i++)
+        if (!base->spec[i].input)
+            (void)gpiod_set(base, i, 0);
     let_go(l);
     return request(l, err);
 }

@@ -16,6 +16,7 @@
 
 #define ROUND_NS  (50 * TTF_NS_PER_MS) /* the longest that the loop sleeps */
 #define REOPEN_NS TTF_NS_PER_S         /* how often a chip that is gone is looked for */
+#define LOOK_NS   TTF_NS_PER_S         /* and one with a lit lamp is asked whether it is there */
 
 /* An input that floats gives edges without end: more than these wait for the next round. */
 #define EDGES_A_ROUND 32
@@ -79,6 +80,17 @@ void lampd_drive(struct ttf_lampd *d, int64_t now_ns)
         drive_lamp(d, i);
     if (d->lost)
         look_for_chip(d, now_ns);
+}
+
+/* A chip that goes while a lamp is lit and no wire moves is noticed by asking it. */
+static void look_at_lit(struct ttf_lampd *d, int64_t now_ns)
+{
+    if (now_ns < d->look_at_ns)
+        return;
+    d->look_at_ns = now_ns + LOOK_NS;
+    for (unsigned i = 0; i < d->guardian.n; i++)
+        if (d->driven[i] > 0 && ttf_lines_get(d->config.lines, i) == -ENODEV)
+            d->lost = true;
 }
 
 static void feel_lines(struct ttf_lampd *d, int64_t now_ns)
@@ -155,6 +167,8 @@ static void one_round(struct ttf_lampd *d)
     feel_heat(d);
     if (!d->lost)
         feel_lines(d, now_ns);
+    if (!d->lost)
+        look_at_lit(d, now_ns);
     lampd_drive(d, now_ns);
     for (unsigned c = 0; c < LAMPD_CLIENTS_MAX; c++)
         if (fds[2 + c].revents)

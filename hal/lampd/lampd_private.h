@@ -43,7 +43,7 @@ struct ttf_lampd {
     bool failed[TTF_LAMPS_MAX];             /* and did not take */
     bool lost;                              /* the chip is gone */
     int64_t door_opened_ns, door_closed_ns; /* the last time each was felt; TTF_NS_UNKNOWN */
-    int64_t reopen_at_ns;
+    int64_t reopen_at_ns, look_at_ns;
     struct lampd_heat heat;
 };
 

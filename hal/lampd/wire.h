@@ -7,7 +7,7 @@
 
 #include "ttf/hal/lamps.h"
 
-#define WIRE_MAGIC 0x32444c54u /* "TLD2": another layout has another digit */
+#define WIRE_MAGIC 0x33444c54u /* "TLD3": another layout has another digit */
 
 enum wire_op {
     WIRE_HELLO = 1, /* how many lamps */

@@ -8,7 +8,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ttf/base/time.h"
 #include "ttf/hal/lines.h"
 
 struct file_lines {
@@ -70,10 +69,19 @@ static int file_event(struct ttf_lines *base, struct ttf_line_event *ret)
         if ((level != 0) == f->last[i])
             continue;
         f->last[i] = level != 0;
-        *ret = (struct ttf_line_event){.i = i, .active = level != 0, .at_ns = TTF_NS_UNKNOWN};
+        *ret = (struct ttf_line_event){.i = i, .active = level != 0};
         return 1;
     }
     return 0;
+}
+
+/* Half a request is none: the wires stay lost, and are looked for again. */
+static int give_up(struct file_lines *f, int code)
+{
+    if (f->file >= 0)
+        (void)close(f->file);
+    f->file = -1;
+    return code;
 }
 
 /* Inputs keep what they have; outputs are dark from the first byte that is written. */
@@ -83,12 +91,12 @@ static int request(struct file_lines *f, struct ttf_err *err)
 
     f->file = open(f->path, O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (f->file < 0 || fstat(f->file, &st) < 0)
-        return ttf_err_set(err, -errno, f->path, "cannot be opened");
+        return give_up(f, ttf_err_set(err, -errno, f->path, "cannot be opened"));
     for (unsigned i = 0; i < f->base.n; i++) {
         char idle = f->base.spec[i].active_low ? '1' : '0';
 
         if ((!f->base.spec[i].input || (off_t)i >= st.st_size) && pwrite(f->file, &idle, 1, i) != 1)
-            return ttf_err_set(err, -EIO, f->path, "cannot be written");
+            return give_up(f, ttf_err_set(err, -EIO, f->path, "cannot be written"));
     }
     for (unsigned i = 0; i < f->base.n; i++)
         f->last[i] = f->base.spec[i].input && file_get(&f->base, i) == 1;

@@ -38,6 +38,17 @@ int ttf_systemd_notify(const char *socket_path, const char *state)
     return r;
 }
 
+int64_t ttf_systemd_watchdog_ns(void)
+{
+    const char *usec = getenv("WATCHDOG_USEC"); /* NOLINT(concurrency-mt-unsafe) */
+    const char *pid = getenv("WATCHDOG_PID");   /* NOLINT(concurrency-mt-unsafe) */
+    int64_t limit = usec ? strtoll(usec, NULL, 10) : 0;
+
+    if (pid && strtol(pid, NULL, 10) != (long)getpid())
+        return 0;
+    return limit > 0 && limit < INT64_MAX / TTF_NS_PER_US ? limit * TTF_NS_PER_US : 0;
+}
+
 struct systemd_watchdog {
     struct ttf_watchdog base;
     char socket[sizeof(((struct sockaddr_un *)0)->sun_path)];

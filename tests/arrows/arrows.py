@@ -23,10 +23,11 @@ MAY_USE = {
     "capture": {"base", "hal", "dataset"},
     "synth": {"base", "dataset"},
     "config": {"base", "hal", "hal_sim", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth"},
-    "firmware": {"base", "hal", "hal_sim", "hal_gpiod", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth", "config"},
+    "http": {"base", "dataset"},
+    "firmware": {"base", "hal", "hal_sim", "hal_gpiod", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth", "config", "http"},
 }
 # Most specific folder first.
-FOLDERS = [("firmware/config", "config"), ("hal/sim", "hal_sim"),
+FOLDERS = [("firmware/config", "config"), ("firmware/http", "http"), ("hal/sim", "hal_sim"),
            ("hal/gpiod", "hal_gpiod"), ("hal/v4l2", "hal_v4l2"),
            ("hal/libcamera", "hal_libcamera"), ("firmware", "firmware"),
            ("base", "base"), ("hal", "hal"), ("dataset", "dataset"), ("capture", "capture"),

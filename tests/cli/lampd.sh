@@ -76,6 +76,13 @@ expect 2 "$LAMPD" --board nowhere
 said err "no such board"
 expect 2 "$LAMPD" --board "$SOURCE/boards/sim/board.yaml"
 said err "nothing to guard"
+expect 2 "$LAMPD" --board box.yaml --config d.yaml
+said err "one too many"
+printf 'board: ./box.yaml\nplan: p.yaml\ndata: d\nset: {guardian.file: elsewhere}\n' >d.yaml
+printf 'board: %s\nplan: p.yaml\ndata: d\n' "$SOURCE/boards/sim/board.yaml" >none.yaml
+expect 4 "$LAMPD" --config none.yaml # a box without lamps: not to be tried again
+said err "nothing to guard"
+expect 2 "$LAMPD" --config nowhere.yaml
 expect 0 "$LAMPD" --help
 said out "SIGTERM"
 guard
@@ -83,3 +90,52 @@ expect 1 "$LAMPD" --board box.yaml
 said err "another lamp guardian answers"
 kill -TERM $guardian
 wait $guardian
+
+# ---- the daemon's board, with what its configuration changes of it ----
+"$LAMPD" --config d.yaml >said 2>&1 &
+guardian=$!
+for _ in $(seq 400); do grep -q guarding said && break; sleep 0.05; done
+[ "$(cat elsewhere)" = "010" ] || fail "it holds other wires than the daemon's board has: $(cat said)"
+kill -TERM $guardian
+wait $guardian
+
+# ---- a lamp on a PWM channel beside one on a wire ----
+pwm=sys/class/pwm/pwmchip0
+channel_is() { # 1 or 0: within 20 s it is enabled, or not
+    for _ in $(seq 400); do
+        [ "$(cat $pwm/pwm0/enable)" = "$1" ] && return 0
+        sleep 0.05
+    done
+    fail "the channel is $(cat $pwm/pwm0/enable)"
+}
+mkdir -p $pwm/pwm0
+echo 2 >$pwm/npwm
+for file in period duty_cycle enable; do echo 0 >$pwm/pwm0/$file; done
+sed 's|left: .*|left: {backend: file, pwm: {chip: pwmchip0, channel: 0, period: 300us}}|; s|line: 1|line: 0|; s|line: 2|line: 1|' \
+    box.yaml >dimmed.yaml
+printf 00 >wires
+rm -f said
+# A process of a service's, which the manager's watchdog does not mean: it has nobody to feed.
+env WATCHDOG_USEC=2000000 WATCHDOG_PID=1 NOTIFY_SOCKET="$WORK/nobody" \
+    "$LAMPD" --board dimmed.yaml --sys sys >said 2>&1 &
+guardian=$!
+for _ in $(seq 400); do
+    grep -q guarding said && break
+    sleep 0.05
+done
+grep -q guarding said || fail "it does not guard: $(cat said)"
+plan dimmed.plan.yaml 'interval: 10s' 'count: 2' 'mains: none' 'lamps: {mode: capture-only, settle: 0s}' \
+    'shot: {exposure: 10.05ms, lamps: {left: 50%}}'
+expect 0 "$TTFBOX" plan check dimmed.plan.yaml --board dimmed.yaml
+said err "bands of 3.0%"
+expect 0 "$TTFBOX" plan check dimmed.plan.yaml --board dimmed.yaml --json
+is flicker_ppm.0 29851
+"$CHILD" "$WORK/socket" 3600000 waits >/dev/null & # lights the left lamp
+client=$!
+channel_is 1
+[ "$(cat $pwm/pwm0/duty_cycle)" = 300000 ] || fail "full light is $(cat $pwm/pwm0/duty_cycle) of 300000 ns"
+kill -9 $client
+channel_is 0
+[ "$(cat $pwm/pwm0/duty_cycle) $(cat $pwm/pwm0/enable)" = "0 0" ] || fail "the channel stays lit"
+kill -TERM $guardian
+wait $guardian || fail "it did not end well"

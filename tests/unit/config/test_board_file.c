@@ -205,6 +205,33 @@ static void wires_of_a_real_box_come_in_the_lamps_order_with_the_door_behind(voi
     assert_true(b.sysfs[1].full == 2000);
 }
 
+static void a_lamp_on_a_pwm_channel_takes_any_level_unless_it_is_said_to_be_a_switch(void **state)
+{
+    struct ttf_board b;
+
+    (void)state;
+    parse_ok(REAL
+             "lamps:\n"
+             "  left: {backend: gpiod, pwm: {chip: pwmchip0, channel: 1, period: 50us}}\n"
+             "  right: {backend: gpiod, chip: pwmchip0, line: 1}\n"
+             "  back: {backend: gpiod, kind: switch, pwm: {chip: p, channel: 0, period: 1ms}}\n"
+             "  top: {backend: gpiod, kind: steps, steps: 4,\n"
+             "        pwm: {chip: p, channel: 2, period: 1ms}}\n",
+             &b);
+    assert_int_equal(b.guardian.n_wires, 4);
+    assert_int_equal(b.sim.lamps[0].info.kind, TTF_LAMP_PWM);
+    assert_true(b.sim.lamps[0].info.pwm_period_ns == 50000);
+    assert_string_equal(b.guardian.wires[0].label, "left");
+    assert_string_equal(b.guardian.wires[0].chip, "pwmchip0");
+    assert_string_equal(b.guardian.wires[0].line, "1");
+    assert_true(b.guardian.wires[0].period_ns == 50000 && b.guardian.wires[1].period_ns == 0);
+    assert_int_equal(b.sim.lamps[1].info.kind, TTF_LAMP_SWITCH);
+    assert_int_equal(b.sim.lamps[2].info.kind, TTF_LAMP_SWITCH);
+    assert_true(b.sim.lamps[2].info.pwm_period_ns == 0); /* never between dark and full */
+    assert_int_equal(b.sim.lamps[3].info.kind, TTF_LAMP_STEPS);
+    assert_true(b.sim.lamps[3].info.pwm_period_ns == TTF_NS_PER_MS);
+}
+
 static void every_key_of_real_devices_reaches_its_field(void **state)
 {
     struct ttf_board b;
@@ -337,6 +364,19 @@ static const struct {
     {HEAD "sensors: {t: {backend: sim}}\n", "dir/b.yaml:4:14", "'kind' is missing", ""},
     /* lamps with wires */
     {HEAD "lamps: {a: {backend: gpiod}}\n", "dir/b.yaml:4:12", "'line' is missing", "GPIO17"},
+    {HEAD "lamps: {a: {backend: gpiod, line: x, kind: pwm}}\n", "dir/b.yaml:4:44", "on or off",
+     "pwm: {"},
+    {HEAD "lamps: {a: {backend: gpiod, line: x, pwm: {chip: p, channel: 0, period: 1ms}}}\n",
+     "dir/b.yaml:4:12", "one wire", ""},
+    {HEAD "lamps: {a: {backend: gpiod, pwm: {chip: p, channel: 0}}}\n", "dir/b.yaml:4:34",
+     "'period' is missing", ""},
+    {HEAD "lamps: {a: {backend: gpiod, pwm: {chip: p, channel: 0, period: 2s}}}\n",
+     "dir/b.yaml:4:64", "out of its range", ""},
+    {HEAD "lamps: {a: {backend: sim, pwm: {chip: p, channel: 0, period: 1ms}}}\n",
+     "dir/b.yaml:4:12", "has no wire", ""},
+    {REAL "lamps: {a: {backend: gpiod, pwm: {chip: p, channel: 0, period: 1ms}},\n"
+          "  b: {backend: gpiod, pwm: {chip: p, channel: 0, period: 2ms}}}\n",
+     "dir/b.yaml:5:6", "PWM channel 0 is already that of 'a'", ""},
     {HEAD "lamps: {a: {backend: sim, line: 4}}\n", "dir/b.yaml:4:12", "has no wire", ""},
     {HEAD "lamps: {a: {backend: file, line: 4}}\n", "dir/b.yaml:4:8", "no 'file' is named", ""},
     {HEAD "lamps: {a: {backend: gpiod, line: x, max_temp: 60degC}}\n", "dir/b.yaml:4:12",
@@ -499,6 +539,7 @@ int main(void)
         cmocka_unit_test(an_empty_section_gives_the_documented_defaults),
         cmocka_unit_test(a_board_without_lamps_has_none),
         cmocka_unit_test(wires_of_a_real_box_come_in_the_lamps_order_with_the_door_behind),
+        cmocka_unit_test(a_lamp_on_a_pwm_channel_takes_any_level_unless_it_is_said_to_be_a_switch),
         cmocka_unit_test(every_key_of_real_devices_reaches_its_field),
         cmocka_unit_test(a_panel_may_have_either_wire_or_none),
         cmocka_unit_test(one_simulated_device_makes_the_whole_box_simulated),

@@ -26,7 +26,7 @@ static void every_key_reaches_its_field(void **state)
 
     (void)state;
     if (parse("board: ../boards/mine.yaml\nplan: plans/grass.yaml\ndata: /var/lib/ttfbox\n"
-              "dataset: meadow\ncalibration: cal\nthreads: 3\nretry: 2s\n"
+              "dataset: meadow\ncalibration: cal\nzone: UTC\nthreads: 3\nretry: 2s\n"
               "set: {sim.clock: real, sim.faults: '[{kind: power-cut, at: 3h}]'}\n",
               &c, &err) < 0)
         fail_msg("%s: %s", err.where, err.what);
@@ -37,6 +37,7 @@ static void every_key_reaches_its_field(void **state)
     assert_string_equal(c.calibration, "/etc/ttfbox/cal");
     assert_int_equal(c.threads, 3);
     assert_true(c.retry_ns == 2 * TTF_NS_PER_S);
+    assert_string_equal(c.zone, "UTC");
     assert_int_equal(c.n_sets, 2);
     assert_string_equal(c.set[1].path, "sim.faults");
     assert_string_equal(c.set[1].value, "[{kind: power-cut, at: 3h}]");
@@ -67,6 +68,8 @@ static const struct {
     {"board: b\nplan: p\ndata: d\ndataset: .x\n", "/etc/ttfbox/d.yaml:4:10", "no dataset's name"},
     {"board: b\nplan: p/.yaml\ndata: d\n", "/etc/ttfbox/d.yaml:2:7", "no dataset's name"},
     {"board: b\nplan: p\ndata: d\nretry: 5\n", "/etc/ttfbox/d.yaml:4:8", "has no unit"},
+    {"board: b\nplan: p\ndata: d\nzone: Moon/Tycho\n", "/etc/ttfbox/d.yaml:4:7",
+     "no time zone 'Moon/Tycho'"},
     {"board: b\nplan: p\ndata: d\nretry: 1ms\n", "/etc/ttfbox/d.yaml:4:8", "out of its range"},
     {"board: b\nplan: p\ndata: d\nset: {sim: {seed: 1}}\n", "/etc/ttfbox/d.yaml:4:12", "one value"},
 };

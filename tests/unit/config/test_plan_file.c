@@ -98,6 +98,26 @@ static void every_key_reaches_its_field(void **state)
     ttf_plan_file_free(file);
 }
 
+static void a_box_s_zone_is_that_of_a_plan_which_names_none(void **state)
+{
+    static const char NONE[] = "interval: 1min\ncount: 3\n",
+                      NAMED[] = "interval: 1min\ncount: 3\nzone: UTC\n";
+    struct ttf_plan_file *file = NULL;
+
+    (void)state;
+    assert_int_equal(ttf_plan_file_parse("p.yaml", NONE, sizeof NONE - 1, &file, NULL), 0);
+    ttf_plan_file_default_zone(file, "");
+    assert_string_equal(ttf_plan_file_plan(file)->zone, "UTC");
+    ttf_plan_file_default_zone(file, "Europe/Berlin");
+    assert_string_equal(ttf_plan_file_plan(file)->zone, "Europe/Berlin");
+    ttf_plan_file_free(file);
+    file = NULL;
+    assert_int_equal(ttf_plan_file_parse("p.yaml", NAMED, sizeof NAMED - 1, &file, NULL), 0);
+    ttf_plan_file_default_zone(file, "Europe/Berlin");
+    assert_string_equal(ttf_plan_file_plan(file)->zone, "UTC");
+    ttf_plan_file_free(file);
+}
+
 static void until_counts_the_slots_before_it(void **state)
 {
     static const struct {
@@ -405,6 +425,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_key_reaches_its_field),
+        cmocka_unit_test(a_box_s_zone_is_that_of_a_plan_which_names_none),
         cmocka_unit_test(until_counts_the_slots_before_it),
         cmocka_unit_test(a_start_that_has_passed_is_refused_with_its_line),
         cmocka_unit_test(what_is_wrong_is_named_with_line_column_and_what_was_meant),

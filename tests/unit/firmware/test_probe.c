@@ -218,6 +218,27 @@ static void lines_of_a_pi_that_are_something_else_are_told(void **state)
     assert_int_equal(found(b, "a HAT is plugged on: Sense HAT")->weight, PROBE_NOTE);
 }
 
+static void a_lamp_on_a_pwm_channel_that_is_not_there_is_told(void **state)
+{
+    struct bench *b = *state;
+    char link[512];
+
+    load(b, CAMERA "lamps:\n"
+                   "  left: {backend: gpiod, pwm: {chip: fe20c000.pwm, channel: 1, period: 50us}}\n"
+                   "  right: {backend: gpiod, pwm: {chip: pwmchip3, channel: 2, period: 50us}}\n");
+    probe_lines(&b->machine, &b->board, &b->findings);
+    assert_int_equal(b->findings.n, 2);
+    assert_non_null(strstr(found(b, "no PWM chip fe20c000.pwm")->hint, "dtoverlay"));
+    b->findings.n = 0;
+    put(b, "sys/class/pwm/pwmchip3/npwm", "2");
+    assert_int_equal(symlink("../../fe20c000.pwm",
+                             probe_path(&b->machine, "sys/class/pwm/pwmchip3/device", link)),
+                     0);
+    probe_lines(&b->machine, &b->board, &b->findings);
+    assert_int_equal(b->findings.n, 1); /* the left lamp's is found by its device */
+    assert_string_equal(found(b, "has 2 channels: there is no channel 2")->about, "lamp right");
+}
+
 static void a_line_that_is_taken_says_by_whom(void **state)
 {
     struct bench *b = *state;
@@ -352,6 +373,7 @@ int main(void)
         ON_FILES(a_camera_that_is_busy_says_who_has_it),
         ON_FILES(a_device_that_has_another_number_now_is_told),
         ON_FILES(lines_of_a_pi_that_are_something_else_are_told),
+        ON_FILES(a_lamp_on_a_pwm_channel_that_is_not_there_is_told),
         ON_FILES(a_line_that_is_taken_says_by_whom),
         ON_FILES(who_holds_the_usb_controller_is_told),
         ON_FILES(a_board_for_another_machine_is_told),

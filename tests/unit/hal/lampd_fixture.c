@@ -73,6 +73,12 @@ struct lampd_fixture *lampd_fixture_make(void)
     return f;
 }
 
+void lampd_fixture_take_lines(struct lampd_fixture *f, struct ttf_lines *lines)
+{
+    ttf_lines_destroy(f->lines);
+    f->lines = lines;
+}
+
 static void *guard(void *arg)
 {
     struct lampd_fixture *f = arg;

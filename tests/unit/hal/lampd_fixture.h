@@ -36,6 +36,8 @@ int lampd_teardown(void **state);
 
 /* Makes it without starting the guardian, so that its lamps' limits can be set; then starts it. */
 struct lampd_fixture *lampd_fixture_make(void);
+void lampd_fixture_take_lines(struct lampd_fixture *f,
+                              struct ttf_lines *lines); /* in place of its own */
 void lampd_fixture_start(struct lampd_fixture *f);
 void lampd_fixture_stop(struct lampd_fixture *f); /* the guardian alone */
 void lampd_fixture_free(struct lampd_fixture *f);

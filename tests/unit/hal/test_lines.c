@@ -136,6 +136,56 @@ static void a_bank_that_vanishes_says_so_until_it_is_back(void **state)
     ttf_lines_destroy(lines);
 }
 
+static void banks_joined_to_one_keep_the_order_of_the_whole(void **state)
+{
+    /* The whole's order is not that of the banks. */
+    const struct ttf_line_spec whole[3] = {SPECS[3], SPECS[0], SPECS[2]};
+    const struct ttf_line_spec inputs[2] = {SPECS[2], SPECS[3]};
+    struct ttf_lines *banks[2], *lines = NULL;
+    struct ttf_line_event event;
+    struct ttf_err err = {0};
+    char other[80];
+
+    (void)state;
+    (void)snprintf(other, sizeof other, "%s.other", path());
+    wires("01");
+    assert_int_equal(ttf_lines_file_create(path(), inputs, 2, &banks[0], NULL), 0);
+    assert_int_equal(ttf_lines_file_create(other, &SPECS[0], 1, &banks[1], NULL), 0);
+    assert_int_equal(ttf_lines_joined_create(SPECS, 4, banks, 2, &lines, &err), -EINVAL);
+    assert_string_equal(err.where, "right"); /* nobody has it */
+    assert_int_equal(ttf_lines_joined_create(whole, 3, banks, 2, &lines, NULL), 0);
+    assert_int_equal(ttf_lines_set(lines, 1, 1000), 0);
+    assert_int_equal(ttf_lines_get(lines, 1), 1);
+    assert_int_equal(ttf_lines_set(lines, 0, 1000), -EINVAL);
+    wires("00");
+    assert_int_equal(ttf_lines_event(lines, &event), 1);
+    assert_int_equal(event.i, 0); /* the button, second of its bank */
+    assert_true(event.active);
+    assert_int_equal(ttf_lines_event(lines, &event), 0);
+    (void)unlink(other);
+    assert_int_equal(ttf_lines_set(lines, 1, 0), -ENODEV);
+    assert_int_equal(ttf_lines_get(lines, 2), 0);
+    assert_int_equal(ttf_lines_reopen(lines, NULL), -ENODEV);
+    ttf_lines_destroy(lines);
+}
+
+static void a_bank_that_cannot_be_had_whole_stays_lost(void **state)
+{
+    struct ttf_lines *lines = bank();
+
+    (void)state;
+    (void)unlink(path());
+    assert_int_equal(ttf_lines_set(lines, 0, 1000), -ENODEV);
+    assert_int_equal(symlink("/dev/full", path()), 0); /* opens, and takes nothing */
+    assert_true(ttf_lines_reopen(lines, NULL) < 0);
+    assert_int_equal(ttf_lines_set(lines, 0, 1000), -ENODEV);
+    (void)unlink(path());
+    wires("1011");
+    assert_int_equal(ttf_lines_reopen(lines, NULL), 0); /* tried again, as it is not had */
+    expect_wires("0111");
+    ttf_lines_destroy(lines);
+}
+
 static void descriptions_that_mean_nothing_are_refused(void **state)
 {
     struct ttf_line_spec twice[2] = {SPECS[0], SPECS[0]};
@@ -181,6 +231,8 @@ int main(void)
         cmocka_unit_test_teardown(edges_of_inputs_are_told_once_each, clean),
         cmocka_unit_test_teardown(what_cannot_be_driven_is_refused, clean),
         cmocka_unit_test_teardown(a_bank_that_vanishes_says_so_until_it_is_back, clean),
+        cmocka_unit_test_teardown(banks_joined_to_one_keep_the_order_of_the_whole, clean),
+        cmocka_unit_test_teardown(a_bank_that_cannot_be_had_whole_stays_lost, clean),
         cmocka_unit_test_teardown(descriptions_that_mean_nothing_are_refused, clean),
 #ifdef TTF_TEST_GPIOD
         cmocka_unit_test(a_chip_that_is_not_there_is_named_with_what_to_do),

@@ -96,7 +96,12 @@ struct ttf_plan_figures {
     unsigned lamp_duty_permille[TTF_LAMPS_MAX];
     int64_t memory_bytes;
     int64_t exposure_ns[TTF_PLAN_SHOTS_MAX]; /* the reference, as snapped */
+    /* Bands of lamps dimmed by pulses (PWM): most light of a row less the least, as ppm; of the shot's shortest exposure. */
+    int64_t flicker_ppm[TTF_PLAN_SHOTS_MAX];
 };
+
+/* Bands beyond this many ppm show in a dataset. */
+#define TTF_FLICKER_SHOWS_PPM 2000
 
 /*
  * Validates the plan against itself and, if box is not NULL, against the box

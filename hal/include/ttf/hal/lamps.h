@@ -46,6 +46,7 @@ struct ttf_lamp_info {
     int32_t hysteresis_mdegc;   /* may be lit again below max - hysteresis */
     bool interlock_door;        /* off while the door is open */
     int64_t warm_up_ns;         /* settle time it needs, as the board's maker measured it */
+    int64_t pwm_period_ns;      /* its light's cycle at levels between; 0: steady, or not known */
 };
 
 /* Why a lamp is dark although commanded otherwise. Kept until cleared. */

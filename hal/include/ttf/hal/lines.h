@@ -3,7 +3,7 @@
  * lines.h: the wires of a box: outputs that are driven, inputs that are felt. A bank is a set of them,
  * requested at once.
  *
- * Life: the bank's maker (gpiod.h, and, for tests and boards without wires, ttf_lines_file_create) requests all
+ * Life: the bank's maker (gpiod.h, pwm.h, and, for tests and boards without wires, ttf_lines_file_create) requests all
  * lines together with their outputs dark; no line is ever given a direction before its value. Dark is level 0
  * whatever the wire's polarity.
  *
@@ -30,13 +30,14 @@ struct ttf_line_spec {
     char line[64]; /* the line's name, or its number on the chip */
     bool active_low;
     bool pull_up; /* of an input: asked for where the chip can */
+    int64_t
+        period_ns; /* of a PWM channel (pwm.h): the length of its cycle; 0: a line that is on or off */
 };
 
 /* An input changed. */
 struct ttf_line_event {
     unsigned i;
     bool active;
-    int64_t at_ns; /* boot clock, of the kernel's own stamp; TTF_NS_UNKNOWN where there is none */
 };
 
 unsigned ttf_lines_count(const struct ttf_lines *lines);
@@ -45,8 +46,8 @@ unsigned ttf_lines_count(const struct ttf_lines *lines);
 const struct ttf_line_spec *ttf_lines_spec(const struct ttf_lines *lines, unsigned i);
 
 /*
- * Drives output i: a switch is on from 500 permille. -EINVAL for an input or beyond 1000; -ENODEV if the chip is
- * gone, -EIO if it refuses.
+ * Drives output i: a line that is on or off is on from 500 permille, a PWM channel takes any. -EINVAL for an input or
+ * beyond 1000; -ENODEV if the chip is gone, -EIO and the like if it refuses.
  */
 TTF_MUST_USE int ttf_lines_set(struct ttf_lines *lines, unsigned i, unsigned permille);
 
@@ -76,6 +77,14 @@ TTF_MUST_USE int ttf_lines_check(const struct ttf_line_spec *specs, unsigned n,
  */
 TTF_MUST_USE int ttf_lines_file_create(const char *path, const struct ttf_line_spec *specs,
                                        unsigned n, struct ttf_lines **ret, struct ttf_err *err);
+
+/*
+ * One bank of several: line i is that of the same label in one of the banks, which belong to it from then on (on
+ * failure they stay the caller's). If the chip of one is gone, its lines say so, and events of the whole. -EINVAL, -ENOMEM.
+ */
+TTF_MUST_USE int ttf_lines_joined_create(const struct ttf_line_spec *specs, unsigned n,
+                                         struct ttf_lines *const *banks, unsigned n_banks,
+                                         struct ttf_lines **ret, struct ttf_err *err);
 
 /* --- for authors of back-ends: all ops mandatory, struct embedded first --- */
 struct ttf_lines_ops {

@@ -19,7 +19,13 @@
 int ttf_systemd_notify(const char *socket, const char *state);
 
 /*
- * A watchdog that tells the manager "WATCHDOG=1". limit_ns: what WATCHDOG_USEC says, by the unit file; arming it
+ * What the manager's environment says of a watchdog: WATCHDOG_USEC in nanoseconds, if WATCHDOG_PID names this process
+ * or is missing (a child of a service inherits both, and is not meant); else 0. Before there are threads.
+ */
+int64_t ttf_systemd_watchdog_ns(void);
+
+/*
+ * A watchdog that tells the manager "WATCHDOG=1". limit_ns: ttf_systemd_watchdog_ns(), by the unit file; arming it
  * for longer than that is refused (-EINVAL), since the unit's limit is what bites. While it is not armed the manager is
  * told to count no time ("WATCHDOG_USEC=0"), from here on. -ENOTSUP: nobody listens; -ENOMEM.
  */

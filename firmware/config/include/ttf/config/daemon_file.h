@@ -17,6 +17,7 @@ struct ttf_daemon_config {
     char data[512];        /* the folder of datasets */
     char dataset[512];     /* the one to make: data, a slash and its name */
     char calibration[512]; /* empty: none */
+    char zone[64];         /* of plans that name none; empty: UTC */
     uint32_t threads;      /* 0: all */
     int64_t retry_ns; /* what failed is tried again after this, doubled each time up to 12 times */
     unsigned n_sets;  /* changes of the board */

@@ -32,6 +32,9 @@ void ttf_plan_file_free(struct ttf_plan_file *file); /* NULL allowed */
 const struct ttf_plan *ttf_plan_file_plan(const struct ttf_plan_file *file);
 const char *ttf_plan_file_text(const struct ttf_plan_file *file);
 
+/* Of a plan that names no zone; before it is resolved. An empty one changes nothing. */
+void ttf_plan_file_default_zone(struct ttf_plan_file *file, const char *zone);
+
 /*
  * Resolves the plan's zone at that instant (or at its own start) into an offset,
  * once: nothing follows daylight-saving changes later. -EINVAL for a zone that this

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cmd_serve.c: `ttfbox serve`: the HTTP interface over a folder of datasets. */
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "commands.h"
+#include "ttf/hal/clock.h"
+#include "ttf/http/listen.h"
+#include "ttf/http/server.h"
+#include "ttf/http/token.h"
+
+#define DEFAULT_LISTEN "127.0.0.1:8417"
+#define LOOK_NS        (100 * TTF_NS_PER_MS) /* how soon Ctrl-C is seen */
+
+/* Until Ctrl-C. */
+static int stay(struct cli *cli)
+{
+    struct ttf_clock *clock = ttf_clock_real_create();
+
+    if (!clock)
+        return ttf_err_set(&cli->err, -errno, "clock", "the machine's clock cannot be had");
+    while (*cli_stop_flag() == 0)
+        (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + LOOK_NS);
+    ttf_clock_destroy(clock);
+    return 0;
+}
+
+static void tell(struct cli *cli, const struct ttf_http_socket *socket, const char *token)
+{
+    if (cli->opt.json) { /* at once: whoever started it waits for the port */
+        printf("{\"listening\":\"%s\",\"free_to_read\":%s}\n", socket->name,
+               socket->loopback ? "true" : "false");
+    } else {
+        cli_say(cli, "serving %s at %s%s", cli->opt.args[0], socket->loopback ? "" : "http://",
+                socket->name);
+        if (!socket->loopback)
+            cli_say(cli, "readers need the token: %s",
+                    cli->opt.token_file ? cli->opt.token_file : token);
+        cli_say(cli, "Ctrl-C ends it");
+    }
+    (void)fflush(stdout);
+}
+
+int cmd_serve(struct cli *cli)
+{
+    struct ttf_http_config config = {.folder = cli->opt.args[0], .io = cli->io};
+    char token[TTF_HTTP_TOKEN_SIZE] = "", host[256] = "";
+    const char *names[] = {host, NULL};
+    struct ttf_http_server *server = NULL;
+    struct ttf_http_socket socket;
+    int r;
+
+    r = cli->opt.token_file ? ttf_http_token_load(cli->opt.token_file, token, &cli->err)
+                            : ttf_http_token_make(token, &cli->err);
+    if (r < 0)
+        return r;
+    config.token = token;
+    if (gethostname(host, sizeof host - 1) == 0)
+        config.names = names;
+    r = ttf_http_server_create(&config, &server, &cli->err);
+    if (r == 0)
+        r = ttf_http_listen(cli->opt.listen ? cli->opt.listen : DEFAULT_LISTEN, &socket, &cli->err);
+    if (r == 0) {
+        cli_stop_catch();
+        (void)signal(SIGPIPE, SIG_IGN);
+        r = ttf_http_server_listen(server, socket.fd, socket.loopback, &cli->err);
+    }
+    if (r == 0) {
+        tell(cli, &socket, token);
+        r = stay(cli);
+    }
+    ttf_http_server_destroy(server);
+    return r;
+}

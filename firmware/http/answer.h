@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* answer.h: an entity as libmicrohttpd's response: conditions, ranges, the headers of every answer. */
+#ifndef HTTP_ANSWER_H
+#define HTTP_ANSWER_H
+
+#include <microhttpd.h>
+
+#include "request.h"
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+
+/* Queues what a handler gave; the answer's contents are the response's afterwards. */
+TTF_MUST_USE enum MHD_Result answer_send(struct MHD_Connection *connection,
+                                         struct ttf_http_answer *answer);
+
+/* Queues an error as JSON. status 0: the one that goes with err->code. */
+TTF_MUST_USE enum MHD_Result answer_error(struct MHD_Connection *connection, unsigned status,
+                                          const struct ttf_err *err);
+
+#endif

@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "datasets.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "described.h"
+#include "tar_read.h"
+#include "ttf/dataset/json_writer.h"
+
+static int no_dataset(struct ttf_http_request *request)
+{
+    return ttf_err_set(&request->err, -ENOENT, request->match->name,
+                       "there is no dataset of this name");
+}
+
+/* A JSON writer's text as an answer. */
+static int give(struct ttf_json *json, struct ttf_http_answer *ret)
+{
+    const char *text;
+    size_t bytes;
+    int r = ttf_json_finish(json, &text, &bytes);
+    char *copy = r == 0 ? malloc(bytes + 1) : NULL;
+
+    if (r == 0 && !copy)
+        r = -ENOMEM;
+    if (r == 0) {
+        memcpy(copy, text, bytes + 1);
+        answer_json(ret, copy, bytes);
+    }
+    ttf_json_free(json);
+    return r;
+}
+
+static void put_one(struct ttf_http_request *request, struct ttf_json *json, const char *name)
+{
+    char *text = NULL, why[700];
+    struct ttf_err err = {0};
+
+    if (summaries_get(request->summaries, request->folder, request->io, name, &text, &err) == 0) {
+        ttf_json_raw(json, text);
+        free(text);
+        return;
+    }
+    /* One that cannot be read is in the list all the same, with the reason. */
+    ttf_json_object(json);
+    ttf_json_kstring(json, "name", name);
+    ttf_json_kstring(json, "error", ttf_err_text(&err, why, sizeof why));
+    ttf_json_object_end(json);
+}
+
+int datasets_list(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char(*names)[65] = NULL;
+    int64_t n = folder_list(request->folder, &names);
+    struct ttf_json json;
+
+    if (n < 0)
+        return ttf_err_set(&request->err, (int)n, NULL, "the data folder cannot be listed");
+    ttf_json_init(&json, false);
+    ttf_json_object(&json);
+    ttf_json_key(&json, "datasets");
+    ttf_json_array(&json);
+    for (int64_t i = 0; i < n; i++)
+        put_one(request, &json, names[i]);
+    ttf_json_array_end(&json);
+    ttf_json_object_end(&json);
+    free(names);
+    return give(&json, ret);
+}
+
+int datasets_one(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char *text = NULL;
+    int r = summaries_get(request->summaries, request->folder, request->io, request->match->name,
+                          &text, &request->err);
+
+    if (r == 0)
+        answer_json(ret, text, strlen(text));
+    return r;
+}
+
+/* ---- files ---- */
+
+static const char *type_of(const char *path)
+{
+    static const struct {
+        const char *end, *type;
+    } TYPES[] = {{".tif", "image/tiff"},        {".dng", "image/x-adobe-dng"},
+                 {".json", "application/json"}, {".jsonl", "application/jsonl"},
+                 {".yaml", "application/yaml"}, {".png", "image/png"},
+                 {".jpg", "image/jpeg"},        {".mp4", "video/mp4"},
+                 {"SHA256SUMS", "text/plain"}};
+    size_t n = strlen(path);
+
+    for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
+        size_t n_end = strlen(TYPES[i].end);
+
+        if (n >= n_end && strcmp(path + n - n_end, TYPES[i].end) == 0)
+            return TYPES[i].type;
+    }
+    return "application/octet-stream";
+}
+
+static void tag_by_stat(struct ttf_http_answer *ret, const struct stat *st)
+{
+    (void)snprintf(ret->etag, sizeof ret->etag, "%" PRIx64 "-%" PRIx64 "-%" PRIx64 ".%lx",
+                   (uint64_t)st->st_ino, (uint64_t)ret->bytes, (uint64_t)st->st_mtim.tv_sec,
+                   (unsigned long)st->st_mtim.tv_nsec);
+}
+
+/* Lines are added to it, also while it is being read. */
+static bool grows(const char *path)
+{
+    return strcmp(path, "records.jsonl") == 0 || strcmp(path, "events.jsonl") == 0 ||
+           strcmp(path, "notes.jsonl") == 0;
+}
+
+static int open_file(struct ttf_http_request *request, const char *path,
+                     struct ttf_http_answer *ret)
+{
+    const char *name = request->match->name;
+    char where[4096 + 80];
+    struct stat st;
+    int fd = folder_file(request->folder, name, path, &st);
+
+    if (fd == -ENOENT && folder_dataset(request->folder, name, where, sizeof where) == -ENOENT)
+        return no_dataset(request);
+    if (fd < 0)
+        return ttf_err_set(&request->err, fd, path,
+                           fd == -ENOENT ? "there is no such file in the dataset"
+                                         : "cannot be read");
+    ret->fd = fd;
+    ret->bytes = st.st_size;
+    ret->type = type_of(path);
+    ret->ranges = true;
+    if (grows(path) && !described_sealed(request->folder, name))
+        ret->bytes = folder_whole_lines(fd, st.st_size);
+    else if (described_sha256(request->folder, name, path, ret->sha256) == 0)
+        (void)snprintf(ret->etag, sizeof ret->etag, "%s", ret->sha256);
+    if (ret->bytes < 0)
+        return ttf_err_set(&request->err, (int)ret->bytes, path, "cannot be read");
+    if (!*ret->etag)
+        tag_by_stat(ret, &st);
+    return 0;
+}
+
+int datasets_records(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    return open_file(request, "records.jsonl", ret);
+}
+
+int datasets_file(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    return open_file(request, request->match->path, ret);
+}
+
+/* ---- archives ---- */
+
+static ssize_t archive_read(void *ctx, int64_t offset, void *buf, size_t n)
+{
+    return tar_read(ctx, offset, buf, n);
+}
+
+static void archive_done(void *ctx)
+{
+    tar_reader_destroy(ctx);
+}
+
+int datasets_tar(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    struct tar_layout layout;
+    struct tar_reader *reader;
+    int r = tar_layout_make(request->folder, request->match->name, &layout);
+
+    if (r == -ENOENT)
+        return no_dataset(request);
+    if (r < 0)
+        return ttf_err_set(&request->err, r, request->match->name, "cannot be listed");
+    ret->bytes = layout.bytes;
+    ret->ranges = layout.sealed; /* one that grows would be another the next time */
+    if (layout.sealed)
+        (void)snprintf(ret->etag, sizeof ret->etag, "%s", layout.etag);
+    reader = tar_reader_create(request->folder, &layout);
+    if (!reader)
+        return ttf_err_set(&request->err, -ENOMEM, NULL, "no memory");
+    ret->source = (struct answer_source){archive_read, archive_done, reader};
+    ret->type = "application/x-tar";
+    (void)snprintf(ret->file_name, sizeof ret->file_name, "%s.tar", request->match->name);
+    return 0;
+}

@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "folder.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/openat2.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#define LOOK_BYTES 65536
+
+int folder_open(const char *path, struct folder *ret, struct ttf_err *err)
+{
+    char *real = realpath(path, NULL);
+
+    *ret = (struct folder){.fd = -1};
+    if (!real)
+        return ttf_err_set(err, -errno, path, "there is no such folder");
+    (void)snprintf(ret->path, sizeof ret->path, "%s", real);
+    free(real);
+    ret->fd = open(ret->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (ret->fd < 0)
+        return ttf_err_set(err, -errno, path, "cannot be opened as a folder");
+    return 0;
+}
+
+void folder_close(struct folder *folder)
+{
+    if (folder->fd >= 0)
+        (void)close(folder->fd);
+    folder->fd = -1;
+}
+
+static bool is_name(const char *name, size_t n)
+{
+    if (n == 0 || n > 64 || name[0] == '.')
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        char c = name[i];
+
+        if (!((c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+              c == '.' || c == '_' || c == '-'))
+            return false;
+    }
+    return true;
+}
+
+bool folder_is_name(const char *name)
+{
+    return is_name(name, strlen(name));
+}
+
+bool folder_is_path(const char *path)
+{
+    if (strlen(path) > 191)
+        return false;
+    for (;;) {
+        size_t n = strcspn(path, "/");
+
+        if (!is_name(path, n))
+            return false;
+        if (path[n] == '\0')
+            return true;
+        path += n + 1;
+    }
+}
+
+/* Beneath a folder, whatever the names are made of; links are refused, so none leads out either. */
+static int open_beneath(int folder, const char *path, uint64_t flags)
+{
+    struct open_how how = {
+        .flags = flags | O_CLOEXEC,
+        .resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS,
+    };
+
+    return (int)syscall(SYS_openat2, folder, path, &how, sizeof how);
+}
+
+int folder_file(const struct folder *folder, const char *dataset, const char *path,
+                struct stat *ret_stat)
+{
+    char whole[320];
+    struct stat st;
+    int fd;
+
+    if (!folder_is_name(dataset) || !folder_is_path(path))
+        return -ENOENT;
+    (void)snprintf(whole, sizeof whole, "%s/%s", dataset, path);
+    /* Not to hang on a pipe that somebody put there. */
+    fd = open_beneath(folder->fd, whole, O_RDONLY | O_NONBLOCK | O_NOCTTY);
+    if (fd < 0)
+        return errno == ELOOP || errno == EXDEV || errno == ENOTDIR || errno == ENXIO ? -ENOENT
+                                                                                      : -errno;
+    if (fstat(fd, &st) < 0 || !S_ISREG(st.st_mode)) {
+        (void)close(fd);
+        return -ENOENT;
+    }
+    if (ret_stat)
+        *ret_stat = st;
+    return fd;
+}
+
+int folder_dataset(const struct folder *folder, const char *dataset, char *ret, size_t size)
+{
+    int fd = folder_file(folder, dataset, "dataset.json", NULL);
+
+    if (fd < 0)
+        return fd;
+    (void)close(fd);
+    if ((size_t)snprintf(ret, size, "%s/%s", folder->path, dataset) >= size)
+        return -ENAMETOOLONG;
+    return 0;
+}
+
+static int by_bytes(const void *a, const void *b)
+{
+    return strcmp(a, b);
+}
+
+int64_t folder_list(const struct folder *folder, char (**ret)[65])
+{
+    int fd = open_beneath(folder->fd, ".", O_RDONLY | O_DIRECTORY);
+    DIR *dir = fd < 0 ? NULL : fdopendir(fd);
+    char(*names)[65] = NULL;
+    size_t n = 0, room = 0;
+    const struct dirent *entry;
+    int r = 0;
+
+    if (!dir) {
+        r = -errno;
+        if (fd >= 0)
+            (void)close(fd);
+        return r;
+    }
+    while (r == 0 &&
+           (entry = readdir(dir))) { /* NOLINT(concurrency-mt-unsafe): a stream of its own */
+        int file = folder_file(folder, entry->d_name, "dataset.json", NULL);
+
+        if (file < 0)
+            continue;
+        (void)close(file);
+        if (n == room) {
+            char(*more)[65] = realloc(names, (room ? 2 * room : 16) * sizeof *names);
+
+            if (!more) {
+                r = -ENOMEM;
+                break;
+            }
+            names = more;
+            room = room ? 2 * room : 16;
+        }
+        (void)snprintf(names[n++], sizeof *names, "%.64s", entry->d_name);
+    }
+    (void)closedir(dir);
+    if (r < 0) {
+        free(names);
+        return r;
+    }
+    if (n > 1)
+        qsort(names, n, sizeof *names, by_bytes);
+    *ret = names;
+    return (int64_t)n;
+}
+
+int64_t folder_whole_lines(int fd, int64_t bytes)
+{
+    char *look = malloc(LOOK_BYTES);
+    int64_t end = bytes;
+
+    if (!look)
+        return -ENOMEM;
+    while (end > 0) {
+        int64_t first = end > LOOK_BYTES ? end - LOOK_BYTES : 0;
+        ssize_t got = pread(fd, look, (size_t)(end - first), first);
+        const char *lf;
+
+        if (got < 0) {
+            int r = -errno;
+
+            free(look);
+            return r;
+        }
+        lf = memrchr(look, '\n', (size_t)got);
+        if (lf) {
+            end = first + (lf - look) + 1;
+            break;
+        }
+        end = first;
+    }
+    free(look);
+    return end;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* listen.h: a listening socket from a text. */
+#ifndef TTF_HTTP_LISTEN_H
+#define TTF_HTTP_LISTEN_H
+
+#include <stdbool.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+
+struct ttf_http_socket {
+    int fd;        /* listening, not blocking, closed on exec. The caller's */
+    bool loopback; /* only this machine reaches it */
+    char name
+        [128]; /* where it listens, as a person would type it: "127.0.0.1:8080", "unix:/run/x" */
+};
+
+/*
+ * "ADDRESS:PORT" with a numeric address ("127.0.0.1:8080", "[::1]:8080", port 0: any free one), or "unix:PATH"
+ * (mode 0600; a socket that nobody listens on any more is replaced). -EINVAL: no such text. -EADDRINUSE and the errors of
+ * socket, bind, listen.
+ */
+TTF_MUST_USE int ttf_http_listen(const char *text, struct ttf_http_socket *ret,
+                                 struct ttf_err *err);
+
+#endif

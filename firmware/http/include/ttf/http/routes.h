@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* routes.h: what can be asked for, as a table; openapi.yaml describes the same. */
+#ifndef TTF_HTTP_ROUTES_H
+#define TTF_HTTP_ROUTES_H
+
+#include <stddef.h>
+
+/* Who may. */
+enum ttf_http_access {
+    TTF_HTTP_OPEN = 0, /* everybody who reaches the socket */
+    TTF_HTTP_READ      /* the token, but where the socket lets all read */
+};
+
+#define TTF_HTTP_NAME_MAX 64  /* bytes of a dataset's name */
+#define TTF_HTTP_REST_MAX 192 /* bytes of a path inside it */
+
+struct ttf_http_request; /* private: request.h */
+struct ttf_http_answer;
+
+struct ttf_http_route {
+    const char *method; /* "GET"; HEAD goes with it */
+    const char
+        *pattern; /* "/api/v1/datasets/{name}/files/{path}": {name} one segment, {path} the rest */
+    enum ttf_http_access access;
+    int (*answer)(struct ttf_http_request *request, struct ttf_http_answer *ret);
+};
+
+/* The i-th, or NULL. */
+const struct ttf_http_route *ttf_http_route(size_t i);
+
+/* What a path named. */
+struct ttf_http_match {
+    const struct ttf_http_route *route;
+    char name[TTF_HTTP_NAME_MAX + 1]; /* {name}, as it came: not checked yet */
+    char path[TTF_HTTP_REST_MAX + 1]; /* {path} */
+};
+
+/*
+ * Which route a request is for. -ENOENT: none has such a path; -ENOTSUP: one has, but not this method. Any thread.
+ */
+int ttf_http_route_find(const char *method, const char *url, struct ttf_http_match *ret);
+
+#endif

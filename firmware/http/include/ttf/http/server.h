@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * server.h: the HTTP interface over a folder of datasets (README.md). It answers from threads of its own; it never writes
+ * into the folder.
+ */
+#ifndef TTF_HTTP_SERVER_H
+#define TTF_HTTP_SERVER_H
+
+#include <stdbool.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+#include "ttf/dataset/io.h"
+
+#define TTF_HTTP_TOKEN_MIN 16 /* characters */
+
+struct ttf_http_config {
+    const char *folder; /* whose folders are datasets */
+    struct ttf_io *io;
+    const char *token; /* NULL: there is none, and what needs one is refused */
+    const char *const *
+        names; /* under which the box is known, NULL-ended; addresses and "localhost" always are. NULL allowed */
+    /* What a person who runs the server should know, a sentence; from any thread. NULL allowed. */
+    void (*say)(void *ctx, const char *text);
+    void *say_ctx;
+};
+
+struct ttf_http_server;
+
+/* Copies the configuration's texts. -ENOENT, -ENOTDIR: folder; -EINVAL: a token that is too short; -ENOMEM. */
+TTF_MUST_USE int ttf_http_server_create(const struct ttf_http_config *config,
+                                        struct ttf_http_server **ret, struct ttf_err *err);
+
+/*
+ * Answers on a listening socket, which is the server's from now on, also on failure. free_to_read: whoever reaches it may
+ * read; else the token is asked for. At most 4 sockets: -ENOSPC.
+ */
+TTF_MUST_USE int ttf_http_server_listen(struct ttf_http_server *server, int fd, bool free_to_read,
+                                        struct ttf_err *err);
+
+/* Ends all connections and threads, closes the sockets. NULL allowed. */
+void ttf_http_server_destroy(struct ttf_http_server *server);
+
+#endif

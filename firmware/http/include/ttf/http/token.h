@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* token.h: the secret that lets a client read from elsewhere, and change the box. */
+#ifndef TTF_HTTP_TOKEN_H
+#define TTF_HTTP_TOKEN_H
+
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+
+#define TTF_HTTP_TOKEN_SIZE 65 /* bytes with the terminator */
+
+/* 32 hex digits of the kernel's randomness. */
+TTF_MUST_USE int ttf_http_token_make(char ret[TTF_HTTP_TOKEN_SIZE], struct ttf_err *err);
+
+/*
+ * The first word of a file, 16 to 64 printable characters; a file that is not there is made with a fresh one, mode 0600.
+ * -EINVAL: no token in it; -EPERM: others may read it; errors of opening.
+ */
+TTF_MUST_USE int ttf_http_token_load(const char *path, char ret[TTF_HTTP_TOKEN_SIZE],
+                                     struct ttf_err *err);
+
+#endif

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ttf/http/listen.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <netinet/in.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#define WAITING 64 /* connections that nobody took yet */
+
+union address {
+    struct sockaddr any;
+    struct sockaddr_in v4;
+    struct sockaddr_in6 v6;
+    struct sockaddr_un local;
+};
+
+/* "1.2.3.4:80", "[::1]:80". Its length, or -EINVAL. */
+static int read_address(const char *text, union address *ret, bool *ret_loopback)
+{
+    char host[64];
+    const char *colon = strrchr(text, ':');
+    size_t n = colon ? (size_t)(colon - text) : 0;
+    char *end;
+    unsigned long port;
+
+    if (!colon || n == 0 || n >= sizeof host || colon[1] < '0' || colon[1] > '9')
+        return -EINVAL;
+    port = strtoul(colon + 1, &end, 10);
+    if (*end || port > 65535)
+        return -EINVAL;
+    memcpy(host, text, n);
+    host[n] = '\0';
+    memset(ret, 0, sizeof *ret);
+    if (n > 2 && host[0] == '[' && host[n - 1] == ']') {
+        host[n - 1] = '\0';
+        ret->v6.sin6_family = AF_INET6;
+        ret->v6.sin6_port = htons((uint16_t)port);
+        *ret_loopback = strcmp(host + 1, "::1") == 0;
+        return inet_pton(AF_INET6, host + 1, &ret->v6.sin6_addr) == 1 ? (int)sizeof ret->v6
+                                                                      : -EINVAL;
+    }
+    ret->v4.sin_family = AF_INET;
+    ret->v4.sin_port = htons((uint16_t)port);
+    if (inet_pton(AF_INET, host, &ret->v4.sin_addr) != 1)
+        return -EINVAL;
+    *ret_loopback = (ntohl(ret->v4.sin_addr.s_addr) >> 24) == 127;
+    return (int)sizeof ret->v4;
+}
+
+/* What was bound, in words; port 0 has become one. */
+static void name_it(int fd, struct ttf_http_socket *socket)
+{
+    union address bound = {.any = {.sa_family = AF_UNSPEC}};
+    socklen_t n = sizeof bound;
+    char host[INET6_ADDRSTRLEN] = "";
+
+    if (getsockname(fd, &bound.any, &n) < 0)
+        return;
+    if (bound.any.sa_family == AF_INET6 &&
+        inet_ntop(AF_INET6, &bound.v6.sin6_addr, host, sizeof host))
+        (void)snprintf(socket->name, sizeof socket->name, "[%s]:%u", host,
+                       ntohs(bound.v6.sin6_port));
+    else if (inet_ntop(AF_INET, &bound.v4.sin_addr, host, sizeof host))
+        (void)snprintf(socket->name, sizeof socket->name, "%s:%u", host, ntohs(bound.v4.sin_port));
+}
+
+static int open_tcp(const char *text, struct ttf_http_socket *ret)
+{
+    union address address;
+    const int on = 1;
+    int n = read_address(text, &address, &ret->loopback);
+    int fd;
+
+    if (n < 0)
+        return n;
+    fd = socket(address.any.sa_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd < 0)
+        return -errno;
+    (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if (address.any.sa_family == AF_INET6)
+        (void)setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &on, sizeof on);
+    if (bind(fd, &address.any, (socklen_t)n) < 0 || listen(fd, WAITING) < 0) {
+        int r = -errno;
+
+        (void)close(fd);
+        return r;
+    }
+    name_it(fd, ret);
+    return fd;
+}
+
+/* Is anybody there? */
+static bool answers(const union address *address)
+{
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    bool there = fd >= 0 && connect(fd, &address->any, sizeof address->local) == 0;
+
+    if (fd >= 0)
+        (void)close(fd);
+    return there;
+}
+
+static int open_unix(const char *path, struct ttf_http_socket *ret)
+{
+    union address address = {.local = {.sun_family = AF_UNIX}};
+    struct stat st;
+    int fd, r = 0;
+
+    if (*path == '\0' || strlen(path) >= sizeof address.local.sun_path)
+        return -EINVAL;
+    memcpy(address.local.sun_path, path, strlen(path) + 1);
+    if (lstat(path, &st) == 0) {
+        if (!S_ISSOCK(st.st_mode))
+            return -EEXIST;
+        if (answers(&address))
+            return -EADDRINUSE;
+        (void)unlink(path);
+    }
+    fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd < 0)
+        return -errno;
+    /* The mode is set before anybody can connect: nobody listens yet. */
+    if (bind(fd, &address.any, sizeof address.local) < 0 || chmod(path, 0600) < 0 ||
+        listen(fd, WAITING) < 0) {
+        r = -errno;
+        (void)close(fd);
+        return r;
+    }
+    ret->loopback = true;
+    (void)snprintf(ret->name, sizeof ret->name, "unix:%s", path);
+    return fd;
+}
+
+int ttf_http_listen(const char *text, struct ttf_http_socket *ret, struct ttf_err *err)
+{
+    struct ttf_http_socket made = {.fd = -1};
+
+    made.fd = strncmp(text, "unix:", 5) == 0 ? open_unix(text + 5, &made) : open_tcp(text, &made);
+    if (made.fd == -EINVAL) {
+        ttf_err_set(err, -EINVAL, text, "is no address to listen on");
+        ttf_err_hint(err, "write ADDRESS:PORT, as 127.0.0.1:8080 or [::1]:8080, or unix:PATH");
+        return -EINVAL;
+    }
+    if (made.fd < 0) {
+        ttf_err_set(err, made.fd, text, "cannot be listened on: %s", strerrordesc_np(-made.fd));
+        if (made.fd == -EADDRINUSE)
+            ttf_err_hint(err, "another program listens there; port 0 takes any that is free");
+        return made.fd;
+    }
+    *ret = made;
+    return 0;
+}

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ttf/http/routes.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "datasets.h"
+#include "health.h"
+
+static const struct ttf_http_route ROUTES[] = {
+    {"GET", "/api/v1/health", TTF_HTTP_OPEN, health},
+    {"GET", "/api/v1/datasets", TTF_HTTP_READ, datasets_list},
+    {"GET", "/api/v1/datasets/{name}", TTF_HTTP_READ, datasets_one},
+    {"GET", "/api/v1/datasets/{name}/records", TTF_HTTP_READ, datasets_records},
+    {"GET", "/api/v1/datasets/{name}/files/{path}", TTF_HTTP_READ, datasets_file},
+    {"GET", "/api/v1/datasets/{name}/tar", TTF_HTTP_READ, datasets_tar},
+};
+
+const struct ttf_http_route *ttf_http_route(size_t i)
+{
+    return i < sizeof ROUTES / sizeof *ROUTES ? &ROUTES[i] : NULL;
+}
+
+/* Copies n bytes of a segment; false: too long, or none. */
+static bool take(const char *from, size_t n, char *ret, size_t max)
+{
+    if (n == 0 || n > max)
+        return false;
+    memcpy(ret, from, n);
+    ret[n] = '\0';
+    return true;
+}
+
+static bool matches(const char *pattern, const char *url, struct ttf_http_match *ret)
+{
+    for (;;) {
+        if (strncmp(pattern, "{name}", 6) == 0) {
+            size_t n = strcspn(url, "/");
+
+            if (!take(url, n, ret->name, TTF_HTTP_NAME_MAX))
+                return false;
+            pattern += 6;
+            url += n;
+        } else if (strncmp(pattern, "{path}", 6) == 0) {
+            return take(url, strlen(url), ret->path, TTF_HTTP_REST_MAX);
+        }
+        if (*pattern != *url)
+            return false;
+        if (*pattern == '\0')
+            return true;
+        pattern++;
+        url++;
+    }
+}
+
+int ttf_http_route_find(const char *method, const char *url, struct ttf_http_match *ret)
+{
+    int r = -ENOENT;
+
+    if (strcmp(method, "HEAD") == 0)
+        method = "GET";
+    for (size_t i = 0; i < sizeof ROUTES / sizeof *ROUTES; i++) {
+        struct ttf_http_match match = {.route = &ROUTES[i]};
+
+        if (!matches(ROUTES[i].pattern, url, &match))
+            continue;
+        if (strcmp(ROUTES[i].method, method) == 0) {
+            *ret = match;
+            return 0;
+        }
+        r = -ENOTSUP;
+    }
+    return r;
+}

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* test_token.c: the box's secret and its file; sockets from texts. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "scratch.h"
+#include "ttf/http/listen.h"
+#include "ttf/http/token.h"
+
+static void a_file_is_made_once_for_its_owner_alone(void **state)
+{
+    char first[TTF_HTTP_TOKEN_SIZE], again[TTF_HTTP_TOKEN_SIZE], other[TTF_HTTP_TOKEN_SIZE];
+    struct stat st;
+
+    (void)state;
+    assert_int_equal(ttf_http_token_load("token", first, NULL), 0);
+    assert_int_equal(strlen(first), 32);
+    assert_int_equal(stat("token", &st), 0);
+    assert_int_equal(st.st_mode & 0777, 0600);
+    assert_int_equal(ttf_http_token_load("token", again, NULL), 0);
+    assert_string_equal(first, again);
+    assert_int_equal(ttf_http_token_make(other, NULL), 0);
+    assert_string_not_equal(first, other);
+}
+
+static void a_token_that_others_can_read_or_that_is_none_is_refused(void **state)
+{
+    char token[TTF_HTTP_TOKEN_SIZE];
+
+    (void)state;
+    scratch_file("open", "0123456789abcdef\n", 17);
+    assert_int_equal(chmod("open", 0644), 0);
+    assert_int_equal(ttf_http_token_load("open", token, NULL), -EPERM);
+    assert_int_equal(chmod("open", 0600), 0);
+    assert_int_equal(ttf_http_token_load("open", token, NULL), 0);
+    assert_string_equal(token, "0123456789abcdef");
+    scratch_file("short", "012345\n", 7);
+    assert_int_equal(chmod("short", 0600), 0);
+    assert_int_equal(ttf_http_token_load("short", token, NULL), -EINVAL);
+    assert_int_equal(ttf_http_token_load("no/such/folder", token, NULL), -ENOENT);
+}
+
+static void what_is_no_address_is_refused(void **state)
+{
+    static const char *const TEXTS[] = {
+        "",          "8417",       ":8417",           "localhost:8417",
+        "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:8a",
+        "[::1]",     "::1:80",     "256.1.1.1:80",    "unix:",
+        NULL};
+    struct ttf_http_socket s;
+
+    (void)state;
+    for (unsigned i = 0; TEXTS[i]; i++)
+        if (ttf_http_listen(TEXTS[i], &s, NULL) != -EINVAL)
+            fail_msg("'%s' is listened on", TEXTS[i]);
+}
+
+static void a_socket_knows_its_port_and_whether_others_reach_it(void **state)
+{
+    struct ttf_http_socket local, all, second;
+
+    (void)state;
+    assert_int_equal(ttf_http_listen("127.0.0.1:0", &local, NULL), 0);
+    assert_true(local.loopback);
+    assert_null(strstr(local.name, ":0"));
+    assert_int_equal(ttf_http_listen(local.name, &second, NULL), -EADDRINUSE);
+    assert_int_equal(ttf_http_listen("0.0.0.0:0", &all, NULL), 0);
+    assert_false(all.loopback);
+    (void)close(local.fd);
+    (void)close(all.fd);
+}
+
+static void a_socket_that_nobody_listens_on_is_replaced_and_no_other_file(void **state)
+{
+    struct ttf_http_socket s, second;
+    struct stat st;
+
+    (void)state;
+    assert_int_equal(ttf_http_listen("unix:box", &s, NULL), 0);
+    assert_int_equal(stat("box", &st), 0);
+    assert_int_equal(st.st_mode & 0777, 0600);
+    assert_int_equal(ttf_http_listen("unix:box", &second, NULL), -EADDRINUSE);
+    (void)close(s.fd);
+    assert_int_equal(ttf_http_listen("unix:box", &second, NULL), 0);
+    (void)close(second.fd);
+    scratch_file("file", "x", 1);
+    assert_int_equal(ttf_http_listen("unix:file", &s, NULL), -EEXIST);
+}
+
+#define IN_A_FOLDER(test) cmocka_unit_test_setup_teardown(test, scratch_make, scratch_remove)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        IN_A_FOLDER(a_file_is_made_once_for_its_owner_alone),
+        IN_A_FOLDER(a_token_that_others_can_read_or_that_is_none_is_refused),
+        cmocka_unit_test(what_is_no_address_is_refused),
+        cmocka_unit_test(a_socket_knows_its_port_and_whether_others_reach_it),
+        IN_A_FOLDER(a_socket_that_nobody_listens_on_is_replaced_and_no_other_file),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
