@@ -110,26 +110,3 @@ int lc_load(const char *path, struct lc_system *ret, struct ttf_err *err)
     *ret = (struct lc_system){.ops = ops, .wait = module_wait};
     return 0;
 }
-
-int ttf_libcamera_list(const char *module, struct ttf_libcamera_seen *ret, unsigned max,
-                       char ret_version[16], struct ttf_err *err)
-{
-    struct lc_system system;
-    struct lc_identity id;
-    unsigned n = 0;
-    int r = lc_load(module ? module : "", &system, err);
-
-    if (r < 0)
-        return r;
-    r = system.ops->begin(system.ctx);
-    if (r < 0)
-        return ttf_err_set(err, r, NULL, "libcamera does not start: %s", strerrordesc_np(-r));
-    (void)snprintf(ret_version, 16, "%s", system.ops->version(system.ctx));
-    while (n < max && system.ops->list(system.ctx, n, &id) > 0) {
-        memcpy(ret[n].id, id.id, sizeof(id.id));
-        memcpy(ret[n].model, id.model, sizeof(id.model));
-        n++;
-    }
-    system.ops->end(system.ctx);
-    return (int)n;
-}

@@ -72,11 +72,6 @@ struct ttf_libcamera_info {
     int64_t time_uncertainty_ns; /* of turning the driver's clock into the boot clock */
 };
 
-/* One that libcamera sees, for lists. */
-struct ttf_libcamera_seen {
-    char id[128], model[64];
-};
-
 /*
  * Loads libcamera and takes the camera; nothing is changed in it before configure. The clock is borrowed and must be the
  * machine's. -ENOTSUP: no module, or one of another build (err says where it was looked for); -ENODEV: no such camera
@@ -89,12 +84,5 @@ TTF_MUST_USE int ttf_libcamera_camera_create(const struct ttf_libcamera_config *
 
 /* base: one made by ttf_libcamera_camera_create. Format and controls are known after configure. */
 void ttf_libcamera_camera_info(const struct ttf_camera *base, struct ttf_libcamera_info *ret);
-
-/*
- * Up to max cameras that libcamera sees; how many. module: as in the configuration. ret_version: 16 bytes.
- * -ENOTSUP without a module.
- */
-TTF_MUST_USE int ttf_libcamera_list(const char *module, struct ttf_libcamera_seen *ret,
-                                    unsigned max, char ret_version[16], struct ttf_err *err);
 
 #endif
