@@ -2,6 +2,7 @@
 # Debian packages by CPack, one for each install component: README.md. Built by `./dev package`.
 set(TTFBOX_DEPENDS_tools "" CACHE STRING "What package ttfbox depends on (dpkg-shlibdeps, by ./dev package)")
 set(TTFBOX_DEPENDS_box "" CACHE STRING "The same of ttfbox-box")
+set(TTFBOX_DEPENDS_libcamera "" CACHE STRING "The same of ttfbox-libcamera")
 set(TTFBOX_ARCHITECTURE amd64 CACHE STRING "Debian's name of the processor built for")
 
 include(GNUInstallDirs)
@@ -13,6 +14,11 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL tools box)
+set(packages tools:ttfbox box:ttfbox-box)
+if(TARGET ttfbox-libcamera)
+    list(APPEND CPACK_COMPONENTS_ALL libcamera)
+    list(APPEND packages libcamera:ttfbox-libcamera)
+endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE ${TTFBOX_ARCHITECTURE})
@@ -50,6 +56,14 @@ box's lamp lines. Both are hardened services of unprivileged users.
 Nothing is captured before /etc/ttfbox/ttfboxd.yaml is written and the
 services are enabled.")
 
+set(CPACK_DEBIAN_LIBCAMERA_PACKAGE_NAME ttfbox-libcamera)
+set(CPACK_DEBIAN_LIBCAMERA_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBCAMERA_PACKAGE_DEPENDS
+    "${TTFBOX_DEPENDS_libcamera}, ttfbox (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), libcamera-ipa")
+set(CPACK_COMPONENT_LIBCAMERA_DESCRIPTION "cameras behind libcamera for ttfbox
+The module by which ttfbox and ttfboxd use cameras that only libcamera can
+drive, as those on a Raspberry Pi's ribbon.")
+
 # What Debian wants beside the files. Only here: an installation by hand has no use for it.
 set(notes ${PROJECT_BINARY_DIR}/package)
 file(MAKE_DIRECTORY ${notes})
@@ -60,7 +74,7 @@ foreach(page IN ITEMS ttfboxd.8 ttfbox-lampd.8)
                     OUTPUT_FILE ${notes}/${page}.gz COMMAND_ERROR_IS_FATAL ANY)
     install(FILES ${notes}/${page}.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 COMPONENT box)
 endforeach()
-foreach(part IN ITEMS tools:ttfbox box:ttfbox-box)
+foreach(part IN LISTS packages)
     string(REPLACE ":" ";" part ${part})
     list(GET part 0 component)
     list(GET part 1 package)

@@ -35,6 +35,11 @@ if grep ttfbox /tmp/verify; then wrong "systemd has something to say"; fi
 [ "$(systemctl is-enabled ttfbox-lampd.service || true)" = disabled ] || wrong "ttfbox-lampd is enabled by itself"
 held "systemd takes the services, and nothing is enabled"
 
+# Each program finds the boards that came with it; what it then lacks is the wire.
+ttfbox-lampd --board rpi4 2>/tmp/lampd && wrong "there is a Raspberry Pi here"
+if grep "no such board" /tmp/lampd; then wrong "the guardian does not find the boards"; fi
+held "the guardian finds the boards"
+
 printf 'interval: 1min\ncount: 5\nshots: [{exposure: 20ms}]\nkeep: developed\nreserve: 1MB\n' >/tmp/tiny.yaml
 mkdir -p /var/lib/ttfbox
 ttfbox capture -q /tmp/tiny.yaml -b sim-small -o /var/lib/ttfbox/tiny

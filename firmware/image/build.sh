@@ -61,8 +61,8 @@ fstab() { # DISK-ID
     cat <<END
 # SPDX-License-Identifier: Apache-2.0
 PARTUUID=$1-02 / ext4 ro,noatime 0 1
-PARTUUID=$1-01 /boot/box vfat ro,umask=0022,nofail,x-systemd.device-timeout=30s 0 2
-PARTUUID=$1-03 /data ext4 errors=remount-ro,noatime,nofail,x-systemd.growfs,x-systemd.device-timeout=30s 0 2
+PARTUUID=$1-01 /boot/box vfat ro,umask=0022,nofail,x-systemd.device-timeout=3min 0 2
+PARTUUID=$1-03 /data ext4 errors=remount-ro,noatime,nofail,x-systemd.growfs,x-systemd.device-timeout=3min 0 2
 /data/datasets /var/lib/ttfbox none bind,nofail,x-systemd.requires-mounts-for=/data 0 0
 tmpfs /tmp tmpfs nosuid,nodev,size=25% 0 0
 tmpfs /var/tmp tmpfs nosuid,nodev,size=25% 0 0

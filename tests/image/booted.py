@@ -90,8 +90,8 @@ class Booted(machine.Machine):
 
     def wait(self, condition, seconds=120):
         """Until a shell's condition holds; its output in the end."""
-        code, out = self.run("i=0; while [ $i -lt %d ] && ! { %s; } >/dev/null 2>&1; do sleep 0.25; i=$((i+1)); done; %s" %
-                             (seconds * 4, condition, condition), seconds * 3 + 60)
+        code, out = self.run("end=$(($(date +%%s) + %d)); while [ $(date +%%s) -lt $end ] && ! { %s; } >/dev/null 2>&1; do "
+                             "sleep 0.5; done; %s" % (seconds, condition, condition), seconds + 60)
         assert code == 0, (condition, out, self.journal())
         return out
 
