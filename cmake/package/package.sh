@@ -19,11 +19,11 @@ compile() { # ARCH CMAKE-ARGUMENTS...
     mkdir -p "$out/$arch"
     # What was left out, and where a tree lies, may have changed: configured each time.
     quiet cmake -G Ninja -S . -B "$out/$arch/build" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_INSTALL_PREFIX=/usr \
-        -DTTFBOX_TESTS=OFF -DTTFBOX_PACKAGE=ON -DTTFBOX_ARCHITECTURE="$arch" "$@"
+        -DTTFBOX_TESTS=OFF -DTTFBOX_PACKAGE=ON -DTTFBOX_LIBCAMERA=ON -DTTFBOX_ARCHITECTURE="$arch" "$@"
     quiet ninja -C "$out/$arch/build" -j "$jobs"
 }
 
-programs() { # COMPONENT
+programs() { # COMPONENT: below the folder that is built into
     case $1 in
     tools) echo bin/ttfbox ;;
     box) echo bin/ttfboxd bin/ttfbox-lampd ;;

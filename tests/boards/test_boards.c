@@ -179,7 +179,7 @@ static void an_image_says_what_it_is_made_of(void **state)
 
         if (!boards[k].b.real)
             continue;
-        (void)snprintf(path, sizeof path, "%s/image/image.conf", boards[k].folder);
+        (void)snprintf(path, sizeof path, "%.255s/image/image.conf", boards[k].folder);
         if (access(path, R_OK) < 0)
             fail_msg("%s: nothing says how its image is made", boards[k].b.name);
         text = text_of(&boards[k], "image/image.conf");

@@ -76,7 +76,7 @@ class Booted(machine.Machine):
         super().__init__(None, None, seconds)
         self.image, self.arch, self.memory = image, arch, memory
 
-    def boots(self):
+    def boots(self, words):
         kind = ["qemu-system-aarch64", "-accel", "tcg", "-M", "virt,acpi=off", "-cpu", "cortex-a53"]
         if self.arch == "amd64":
             kind = ["qemu-system-x86_64", "-accel", "tcg", "-M", "q35", "-cpu", "qemu64"]

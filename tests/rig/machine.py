@@ -24,37 +24,49 @@ class Machine:
         self.folder = tempfile.mkdtemp(prefix="ttfbox-rig.")
         self.process = None
 
-    def boots(self):
-        """What it is, and what it boots."""
-        return ["qemu-system-aarch64", "-accel", "tcg", "-M", "virt", "-cpu", "cortex-a53", "-m", "512",
-                "-kernel", self.rig + "/kernel", "-initrd", self.rig + "/initramfs.gz",
-                "-append", "console=ttyAMA0 quiet loglevel=4 panic=-1",
-                "-fsdev", "local,id=t,path=%s/tree,security_model=none,readonly=on,multidevs=remap" % self.rig,
+    def lent(self):
+        """Where the guest finds its system and our programs: in the host's own folders."""
+        return ["-fsdev", "local,id=t,path=%s/tree,security_model=none,readonly=on,multidevs=remap" % self.rig,
                 "-device", "virtio-9p-pci,fsdev=t,mount_tag=tree",
                 "-fsdev", "local,id=s,path=%s,security_model=none,multidevs=remap" % self.share,
                 "-device", "virtio-9p-pci,fsdev=s,mount_tag=share"]
 
+    def boots(self, words):
+        """What it is, and what it boots."""
+        return ["qemu-system-aarch64", "-accel", "tcg", "-M", "virt", "-cpu", "cortex-a53", "-m", "512",
+                "-kernel", self.rig + "/kernel", "-initrd", self.rig + "/initramfs.gz",
+                "-append", "console=ttyAMA0 quiet loglevel=4 panic=-1" + words] + self.lent()
+
     def __enter__(self):
+        self.power_on()
+        return self
+
+    def power_on(self, words=""):
         f = self.folder
-        command = ["timeout", "-k", "5", str(self.seconds)] + self.boots() + [
+        command = ["timeout", "-k", "5", str(self.seconds)] + self.boots(words) + [
             "-smp", "1", "-nodefaults", "-no-reboot", "-display", "none", "-serial", "file:" + f + "/serial",
             "-device", "virtio-serial-pci", "-chardev", "socket,id=a,path=%s/agent,server=on,wait=off" % f,
             "-device", "virtconsole,chardev=a",
-            "-chardev", "socket,id=p,path=%s/port,server=on,wait=off" % f, "-device", "virtconsole,chardev=p",
-            "-qmp", "unix:%s/monitor,server=on,wait=off" % f,
+            "-chardev", "socket,id=p,path=%s/port,server=on,wait=off" % f, "-device", "virtconsole,chardev=p", "-qmp", "unix:%s/monitor,server=on,wait=off" % f,
             "-msg", "timestamp=on", "-d", "trace:pl061_set_output", "-D", f + "/trace"] + self.devices
         with open(f + "/qemu", "wb") as log:
             self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         try:
-            self.agent = self.connect("agent")
-            self.booted_s = float(self.until(b"AGENT-READY ", b"\n", self.ready_s))
-            self.monitor = self.connect("monitor").makefile("rw")
-            self.monitor.readline()
-            self.ask("qmp_capabilities")
+            self.meet()
         except Exception:
             self.__exit__()
             raise
-        return self
+
+    def meet(self):
+        """The agent in the guest, and the emulator's own monitor."""
+        self.agent = self.connect("agent")
+        self.booted_s = float(self.until(b"AGENT-READY ", b"\n", self.ready_s))
+        self.talk_to_monitor()
+
+    def talk_to_monitor(self):
+        self.monitor = self.connect("monitor").makefile("rw")
+        self.monitor.readline()
+        self.ask("qmp_capabilities")
 
     def __exit__(self, *_):
         if self.process and self.process.poll() is None:
