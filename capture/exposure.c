@@ -57,7 +57,8 @@ int64_t ttf_exposures_span_ns(const struct ttf_camera_caps *caps, int64_t exposu
 int64_t ttf_exposure_lead_ns(const struct ttf_camera_caps *caps, int64_t exposure_ns)
 {
     int64_t half = exposure_ns / 2 + caps->frame_period_ns;
-    int64_t lead = caps->lead_ns;
+    int64_t longer = exposure_ns - caps->frame_period_ns;
+    int64_t lead = caps->lead_ns + (longer > 0 ? longer * caps->long_frames : 0);
 
     /* A long exposure under way must end first; the frame's own half comes before its middle. */
     if (lead < half)

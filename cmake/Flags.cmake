@@ -3,6 +3,10 @@
 set(CMAKE_C_STANDARD 17)
 set(CMAKE_C_STANDARD_REQUIRED ON)
 set(CMAKE_C_EXTENSIONS OFF)
+# Of the module for libcamera alone, whose headers are C++17.
+set(CMAKE_CXX_STANDARD 17)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 if(NOT CMAKE_BUILD_TYPE)
     set(CMAKE_BUILD_TYPE RelWithDebInfo)
@@ -10,8 +14,8 @@ endif()
 
 add_compile_definitions(_GNU_SOURCE _FILE_OFFSET_BITS=64 TTFBOX_VERSION="${PROJECT_VERSION}")
 add_compile_options(
-    -Wall -Wextra -Wshadow -Wpointer-arith -Wstrict-prototypes -Wmissing-prototypes
-    -Wwrite-strings -Wformat=2 -Wvla -Wundef -Wno-unused-parameter
+    -Wall -Wextra -Wshadow -Wpointer-arith $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>
+    $<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes> -Wwrite-strings -Wformat=2 -Wvla -Wundef -Wno-unused-parameter
     # The same bits everywhere: no fused multiply-add behind our back (ARCHITECTURE.md).
     -ffp-contract=off -fno-common -fstack-protector-strong)
 # No fortify under sanitizers or without optimisation: packages have it.

@@ -3,9 +3,9 @@
 # What a fresh Debian 12 needs, by purpose; sourced by ./dev. Mirrors are the
 # machine's own: apt is used as it is configured.
 
-ttf_build_packages="gcc libc6-dev cmake ninja-build pkg-config git ca-certificates
+ttf_build_packages="gcc g++ libc6-dev cmake ninja-build pkg-config git ca-certificates
  libtiff-dev libspng-dev libjpeg-dev liblcms2-dev libjansson-dev libyaml-dev nettle-dev
- zlib1g-dev libmicrohttpd-dev libcurl4-gnutls-dev libarchive-dev libgpiod-dev libcmocka-dev python3-minimal libpython3-stdlib"
+ zlib1g-dev libmicrohttpd-dev libcurl4-gnutls-dev libarchive-dev libgpiod-dev libcamera-dev libcmocka-dev python3-minimal libpython3-stdlib"
 # Oracles and players that the tests hold our files against.
 ttf_test_packages="curl xxd ffmpeg libraw-bin libimage-exiftool-perl libtiff-tools rt-tests man-db groff"
 ttf_demo_packages="ffmpeg"

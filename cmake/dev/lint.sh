@@ -18,14 +18,14 @@ step() { # NAME COMMAND...
     fi
 }
 
-format() { git ls-files -z '*.c' '*.h' | xargs -0 clang-format --style=file --dry-run -Werror; }
+format() { git ls-files -z '*.c' '*.h' '*.cpp' '*.hpp' | xargs -0 clang-format --style=file --dry-run -Werror; }
 
 tidy() {
     # Each source once, with its first command: one that several tests compile would be read several
     # times, and clang-tidy 14 then finds uninitialised va_lists that are not there. What is not built here
     # (fuzz targets, the other major version of a library) has no command and is not read.
     mkdir -p build/lint
-    local sources=('*.c')
+    local sources=('*.c' '*.cpp')
     [ ${#only[@]} -eq 0 ] || sources=("${only[@]}")
     # Of a finding, the line that names it: the analyzer's paths are for whoever runs it on that file.
     git ls-files -z -- "${sources[@]}" | python3 -c '
@@ -43,20 +43,20 @@ sys.stdout.write("\0".join(files))' |
 
 spdx() {
     local missing
-    missing=$(git ls-files '*.c' '*.h' '*.sh' '*.py' dev | xargs grep -L 'SPDX-License-Identifier: Apache-2.0')
+    missing=$(git ls-files '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' '*.py' dev | xargs grep -L 'SPDX-License-Identifier: Apache-2.0')
     [ -z "$missing" ] || { echo "without a licence line:"; echo "$missing"; return 1; }
 }
 
 sizes() { # no file near 1,000 lines, base under 400
     local bad
-    bad=$(git ls-files '*.c' '*.h' '*.py' '*.sh' dev | xargs wc -l | awk '$2 != "total" && $1 > 900')
+    bad=$(git ls-files '*.c' '*.h' '*.cpp' '*.hpp' '*.py' '*.sh' dev | xargs wc -l | awk '$2 != "total" && $1 > 900')
     [ -z "$bad" ] || { echo "too long:"; echo "$bad"; return 1; }
     local base
     base=$(cat base/*.c base/include/ttf/base/*.h | wc -l)
     [ "$base" -lt 400 ] || { echo "base/ has $base lines; it is to stay under 400"; return 1; }
 }
 
-spaces() { ! git grep -nI -E '[[:space:]]+$' -- '*.c' '*.h' '*.sh' '*.py' '*.cmake' '*CMakeLists.txt' dev '*.yaml'; }
+spaces() { ! git grep -nI -E '[[:space:]]+$' -- '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' '*.py' '*.cmake' '*CMakeLists.txt' dev '*.yaml'; }
 
 shells() { git ls-files -z '*.sh' dev .ci/run | xargs -0 shellcheck -x -P SCRIPTDIR -P .; }
 

@@ -20,9 +20,11 @@ static int not_built_in(const char *backend, const char *where, struct ttf_err *
 int box_make_camera(const struct ttf_board_camera *camera, struct ttf_clock *clock,
                     struct ttf_camera **ret, struct ttf_err *err)
 {
-    if (strcmp(camera->backend->name, "v4l2") != 0)
-        return not_built_in(camera->backend->name, camera->name, err);
-    return box_v4l2_camera(&camera->v4l2, clock, ret, err);
+    if (strcmp(camera->backend->name, "v4l2") == 0)
+        return box_v4l2_camera(&camera->v4l2, clock, ret, err);
+    if (strcmp(camera->backend->name, "libcamera") == 0)
+        return box_libcamera_camera(&camera->libcamera, clock, ret, err);
+    return not_built_in(camera->backend->name, camera->name, err);
 }
 
 /* "gpiod" and "file" say what the guardian holds; whoever wants light asks the guardian. */

@@ -14,3 +14,9 @@ int box_v4l2_camera(const struct ttf_v4l2_config *config, struct ttf_clock *cloc
 {
     return ttf_v4l2_camera_create(config, clock, ret, err);
 }
+
+int box_libcamera_camera(const struct ttf_libcamera_config *config, struct ttf_clock *clock,
+                         struct ttf_camera **ret, struct ttf_err *err)
+{
+    return ttf_libcamera_camera_create(config, clock, ret, err);
+}

@@ -22,3 +22,9 @@ int box_v4l2_camera(const struct ttf_v4l2_config *config, struct ttf_clock *cloc
 {
     return none("v4l2", err);
 }
+
+int box_libcamera_camera(const struct ttf_libcamera_config *config, struct ttf_clock *clock,
+                         struct ttf_camera **ret, struct ttf_err *err)
+{
+    return none("libcamera", err);
+}

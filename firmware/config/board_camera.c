@@ -10,8 +10,9 @@
 struct camera {
     struct ttf_camera_mode mode;
     struct ttf_v4l2_config v4l2;
-    uint32_t buffers, settle, black, white;
-    int flicker;
+    struct ttf_libcamera_config libcamera;
+    uint32_t buffers, settle, delay, black, white;
+    int flicker, stream, stamp;
 };
 
 #define C(member) offsetof(struct camera, member)
@@ -99,23 +100,95 @@ static const struct cfg_field V4L2[] = {
     {"controls", read_controls, 0, 0, 0, "a map of the driver's names and values", 0, 0},
     {0}};
 
+/* DRM's letters of a pixel format, as `cam -I` prints its fourcc, and a P for packed: RG12, RG10P, NV12. */
+static int read_drm_format(const struct cfg_field *field, struct yaml_node *node, void *at,
+                           struct ttf_err *err)
+{
+    const char *text = cfg_scalar(node, field->meant, err);
+    size_t n = text ? strlen(text) : 0;
+
+    if (!text)
+        return -EINVAL;
+    if (n < 2 || n > 5)
+        return cfg_error(node, err, field->meant, "'%.20s' is no pixel format", text);
+    memcpy(at, text, n + 1);
+    return 0;
+}
+
+static const struct cfg_name STREAM[] = {{"any", TTF_LIBCAMERA_ANY},
+                                         {"raw", TTF_LIBCAMERA_RAW},
+                                         {"processed", TTF_LIBCAMERA_PROCESSED},
+                                         {NULL, 0}};
+
+static const struct cfg_name STAMP[] = {{"exposure", TTF_LIBCAMERA_STAMP_EXPOSURE},
+                                        {"readout", TTF_LIBCAMERA_STAMP_READOUT},
+                                        {NULL, 0}};
+
+static const struct cfg_field LIBCAMERA[] = {
+    MODE_FIELDS,
+    {"module", cfg_text128, C(libcamera.module), 0, 0, "the file of ttfbox's module for libcamera",
+     0, 0},
+    {"id", cfg_text128, C(libcamera.id), 0, 0, "libcamera's name for it, as `cam -l` prints it", 0,
+     0},
+    {"name", cfg_text64, C(libcamera.name), 0, 0, "its sensor's model, as imx477", 0, 0},
+    {"stream", cfg_enum, C(stream), 0, 0, "any, raw or processed", STREAM, 0},
+    {"format", read_drm_format, C(libcamera.pixel_format), 0, 0, "as RG12, RG12P, BG24, NV12", 0,
+     0},
+    {"frame_period", cfg_i64_time, C(libcamera.frame_period_ns), 1e5, 6e10,
+     "of its stream, as 100ms", 0, 0},
+    {"buffers", cfg_u32, C(buffers), 2, 8, "frames held at once", 0, 0},
+    {"settle_frames", cfg_u32, C(settle), 1, 30, "frames that a setting has to stand still", 0, 0},
+    {"delay_frames", cfg_u32, C(delay), 1, 8, "frames until a request is obeyed", 0, 0},
+    {"readout", cfg_i64_time, C(libcamera.readout_ns), 0, 6e10, "from its first row to its last", 0,
+     0},
+    {"stamp", cfg_enum, C(stamp), 0, 0, "what its time is of: exposure or readout", STAMP, 0},
+    {"black_level", cfg_u32, C(black), 0, 65534, "the code of no light", 0, 0},
+    {"white_level", cfg_u32, C(white), 1, 65535, "the code of saturation", 0, 0},
+    {0}};
+
+static void take_v4l2(const struct camera *read, struct ttf_v4l2_config *ret)
+{
+    *ret = read->v4l2;
+    ret->width = read->mode.width; /* what a run that asks for the native mode gets */
+    ret->height = read->mode.height;
+    ret->buffers = read->buffers;
+    ret->settle_frames = read->settle;
+    ret->black_level = (uint16_t)read->black;
+    ret->white_level = (uint16_t)read->white;
+    ret->flicker = (enum ttf_v4l2_flicker)read->flicker;
+}
+
+static void take_libcamera(const struct camera *read, struct ttf_libcamera_config *ret)
+{
+    *ret = read->libcamera;
+    ret->width = read->mode.width;
+    ret->height = read->mode.height;
+    ret->buffers = read->buffers;
+    ret->settle_frames = read->settle;
+    ret->delay_frames = read->delay;
+    ret->black_level = (uint16_t)read->black;
+    ret->white_level = (uint16_t)read->white;
+    ret->stream = (enum ttf_libcamera_stream)read->stream;
+    ret->stamp = (enum ttf_libcamera_stamp)read->stamp;
+}
+
+static const struct cfg_field *fields_of(const char *backend)
+{
+    if (strcmp(backend, "v4l2") == 0)
+        return V4L2;
+    return strcmp(backend, "libcamera") == 0 ? LIBCAMERA : SIM;
+}
+
 static int read_camera(struct yaml_node *node, struct ttf_board_camera *ret, struct ttf_err *err)
 {
-    bool v4l2 = strcmp(ret->backend->name, "v4l2") == 0;
     struct camera read = {0};
-    int r = cfg_map(v4l2 ? V4L2 : SIM, node, &read, err);
+    int r = cfg_map(fields_of(ret->backend->name), node, &read, err);
 
     if (r < 0)
         return r;
     ret->mode = read.mode;
-    ret->v4l2 = read.v4l2;
-    ret->v4l2.width = read.mode.width; /* what a run that asks for the native mode gets */
-    ret->v4l2.height = read.mode.height;
-    ret->v4l2.buffers = read.buffers;
-    ret->v4l2.settle_frames = read.settle;
-    ret->v4l2.black_level = (uint16_t)read.black;
-    ret->v4l2.white_level = (uint16_t)read.white;
-    ret->v4l2.flicker = (enum ttf_v4l2_flicker)read.flicker;
+    take_v4l2(&read, &ret->v4l2);
+    take_libcamera(&read, &ret->libcamera);
     if (read.white && read.white <= read.black)
         return cfg_error(yaml_child(node, "white_level"), err, "saturation is above no light",
                          "is not above 'black_level'");

@@ -10,6 +10,7 @@
 static const struct ttf_backend_entry BACKENDS[] = {
     {"sim", ALL_DEVICES, "the simulated box"},
     {"v4l2", 1u << TTF_DEVICE_CAMERA, "a camera of the kernel's Video4Linux2"},
+    {"libcamera", 1u << TTF_DEVICE_CAMERA, "a camera behind libcamera, as a Raspberry Pi's"},
     {"gpiod", 1u << TTF_DEVICE_LAMPS | 1u << TTF_DEVICE_PANEL,
      "lines of a GPIO chip; those of lamps are held by ttfbox-lampd"},
     {"file", 1u << TTF_DEVICE_LAMPS | 1u << TTF_DEVICE_PANEL, "wires in a file, for tests"},

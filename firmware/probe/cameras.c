@@ -57,6 +57,24 @@ static void none_at_all(const struct probe_machine *m, struct probe_findings *fi
                   "the kernel knows no camera: there is no /dev/video*");
 }
 
+/* Of libcamera: what it looks for cameras in. */
+static void no_pipeline(const struct probe_machine *m, struct probe_findings *findings)
+{
+    char model[96];
+
+    probe_model(m, model);
+    if (strncmp(model, "Raspberry Pi", 12) == 0)
+        probe_add(findings, PROBE_PROBLEM, "camera",
+                  "power off, then look at both ends of the ribbon cable (contacts to contacts); "
+                  "camera_auto_detect=1, or the sensor's dtoverlay, stands in config.txt; a kernel "
+                  "without a driver for the camera port (Debian 12's) has none, either",
+                  "the kernel knows no camera of libcamera's: there is no /dev/media*");
+    else
+        probe_add(findings, PROBE_PROBLEM, "camera",
+                  "a USB camera is better served by back-end v4l2",
+                  "the kernel knows no camera of libcamera's: there is no /dev/media*");
+}
+
 static void one_device(const struct probe_machine *m, const char *name,
                        struct probe_findings *findings)
 {
@@ -104,16 +122,12 @@ static void missing_device(const struct probe_machine *m, const char *device, ch
               "%s is not there; there is %s", device, list);
 }
 
-void probe_cameras(const struct probe_machine *machine, const struct ttf_board *board,
-                   struct probe_findings *findings)
+static void v4l2_cameras(const struct probe_machine *machine, const struct ttf_board *board,
+                         struct probe_findings *findings)
 {
     char **names;
-    bool wanted = false, any = false;
+    bool any = false;
 
-    for (unsigned i = 0; i < board->n_cameras; i++)
-        wanted |= strcmp(board->cameras[i].backend->name, "v4l2") == 0;
-    if (!wanted)
-        return;
     names = probe_names(machine, "dev");
     for (char **name = names; name && *name; name++) {
         if (strncmp(*name, "video", 5) != 0)
@@ -127,4 +141,40 @@ void probe_cameras(const struct probe_machine *machine, const struct ttf_board *
         if (board->cameras[i].v4l2.device[0])
             missing_device(machine, board->cameras[i].v4l2.device, names, findings);
     probe_names_free(names);
+}
+
+static void libcamera_cameras(const struct probe_machine *machine, struct probe_findings *findings)
+{
+    char **names = probe_names(machine, "dev");
+    struct stat st;
+    bool any = false;
+
+    for (char **name = names; name && *name; name++) {
+        if (strncmp(*name, "media", 5) != 0)
+            continue;
+        any = true;
+        one_device(machine, *name, findings);
+    }
+    if (!any)
+        no_pipeline(machine, findings);
+    else if (!probe_stat(machine, "run/udev/data", &st))
+        probe_add(findings, PROBE_PROBLEM, "camera",
+                  "start it: systemctl start systemd-udevd systemd-udev-trigger",
+                  "libcamera is told of cameras by udev, which does not run here");
+    probe_names_free(names);
+}
+
+void probe_cameras(const struct probe_machine *machine, const struct ttf_board *board,
+                   struct probe_findings *findings)
+{
+    bool v4l2 = false, libcamera = false;
+
+    for (unsigned i = 0; i < board->n_cameras; i++) {
+        v4l2 |= strcmp(board->cameras[i].backend->name, "v4l2") == 0;
+        libcamera |= strcmp(board->cameras[i].backend->name, "libcamera") == 0;
+    }
+    if (v4l2)
+        v4l2_cameras(machine, board, findings);
+    if (libcamera)
+        libcamera_cameras(machine, findings);
 }

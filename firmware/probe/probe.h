@@ -51,7 +51,7 @@ struct probe_findings {
 void probe_add(struct probe_findings *findings, enum probe_weight weight, const char *about,
                const char *hint, const char *fmt, ...) TTF_PRINTF(5, 6);
 
-/* Cameras of back-end v4l2: none and why, another one than meant, not allowed, in somebody's hands. */
+/* Cameras of back-ends v4l2 and libcamera: none and why, another one than meant, not allowed, in somebody's hands. */
 void probe_cameras(const struct probe_machine *machine, const struct ttf_board *board,
                    struct probe_findings *findings);
 

@@ -18,24 +18,26 @@ MAY_USE = {
     "hal_sim": {"base", "hal"},
     "hal_gpiod": {"base", "hal"},
     "hal_v4l2": {"base", "hal"},
+    "hal_libcamera": {"base", "hal"},
     "dataset": {"base"},
     "capture": {"base", "hal", "dataset"},
     "synth": {"base", "dataset"},
-    "config": {"base", "hal", "hal_sim", "hal_v4l2", "dataset", "capture", "synth"},
+    "config": {"base", "hal", "hal_sim", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth"},
     "http": {"base", "dataset"},
     "pull": {"base", "hal", "dataset"},
-    "firmware": {"base", "hal", "hal_sim", "hal_gpiod", "hal_v4l2", "dataset", "capture", "synth", "config", "http",
-                 "pull"},
+    "firmware": {"base", "hal", "hal_sim", "hal_gpiod", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth", "config",
+                 "http", "pull"},
 }
 # Most specific folder first.
 FOLDERS = [("firmware/config", "config"), ("firmware/http", "http"),
            ("firmware/pull", "pull"), ("hal/sim", "hal_sim"),
-           ("hal/gpiod", "hal_gpiod"), ("hal/v4l2", "hal_v4l2"), ("firmware", "firmware"),
+           ("hal/gpiod", "hal_gpiod"), ("hal/v4l2", "hal_v4l2"),
+           ("hal/libcamera", "hal_libcamera"), ("firmware", "firmware"),
            ("base", "base"), ("hal", "hal"), ("dataset", "dataset"), ("capture", "capture"),
            ("synth", "synth")]
 # Headers of a room that lie in another room's include folder.
 HEADER_ROOM = {"ttf/hal/sim.h": "hal_sim", "ttf/hal/gpiod.h": "hal_gpiod",
-               "ttf/hal/v4l2.h": "hal_v4l2"}
+               "ttf/hal/v4l2.h": "hal_v4l2", "ttf/hal/libcamera.h": "hal_libcamera"}
 # hal as a whole owns sim.h's contract; only these may include it.
 CLOCK_FILES = re.compile(r"^hal/real/")
 TIME_CALLS = re.compile(r"\b(clock_gettime|gettimeofday|nanosleep|clock_nanosleep|usleep|sleep|"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * rig_camera conformance FOURCC | case NAME | soak SLOTS | info FOURCC: in the rig's guest, on vivid.
+ * rig_camera [libcamera] conformance FOURCC | case NAME | soak SLOTS | info FOURCC: in the rig's guest, on vivid, or
+ * on what libcamera finds (vimc), which has no cases and looks for the best format.
  */
 #include "rig_camera.h"
 
@@ -12,9 +13,11 @@
 
 #include "conformance.h"
 #include "ttf/base/time.h"
+#include "ttf/hal/libcamera.h"
 
 static int open_fd = -1;
 static const char *format = "";
+static bool by_libcamera; /* how all cameras of this process are reached */
 
 static int remember(void *ctx, const char *path)
 {
@@ -73,6 +76,11 @@ int rig_camera(const char *pixel_format, struct ttf_clock *clock, struct ttf_cam
     struct ttf_v4l2_config config = {
         .width = 320, .height = 180, .frame_period_ns = 40 * TTF_NS_PER_MS};
 
+    if (by_libcamera) {
+        const struct ttf_libcamera_config vimc = {.width = 640, .height = 480};
+
+        return ttf_libcamera_camera_create(&vimc, clock, ret, err);
+    }
     (void)snprintf(config.pixel_format, sizeof(config.pixel_format), "%s", pixel_format);
     return v4l2_camera_create_on(&rig_sys, NULL, &config, clock, ret, err);
 }
@@ -100,6 +108,20 @@ static int make(struct ttf_box *ret)
     return r;
 }
 
+static void say_libcamera(const struct ttf_camera *camera, const struct ttf_frame_format *f)
+{
+    const struct ttf_camera_caps *caps = ttf_camera_caps(camera);
+    struct ttf_libcamera_info i;
+
+    ttf_libcamera_camera_info(camera, &i);
+    printf("libcamera %s: '%s' (%s) %s %ux%u stride %zu has %#x mapped %#x period %lld us%s, "
+           "exposure up to "
+           "%lld ns\n",
+           i.version, i.model, i.id, i.pixel_format, f->width, f->height, f->stride, i.has,
+           i.mapped, (long long)(caps->frame_period_ns / 1000),
+           caps->steerable ? ", steerable" : "", (long long)caps->exposure_max_ns);
+}
+
 /* What it is, as granted. */
 static int info(void)
 {
@@ -116,6 +138,8 @@ static int info(void)
     r = ttf_camera_configure(box.cameras[0].camera, &native, &f, &err);
     if (r < 0) {
         printf("refused: %s\n", ttf_err_text(&err, text, sizeof(text)));
+    } else if (by_libcamera) {
+        say_libcamera(box.cameras[0].camera, &f);
     } else {
         ttf_v4l2_camera_info(box.cameras[0].camera, &i);
         printf("%s '%s' %s %s %ux%u stride %zu bits %u has %#x mapped %#x automatics off %u "
@@ -132,6 +156,11 @@ int main(int argc, char **argv)
 {
     const struct conformance_factory vivid = {"vivid", make};
 
+    if (argc == 4 && strcmp(argv[1], "libcamera") == 0) {
+        by_libcamera = true;
+        argc--;
+        argv++;
+    }
     if (argc != 3)
         return 2;
     format = argv[2];

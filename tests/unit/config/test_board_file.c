@@ -279,6 +279,35 @@ static void every_key_of_real_devices_reaches_its_field(void **state)
     assert_string_equal(b.lock, "dir/here.lock");
 }
 
+static void every_key_of_a_camera_behind_libcamera_reaches_its_field(void **state)
+{
+    struct ttf_board b;
+    const struct ttf_libcamera_config *c = &b.cameras[0].libcamera;
+
+    (void)state;
+    parse_ok(
+        "board: t\n"
+        "cameras:\n"
+        "  main: {backend: libcamera, id: /base/soc/i2c0mux, name: imx477, format: RG12P,\n"
+        "         stream: raw, width: 4056px, height: 3040px, frame_period: 100ms, buffers: 3,\n"
+        "         settle_frames: 5, delay_frames: 3, readout: 70ms, stamp: readout,\n"
+        "         black_level: 256, white_level: 4095, module: /opt/m.so}\n"
+        "clock: {backend: machine}\n",
+        &b);
+    assert_true(b.real && !b.simulated);
+    assert_string_equal(b.cameras[0].backend->name, "libcamera");
+    assert_true(b.cameras[0].mode.width == 4056 && c->width == 4056 && c->height == 3040);
+    assert_string_equal(c->id, "/base/soc/i2c0mux");
+    assert_string_equal(c->name, "imx477");
+    assert_string_equal(c->module, "/opt/m.so");
+    assert_string_equal(c->pixel_format, "RG12P");
+    assert_int_equal(c->stream, TTF_LIBCAMERA_RAW);
+    assert_int_equal(c->stamp, TTF_LIBCAMERA_STAMP_READOUT);
+    assert_true(c->frame_period_ns == 100 * TTF_NS_PER_MS && c->readout_ns == 70 * TTF_NS_PER_MS);
+    assert_true(c->buffers == 3 && c->settle_frames == 5 && c->delay_frames == 3);
+    assert_true(c->black_level == 256 && c->white_level == 4095);
+}
+
 static void a_panel_may_have_either_wire_or_none(void **state)
 {
     struct ttf_board b;
@@ -415,6 +444,10 @@ static const struct {
      "no pixel format", "RG10"},
     {"board: t\ncameras: {main: {backend: v4l2, black_level: 64, white_level: 64}}\n",
      "dir/b.yaml:2:63", "is not above", ""},
+    {"board: t\ncameras: {main: {backend: libcamera, format: SRGGB12}}\n", "dir/b.yaml:2:46",
+     "no pixel format", "RG12"},
+    {"board: t\ncameras: {main: {backend: libcamera, gain_unity: 16}}\n", "dir/b.yaml:2:38",
+     "unknown key", ""},
     {"board: t\ncameras: {main: {backend: v4l2, controls: {a: b}}}\n", "dir/b.yaml:2:47", "'b'",
      ""},
     {REAL "panel: {backend: gpiod, door_switch: true}\n", "dir/b.yaml:4:25", "unknown key", ""},
@@ -541,6 +574,7 @@ int main(void)
         cmocka_unit_test(wires_of_a_real_box_come_in_the_lamps_order_with_the_door_behind),
         cmocka_unit_test(a_lamp_on_a_pwm_channel_takes_any_level_unless_it_is_said_to_be_a_switch),
         cmocka_unit_test(every_key_of_real_devices_reaches_its_field),
+        cmocka_unit_test(every_key_of_a_camera_behind_libcamera_reaches_its_field),
         cmocka_unit_test(a_panel_may_have_either_wire_or_none),
         cmocka_unit_test(one_simulated_device_makes_the_whole_box_simulated),
         cmocka_unit_test(a_box_with_real_devices_has_an_owner_and_a_simulated_one_needs_none),

@@ -191,6 +191,29 @@ static void a_device_that_has_another_number_now_is_told(void **state)
         found(b, "/dev/video2 is not there; there is /dev/video0, /dev/video4")->hint, "by-id"));
 }
 
+static void a_camera_behind_libcamera_says_what_is_in_its_way(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, "board: t\ncameras: {main: {backend: libcamera}}\nclock: {backend: machine}\n");
+    put(b, "dev/video0", ""); /* alone it is none of libcamera's */
+    cameras(b);
+    assert_int_equal(b->findings.n, 1);
+    assert_non_null(strstr(found(b, "there is no /dev/media*")->hint, "back-end v4l2"));
+    put(b, "proc/device-tree/model", "Raspberry Pi 4 Model B Rev 1.4");
+    cameras(b);
+    assert_non_null(strstr(found(b, "there is no /dev/media*")->hint, "ribbon"));
+    put(b, "dev/media0", "");
+    cameras(b);
+    assert_int_equal(b->findings.n, 1);
+    (void)found(b, "told of cameras by udev, which does not run");
+    put(b, "run/udev/data/c1", "");
+    put_holder(b, "812", "rpicam-vid\n", "/dev/media0");
+    cameras(b);
+    assert_int_equal(b->findings.n, 1);
+    (void)found(b, "/dev/media0 is held by rpicam-vid (process 812)");
+}
+
 #define WIRES                                                                             \
     CAMERA "lamps:\n  left: {backend: gpiod, line: GPIO17}\n"                             \
            "  low: {backend: gpiod, line: GPIO1}\n  i2c: {backend: gpiod, line: GPIO2}\n" \
@@ -372,6 +395,7 @@ int main(void)
         ON_FILES(a_camera_that_may_not_be_used_says_which_group_may),
         ON_FILES(a_camera_that_is_busy_says_who_has_it),
         ON_FILES(a_device_that_has_another_number_now_is_told),
+        ON_FILES(a_camera_behind_libcamera_says_what_is_in_its_way),
         ON_FILES(lines_of_a_pi_that_are_something_else_are_told),
         ON_FILES(a_lamp_on_a_pwm_channel_that_is_not_there_is_told),
         ON_FILES(a_line_that_is_taken_says_by_whom),

@@ -50,6 +50,8 @@ struct ttf_camera_caps {
      * than a frame period, half the exposure more.
      */
     int64_t lead_ns;
+    /* Of cameras whose frames become longer with the exposure: so many times what it is longer than a frame period. */
+    unsigned long_frames;
     unsigned buffers; /* frames that may be held at once, >= 2 */
     bool simulated;
 };

@@ -169,7 +169,9 @@ static void the_middle_falls_where_asked_within_the_stated_bound(void **state)
     const struct ttf_camera_caps *caps = ttf_camera_caps(camera);
 
     for (int i = 0; i < 10; i++) {
-        int64_t middle = ttf_clock_now_ns(clock_of(state)) + caps->lead_ns + (i * 7 + 1) * MS;
+        int64_t longer = (1 + 3 * i) * MS - caps->frame_period_ns;
+        int64_t lead = caps->lead_ns + (longer > 0 ? longer * caps->long_frames : 0);
+        int64_t middle = ttf_clock_now_ns(clock_of(state)) + lead + (i * 7 + 1) * MS;
         struct ttf_frame *frame;
 
         assert_int_equal(submit(camera, 1 + 3 * i, 1, middle), 0);

@@ -13,6 +13,7 @@
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
 #include "ttf/hal/box.h"
+#include "ttf/hal/libcamera.h"
 #include "ttf/hal/lines.h"
 #include "ttf/hal/sim.h"
 #include "ttf/hal/sysfs.h"
@@ -54,8 +55,9 @@ struct ttf_board_scene {
 struct ttf_board_camera {
     char name[32];
     const struct ttf_backend_entry *backend;
-    struct ttf_camera_mode mode; /* asked for; 0: native */
-    struct ttf_v4l2_config v4l2; /* of that back-end */
+    struct ttf_camera_mode mode;           /* asked for; 0: native */
+    struct ttf_v4l2_config v4l2;           /* of that back-end */
+    struct ttf_libcamera_config libcamera; /* of that one */
 };
 
 /* What the lamp guardian of a real box needs: ttfbox-lampd reads it, and its clients where to find it. */
