@@ -49,6 +49,12 @@ static void read_ranges(struct ttf_json_in *in, const json_t *root, struct ttf_n
         }
         note->slots[i][0] = json_integer_value(first);
         note->slots[i][1] = json_integer_value(last);
+        /* Nobody means no slot at all: what was to be left out would be used. */
+        if (note->slots[i][0] < 0 || note->slots[i][1] < note->slots[i][0]) {
+            ttf_in_wrong(in, "slots", "has %lld to %lld, which is no slot at all",
+                         (long long)note->slots[i][0], (long long)note->slots[i][1]);
+            return;
+        }
         note->n_slots++;
     }
 }

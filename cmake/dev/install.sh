@@ -12,7 +12,9 @@ ttf_demo_packages="ffmpeg"
 ttf_fuzz_packages="clang libclang-rt-14-dev"
 ttf_coverage_packages="gcovr"
 # An emulated arm64 board, a system for it, and a compiler for that.
-ttf_rig_packages="qemu-system-arm mmdebstrap crossbuild-essential-arm64 kmod cpio make xz-utils e2fsprogs python3-minimal"
+ttf_rig_packages="qemu-system-arm qemu-utils mmdebstrap crossbuild-essential-arm64 kmod cpio make xz-utils e2fsprogs python3-minimal"
+# Programs for arm64 on this machine's processor.
+ttf_qemu_user_packages="qemu-user-static"
 # Debian packages; arm64's against the rig's system.
 ttf_package_packages="dpkg-dev file lintian mmdebstrap"
 # Bootable images, and machines to boot them in.
@@ -60,6 +62,8 @@ ttf_install_fuzz() { ttf_install $ttf_fuzz_packages; }
 ttf_install_coverage() { ttf_install $ttf_coverage_packages; }
 # shellcheck disable=SC2086
 ttf_install_rig() { ttf_install $ttf_rig_packages; }
+# shellcheck disable=SC2086
+ttf_install_qemu_user() { ttf_install $ttf_qemu_user_packages; }
 # shellcheck disable=SC2086
 ttf_install_package() { ttf_install $ttf_package_packages; }
 # shellcheck disable=SC2086

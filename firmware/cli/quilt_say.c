@@ -38,9 +38,10 @@ static void say_figures(const struct quilt_job *job)
     const struct cli *cli = job->cli;
 
     cli_say(cli,
-            "frames            %u of %u x %u from %u x %u, %u blocks of %u x %u, seed %" PRIu64,
+            "frames            %u of %u x %u from %u x %u, %u block%s of %u x %u, seed %" PRIu64,
             p->out_frames, job->config.width, job->config.height, p->source_width, p->source_height,
-            p->blocks, job->config.block_width, job->config.block_height, job->config.seed);
+            p->blocks, p->blocks == 1 ? "" : "s", job->config.block_width, job->config.block_height,
+            job->config.seed);
     if (!job->config.replay && p->rank.rank != TTF_QUILT_RANK_FULL)
         cli_say(cli, "matched           rank %u, which misses %.2f %%%s", p->rank.rank,
                 100 * p->rank.error, p->rank.known_frames ? "; gone on with known factors" : "");

@@ -34,7 +34,7 @@ static void fill_caps(struct v4l2_camera *camera)
         .lead_frames = camera->controls.mapped ? camera->config.settle_frames : 0,
         .buffers = camera->config.buffers,
     };
-    caps->lead_ns = (caps->lead_frames + 2) * period;
+    caps->lead_ns = (caps->lead_frames + 2) * period + v4l2_steer_lead_ns(camera);
     (void)snprintf(caps->model, sizeof(caps->model), "%s", camera->id.name);
     v4l2_controls_caps(&camera->controls, caps);
 }
@@ -54,8 +54,11 @@ static int set_up(struct v4l2_camera *camera, struct ttf_err *err)
     camera->controls.sys = camera->sys;
     camera->controls.ctx = camera->ctx;
     camera->controls.fd = camera->fd;
-    return v4l2_controls_set_up(&camera->controls, &camera->config, camera->base.format.width,
-                                camera->period_ns, err);
+    r = v4l2_controls_set_up(&camera->controls, &camera->config, camera->base.format.width,
+                             camera->period_ns, err);
+    if (r == 0)
+        v4l2_steer_set_up(camera);
+    return r;
 }
 
 static void let_go(struct v4l2_camera *camera)
@@ -117,6 +120,7 @@ static int camera_start(struct ttf_camera *base, struct ttf_err *err)
 
 static void camera_cancel(struct ttf_camera *base)
 {
+    v4l2_steer_rest(of(base));
     of(base)->set.n = of(base)->set.next = 0;
 }
 

@@ -96,7 +96,7 @@ static void find_dial(struct v4l2_controls *c, uint32_t id, struct v4l2_dial *di
 }
 
 /* Sensors expose in lines, whose time follows from the pixel clock and what is blanked of a line. */
-static int64_t line_ns(const struct v4l2_controls *c, uint32_t width)
+int64_t v4l2_controls_line_ns(const struct v4l2_controls *c, uint32_t width)
 {
     int64_t rate = 0, blank = 0;
 
@@ -123,7 +123,7 @@ static void find_exposure(struct v4l2_controls *c, uint32_t width, int64_t perio
     c->exposure_unit_ns = ABSOLUTE_NS;
     if (!c->exposure.id) {
         find_dial(c, V4L2_CID_EXPOSURE, &c->exposure);
-        c->exposure_unit_ns = c->exposure.id ? line_ns(c, width) : 0;
+        c->exposure_unit_ns = c->exposure.id ? v4l2_controls_line_ns(c, width) : 0;
     }
     /* An exposure in units that nobody tells is none that can be asked for. */
     if (c->exposure_unit_ns <= 0 || c->exposure.max <= 0)

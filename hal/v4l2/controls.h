@@ -36,6 +36,9 @@ struct v4l2_controls {
 TTF_MUST_USE int v4l2_controls_set_up(struct v4l2_controls *c, const struct ttf_v4l2_config *config,
                                       uint32_t width, int64_t period_ns, struct ttf_err *err);
 
+/* How long a line of the sensor takes, of a driver that tells its pixel rate and blanking; 0. */
+int64_t v4l2_controls_line_ns(const struct v4l2_controls *c, uint32_t width);
+
 /* Limits and what there is not, into the capabilities. */
 void v4l2_controls_caps(const struct v4l2_controls *c, struct ttf_camera_caps *caps);
 

@@ -78,6 +78,22 @@ struct v4l2_set {
     bool lost;           /* of the set, before the next one that comes */
 };
 
+/* What moves the stream's frames in time. */
+enum v4l2_steer_by {
+    V4L2_STEER_NONE = 0,
+    V4L2_STEER_BLANK, /* lines of blanking below the picture: any duration in steps of a line */
+    V4L2_STEER_RATE   /* another rate, where it is taken while the stream is on */
+};
+
+struct v4l2_steer {
+    enum v4l2_steer_by by;
+    int64_t line_ns, blank, blank_max; /* blank: as it is else */
+    bool moving;                       /* frames have another duration ... */
+    uint32_t moved_at;                 /* ... until this sequence */
+    bool settling;                     /* the last move may not show yet ... */
+    uint32_t settled_at;               /* ... before this sequence */
+};
+
 struct v4l2_camera {
     struct ttf_camera base; /* first: downcast by address */
     struct ttf_v4l2_config config;
@@ -90,7 +106,9 @@ struct v4l2_camera {
     const struct v4l2_pixels *pixels;
     size_t frame_bytes; /* of a whole frame */
     int64_t period_ns;
+    bool rate_settable; /* the driver says that its rate can be set */
     struct v4l2_controls controls;
+    struct v4l2_steer steer;
     struct ttf_exposure asked; /* of the driver, last */
     bool asked_any;
     struct ttf_gate *freed;
@@ -133,6 +151,17 @@ struct ttf_frame *v4l2_stream_hold(struct v4l2_camera *camera, unsigned index);
 void v4l2_stream_release(struct v4l2_camera *camera, struct ttf_frame *frame);
 /* Until the caller holds fewer than it may. 1 if there was a wait, 0; -ETIMEDOUT. */
 int v4l2_stream_await_room(struct v4l2_camera *camera, int64_t deadline_ns);
+
+/* ---- steer.c ---- */
+
+/* Of a configured camera. */
+void v4l2_steer_set_up(struct v4l2_camera *camera);
+/* How much earlier a set is to be submitted. */
+int64_t v4l2_steer_lead_ns(const struct v4l2_camera *camera);
+/* A frame of this sequence and middle went by while a set waits for its instant: what follows is moved towards it. */
+void v4l2_steer_look(struct v4l2_camera *camera, uint32_t sequence, int64_t middle_ns);
+/* The usual duration again. */
+void v4l2_steer_rest(struct v4l2_camera *camera);
 
 /* ---- set.c ---- */
 

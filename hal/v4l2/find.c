@@ -35,7 +35,8 @@ static bool fits(const struct v4l2_identity *id, const struct ttf_v4l2_config *c
                  const struct v4l2_identity *known)
 {
     if (known)
-        return strcmp(id->bus, known->bus) == 0 && strcmp(id->name, known->name) == 0;
+        return strcmp(id->bus, known->bus) == 0 && strcmp(id->name, known->name) == 0 &&
+               strcmp(id->serial, known->serial) == 0;
     return begins(id->bus, config->bus) && begins(id->name, config->name);
 }
 
@@ -51,6 +52,7 @@ static int ask(const struct v4l2_sys *sys, void *ctx, int fd, struct v4l2_identi
     (void)snprintf(id->driver, sizeof(id->driver), "%s", (const char *)cap.driver);
     (void)snprintf(id->name, sizeof(id->name), "%s", (const char *)cap.card);
     (void)snprintf(id->bus, sizeof(id->bus), "%s", (const char *)cap.bus_info);
+    sys->serial(ctx, fd, id->serial);
     caps = cap.capabilities & V4L2_CAP_DEVICE_CAPS ? cap.device_caps : cap.capabilities;
     return (caps & V4L2_CAP_VIDEO_CAPTURE) && (caps & V4L2_CAP_STREAMING);
 }
@@ -96,32 +98,97 @@ static int not_found(const struct ttf_v4l2_config *config, const struct v4l2_ide
     return -ENODEV;
 }
 
+/* How many devices but this one capture and are called as it is; the last of them opened, if that is wanted. */
+static unsigned count_namesakes(const struct v4l2_sys *sys, void *ctx,
+                                const struct v4l2_identity *self, struct v4l2_identity *ret,
+                                int *ret_fd)
+{
+    struct v4l2_identity id = {0};
+    unsigned n = 0;
+
+    for (unsigned i = 0; sys->list(ctx, i, id.device) > 0; i++) {
+        int fd = strcmp(id.device, self->device) == 0 && !ret_fd ? -1 : sys->open(ctx, id.device);
+
+        if (fd < 0)
+            continue;
+        if (ask(sys, ctx, fd, &id) <= 0 || strcmp(id.name, self->name) != 0 ||
+            strcmp(id.bus, self->bus) == 0) {
+            sys->close(ctx, fd);
+            continue;
+        }
+        n++;
+        if (ret_fd && *ret_fd >= 0)
+            sys->close(ctx, *ret_fd);
+        if (ret_fd) {
+            *ret_fd = fd;
+            *ret = id;
+        } else {
+            sys->close(ctx, fd);
+        }
+    }
+    return n;
+}
+
+/* Of a serial number, wherever it is. */
+static int find_serial(const struct v4l2_sys *sys, void *ctx, const struct v4l2_identity *known,
+                       struct v4l2_identity *ret)
+{
+    struct v4l2_identity id = {0};
+
+    for (unsigned i = 0; sys->list(ctx, i, id.device) > 0; i++) {
+        int fd = sys->open(ctx, id.device);
+
+        if (fd < 0)
+            continue;
+        if (ask(sys, ctx, fd, &id) > 0 && strcmp(id.name, known->name) == 0 &&
+            strcmp(id.serial, known->serial) == 0) {
+            *ret = id;
+            return fd;
+        }
+        sys->close(ctx, fd);
+    }
+    return -ENODEV;
+}
+
+/* In another socket. A board that names a bus means that very socket. */
+static int find_moved(const struct v4l2_sys *sys, void *ctx, const struct ttf_v4l2_config *config,
+                      const struct v4l2_identity *known, struct v4l2_identity *ret)
+{
+    int fd = -ENODEV;
+
+    if (config->bus[0])
+        return -ENODEV;
+    if (known->serial[0])
+        return find_serial(sys, ctx, known, ret);
+    if (known->namesakes == 0 && count_namesakes(sys, ctx, known, ret, &fd) == 1 &&
+        ret->serial[0] == '\0')
+        return fd;
+    if (fd >= 0)
+        sys->close(ctx, fd);
+    return -ENODEV;
+}
+
 int v4l2_find(const struct v4l2_sys *sys, void *ctx, const struct ttf_v4l2_config *config,
               const struct v4l2_identity *known, struct v4l2_identity *ret, struct ttf_err *err)
 {
     struct v4l2_identity id = {0};
     struct seen seen = {0};
-    int fd;
+    int fd = -ENODEV;
 
     if (config->device[0]) {
         memcpy(id.device, config->device, sizeof(id.device));
         fd = try(sys, ctx, config, known, &id, &seen);
-        if (fd >= 0) {
-            *ret = id;
-            return fd;
-        }
     }
     /* A camera that was unplugged may come back under another number; one that was never there may not. */
-    if (!config->device[0] || known) {
-        for (unsigned i = 0; sys->list(ctx, i, id.device) > 0; i++) {
-            if (strcmp(id.device, config->device) == 0)
-                continue;
+    for (unsigned i = 0;
+         fd < 0 && (!config->device[0] || known) && sys->list(ctx, i, id.device) > 0; i++)
+        if (strcmp(id.device, config->device) != 0)
             fd = try(sys, ctx, config, known, &id, &seen);
-            if (fd >= 0) {
-                *ret = id;
-                return fd;
-            }
-        }
-    }
-    return not_found(config, known, &seen, err);
+    if (fd < 0 && known)
+        fd = find_moved(sys, ctx, config, known, &id);
+    if (fd < 0)
+        return not_found(config, known, &seen, err);
+    *ret = id;
+    ret->namesakes = known ? known->namesakes : count_namesakes(sys, ctx, &id, NULL, NULL);
+    return fd;
 }

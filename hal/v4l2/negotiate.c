@@ -253,6 +253,7 @@ static void settle_rate(struct v4l2_camera *camera)
     int64_t wish = camera->config.frame_period_ns;
     int r = v4l2_ioctl(camera, VIDIOC_G_PARM, &parm);
 
+    camera->rate_settable = r == 0 && parm.parm.capture.capability & V4L2_CAP_TIMEPERFRAME;
     if (r == 0 && wish > 0) {
         per->numerator = (uint32_t)(wish / TTF_NS_PER_US);
         per->denominator = 1000000;

@@ -112,6 +112,7 @@ static enum verdict place(struct v4l2_camera *camera, const struct v4l2_arrival 
 
     if (late < 0 || each <= 0) {
         set->watched = true;
+        v4l2_steer_look(camera, arrival->sequence, middle_ns);
         return VERDICT_NOT_OURS;
     }
     /* It comes later than the one that was wanted, and frames in between are missing: it was lost. */
@@ -181,6 +182,7 @@ static int deliver(struct v4l2_camera *camera, const struct v4l2_arrival *arriva
         return ttf_err_set(err, r, camera->id.device, "the camera is gone");
     if (r < 0)
         taken.error = true; /* what it was taken with cannot be told */
+    v4l2_steer_rest(camera);
     describe(camera, &taken, start_ns, end_ns, &settings);
     *ret_frame = v4l2_stream_hold(camera, arrival->index);
     set->next++;

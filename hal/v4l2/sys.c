@@ -9,6 +9,7 @@
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -78,6 +79,29 @@ static void kernel_unmap(void *ctx, void *at, size_t length)
     (void)munmap(at, length);
 }
 
+/* A video node's device is an interface of what is plugged in, which may have a serial number. */
+static void kernel_serial(void *ctx, int fd, char ret[64])
+{
+    char path[96];
+    struct stat st;
+    ssize_t n = 0;
+    int file;
+
+    (void)ctx;
+    ret[0] = '\0';
+    if (fstat(fd, &st) < 0)
+        return;
+    (void)snprintf(path, sizeof(path), "/sys/dev/char/%u:%u/device/../serial", major(st.st_rdev),
+                   minor(st.st_rdev));
+    file = open(path, O_RDONLY | O_CLOEXEC);
+    if (file >= 0) {
+        n = read(file, ret, 63);
+        (void)close(file);
+    }
+    ret[n > 0 ? n : 0] = '\0';
+    ret[strcspn(ret, "\n")] = '\0';
+}
+
 static int kernel_wait(void *ctx, int fd, struct ttf_clock *clock, int64_t deadline_ns)
 {
     struct pollfd waiting = {.fd = fd, .events = POLLIN};
@@ -107,5 +131,6 @@ const struct v4l2_sys v4l2_sys_kernel = {
     .ioctl = kernel_ioctl,
     .map = kernel_map,
     .unmap = kernel_unmap,
+    .serial = kernel_serial,
     .wait = kernel_wait,
 };

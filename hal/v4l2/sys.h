@@ -20,6 +20,8 @@ struct v4l2_sys {
     int (*ioctl)(void *ctx, int fd, unsigned long request, void *arg);
     int (*map)(void *ctx, int fd, size_t length, int64_t offset, void **ret);
     void (*unmap)(void *ctx, void *at, size_t length);
+    /* The serial number of the device behind an open camera; empty: it has none. */
+    void (*serial)(void *ctx, int fd, char ret[64]);
     /* Until a buffer can be taken (0), or the device has something else to say (1). -ETIMEDOUT. */
     int (*wait)(void *ctx, int fd, struct ttf_clock *clock, int64_t deadline_ns);
 };

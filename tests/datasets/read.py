@@ -553,7 +553,13 @@ class Reader:
         notes = []
         for line in (self.bytes_of("notes.jsonl") or b"").splitlines():
             try:
-                notes.append(parse(line))
+                note = parse(line)
+                for first, last in note.get("slots", []) if isinstance(note, dict) else []:
+                    if not 0 <= first <= last:
+                        raise Wrong("slots has %s to %s, which is no slot at all" % (first, last))
+                notes.append(note)
+            except (TypeError, ValueError) as e:
+                self.find("note", "notes.jsonl", "slots must be of pairs: %s" % e)
             except Wrong as e:
                 self.find("note", "notes.jsonl", str(e))
         return notes

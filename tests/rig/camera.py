@@ -31,9 +31,13 @@ def load(m):
     assert code == 0, out
 
 
-def the_camera_suite_passes_on_vivid_in_each_format(m):
+def a_raw_and_a_yuv_stream_pass_the_camera_suite(m):
+    the_camera_suite_passes_on_vivid_in_each_format(m, ("RG10", "YUYV"))
+
+
+def the_camera_suite_passes_on_vivid_in_each_format(m, formats=None):
     load(m)
-    for pixels in FORMATS:
+    for pixels in formats or FORMATS:
         code, out = m.run("rig_camera info %s; rig_camera conformance %s" % (pixels, pixels), 300)
         print("    " + out.splitlines()[0])
         assert code == 0, out[-2500:]

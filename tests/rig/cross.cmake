@@ -8,3 +8,8 @@ set(CMAKE_SYSROOT $ENV{TTFBOX_RIG_TREE})
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+# Tests of this build run on this machine's processor by qemu-user; arm64.py says where their libraries are.
+find_program(TTFBOX_QEMU_USER NAMES qemu-aarch64-static qemu-aarch64)
+if(TTFBOX_QEMU_USER)
+    set(CMAKE_CROSSCOMPILING_EMULATOR ${TTFBOX_QEMU_USER})
+endif()

@@ -22,7 +22,18 @@ class Machine:
         self.folder = tempfile.mkdtemp(prefix="ttfbox-rig.")
         self.process = None
 
+    def lent(self):
+        """Where the guest finds its system and our programs: in the host's own folders."""
+        return ["-fsdev", "local,id=t,path=%s/tree,security_model=none,readonly=on,multidevs=remap" % self.rig,
+                "-device", "virtio-9p-pci,fsdev=t,mount_tag=tree",
+                "-fsdev", "local,id=s,path=%s,security_model=none,multidevs=remap" % self.share,
+                "-device", "virtio-9p-pci,fsdev=s,mount_tag=share"]
+
     def __enter__(self):
+        self.power_on()
+        return self
+
+    def power_on(self, words=""):
         f = self.folder
         command = [
             "timeout", "-k", "5", str(self.seconds),
@@ -30,11 +41,7 @@ class Machine:
             "-smp", "1", "-nodefaults", "-no-reboot", "-display", "none",
             "-serial", "file:" + f + "/serial", "-kernel", self.rig + "/kernel",
             "-initrd", self.rig + "/initramfs.gz",
-            "-append", "console=ttyAMA0 quiet loglevel=4 panic=-1",
-            "-fsdev", "local,id=t,path=%s/tree,security_model=none,readonly=on,multidevs=remap" % self.rig,
-            "-device", "virtio-9p-pci,fsdev=t,mount_tag=tree",
-            "-fsdev", "local,id=s,path=%s,security_model=none,multidevs=remap" % self.share,
-            "-device", "virtio-9p-pci,fsdev=s,mount_tag=share",
+            "-append", "console=ttyAMA0 quiet loglevel=4 panic=-1" + words] + self.lent() + [
             "-device", "virtio-serial-pci", "-chardev", "socket,id=a,path=%s/agent,server=on,wait=off" % f,
             "-device", "virtconsole,chardev=a",
             "-chardev", "socket,id=p,path=%s/port,server=on,wait=off" % f, "-device", "virtconsole,chardev=p", "-qmp", "unix:%s/monitor,server=on,wait=off" % f,
@@ -42,15 +49,21 @@ class Machine:
         with open(f + "/qemu", "wb") as log:
             self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         try:
-            self.agent = self.connect("agent")
-            self.booted_s = float(self.until(b"AGENT-READY ", b"\n", 120))
-            self.monitor = self.connect("monitor").makefile("rw")
-            self.monitor.readline()
-            self.ask("qmp_capabilities")
+            self.meet()
         except Exception:
             self.__exit__()
             raise
-        return self
+
+    def meet(self):
+        """The agent in the guest, and the emulator's own monitor."""
+        self.agent = self.connect("agent")
+        self.booted_s = float(self.until(b"AGENT-READY ", b"\n", 120))
+        self.talk_to_monitor()
+
+    def talk_to_monitor(self):
+        self.monitor = self.connect("monitor").makefile("rw")
+        self.monitor.readline()
+        self.ask("qmp_capabilities")
 
     def __exit__(self, *_):
         if self.process and self.process.poll() is None:

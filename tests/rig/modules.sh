@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # modules.sh RIG: drivers that Debian's kernel leaves out, for the kernel of RIG/system/tree: vimc (a camera that
-# libcamera finds), gpio-sim and irq_sim (GPIO lines with a hand on them). Built out of tree from the very source
+# libcamera finds), gpio-sim and irq_sim (GPIO lines with a hand on them), i2c-stub (a bus whose chips are registers that
+# scenarios fill) and pwm-pca9685 (PWM channels of a chip on it). Built out of tree from the very source
 # package of that kernel, kept in RIG/modules, and put where the guest's modprobe finds them.
 set -euo pipefail
 rig=$(cd "$1" && pwd)
@@ -35,6 +36,7 @@ fetch() { # what the modules are made from, into $out/from
     dpkg-deb --fsys-tarfile "$out"/debs/linux-source-*.deb |
         tar -xO ./usr/src/linux-source-6.1.tar.xz | xz -dc -T0 |
         tar -x -C "$out/from" --strip-components=1 linux-source-6.1/drivers/media/test-drivers/vimc \
+            linux-source-6.1/drivers/i2c/i2c-stub.c linux-source-6.1/drivers/pwm/pwm-pca9685.c \
             linux-source-6.1/drivers/gpio/gpio-sim.c linux-source-6.1/drivers/gpio/gpiolib.h \
             linux-source-6.1/kernel/irq/irq_sim.c
     # The headers name each other by the places they would be installed at.
@@ -45,7 +47,8 @@ fetch() { # what the modules are made from, into $out/from
 build() {
     local vimc=$out/from/drivers/media/test-drivers/vimc gpio=$out/gpio
     mkdir -p "$gpio"
-    cp "$out/from/drivers/gpio/gpio-sim.c" "$out/from/drivers/gpio/gpiolib.h" "$gpio/"
+    cp "$out/from/drivers/gpio/gpio-sim.c" "$out/from/drivers/gpio/gpiolib.h" "$out/from/drivers/i2c/i2c-stub.c" \
+        "$out/from/drivers/pwm/pwm-pca9685.c" "$gpio/"
     # irq_sim is a part of the kernel proper and was never a module: it reaches a descriptor by a function that modules
     # may not call, and says no licence.
     {
@@ -53,13 +56,13 @@ build() {
         sed 's/irq_to_desc(\([a-z_>.-]*\))/irq_data_to_desc(irq_get_irq_data(\1))/' "$out/from/kernel/irq/irq_sim.c"
         printf 'MODULE_LICENSE("GPL");\n'
     } >"$gpio/irq_sim.c"
-    printf 'obj-m := gpio-sim.o irq_sim.o\n' >"$gpio/Makefile"
+    printf 'obj-m := gpio-sim.o irq_sim.o i2c-stub.o pwm-pca9685.o\n' >"$gpio/Makefile"
     local folder
     for folder in "$vimc" "$gpio"; do
         make -s -C "$out/from/usr/src/linux-headers-$kernel" ARCH=arm64 CROSS_COMPILE=aarch64-linux-gnu- \
             M="$folder" CONFIG_VIDEO_VIMC=m modules
     done
-    cp "$vimc/vimc.ko" "$gpio/gpio-sim.ko" "$gpio/irq_sim.ko" "$out/"
+    cp "$vimc/vimc.ko" "$gpio/gpio-sim.ko" "$gpio/irq_sim.ko" "$gpio/i2c-stub.ko" "$gpio/pwm-pca9685.ko" "$out/"
 }
 
 stamp="$kernel $version $(sha256sum <"$0" | cut -c1-64)"

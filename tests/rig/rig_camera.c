@@ -21,8 +21,11 @@ static bool by_libcamera; /* how all cameras of this process are reached */
 
 static int remember(void *ctx, const char *path)
 {
-    open_fd = v4l2_sys_kernel.open(ctx, path);
-    return open_fd;
+    int fd = v4l2_sys_kernel.open(ctx, path);
+
+    if (open_fd < 0) /* others are looked at meanwhile, to know if there are more of its name */
+        open_fd = fd;
+    return fd;
 }
 
 static int list(void *ctx, unsigned i, char ret_path[64])
@@ -33,6 +36,13 @@ static int list(void *ctx, unsigned i, char ret_path[64])
 static void shut(void *ctx, int fd)
 {
     v4l2_sys_kernel.close(ctx, fd);
+    if (fd == open_fd)
+        open_fd = -1;
+}
+
+static void serial(void *ctx, int fd, char ret[64])
+{
+    v4l2_sys_kernel.serial(ctx, fd, ret);
 }
 
 static int control(void *ctx, int fd, unsigned long request, void *arg)
@@ -61,6 +71,7 @@ const struct v4l2_sys rig_sys = {.list = list,
                                  .ioctl = control,
                                  .map = map,
                                  .unmap = unmap,
+                                 .serial = serial,
                                  .wait = wait_for};
 
 int rig_set(uint32_t id, int value)

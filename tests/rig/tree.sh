@@ -26,7 +26,7 @@ suite=bookworm
 echo "rig: making an arm64 system of $suite (about a minute, 800 MB)" >&2
 mmdebstrap --quiet --variant=extract --architectures=arm64 --include="$(echo "$packages" | tr -s ' \n' ',')" \
     "$suite" "$out/tree" "deb $mirror $suite main" >"$out/mmdebstrap.log" 2>&1 ||
-    { tail -n 20 "$out/mmdebstrap.log" >&2; exit 1; }
+    { tail -n 20 "$out/mmdebstrap.log" >&2; exit 75; }
 chmod 755 "$out/tree"
 install -m 755 "$here/guest/init" "$out/tree/etc/rig-init"
 install -m 755 "$here/guest/agent" "$out/tree/etc/rig-agent"

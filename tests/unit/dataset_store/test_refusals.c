@@ -445,7 +445,8 @@ static void what_is_done_while_hashing_is_done(void **state)
     struct ttf_io *io = &hashing.io;
     struct ttf_io_space space;
     struct ttf_io_stat st;
-    char text[8] = "", hex[65], whole[65], piece[70000];
+    char text[8] = "", hex[65], whole[65];
+    static char piece[TTF_SHA256_PIECE];
     int64_t bytes;
     int file;
 

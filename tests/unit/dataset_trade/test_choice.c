@@ -324,6 +324,8 @@ static void a_note_that_says_nothing_sure_is_told_and_excludes_nothing(void **st
                                       "{\"slots\":[[1,\"2\"]]}",
                                       "{\"slots\":[[1.5,2]]}",
                                       "{\"slots\":[3]}",
+                                      "{\"slots\":[[5,3]],\"tags\":[\"exclude\"]}",
+                                      "{\"slots\":[[-1,3]],\"tags\":[\"exclude\"]}",
                                       "{\"slots\":7}",
                                       "{\"tags\":[7]}",
                                       "{\"tags\":\"exclude\"}"};

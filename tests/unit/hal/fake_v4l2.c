@@ -50,6 +50,7 @@ void fake_v4l2_init(struct fake_v4l2 *fake, struct ttf_clock *clock)
     fake->driver = "fake";
     fake->card = "Fake camera";
     fake->bus = "test-1.2";
+    fake->serial = "";
     fake->device_caps = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
     fake->formats[0].fourcc = V4L2_PIX_FMT_SRGGB10;
     fake->width = 64;
@@ -251,14 +252,32 @@ static int set_format(struct fake_v4l2 *fake, struct v4l2_format *format)
     return 0;
 }
 
+/* From the frame that is under way on: what was made before keeps its times. */
+static void set_period(struct fake_v4l2 *fake, int64_t period_ns)
+{
+    int64_t last_ns;
+
+    run(fake);
+    last_ns = fake->began_ns + (int64_t)fake->made * fake->period_ns;
+    if (fake->period_step_ns > 0)
+        period_ns =
+            (period_ns + fake->period_step_ns / 2) / fake->period_step_ns * fake->period_step_ns;
+    fake->period_ns = period_ns;
+    fake->began_ns = last_ns - (int64_t)fake->made * period_ns;
+    fake->rates++;
+}
+
 static int rate(struct fake_v4l2 *fake, struct v4l2_streamparm *parm, bool set)
 {
     struct v4l2_fract *per = &parm->parm.capture.timeperframe;
 
     if (fake->no_rate)
         return -ENOTTY;
+    if (set && fake->streaming && !fake->steers)
+        return -EBUSY;
     if (set)
-        fake->period_ns = (int64_t)per->numerator * TTF_NS_PER_S / per->denominator;
+        set_period(fake, (int64_t)per->numerator * TTF_NS_PER_S / per->denominator);
+    parm->parm.capture.capability = fake->steers ? V4L2_CAP_TIMEPERFRAME : 0;
     per->numerator = (uint32_t)(fake->period_ns / TTF_NS_PER_US);
     per->denominator = 1000000;
     return 0;
@@ -307,6 +326,8 @@ static int one_control(struct fake_v4l2 *fake, struct v4l2_ext_controls *all, bo
     run(fake); /* what came before has the old value */
     if (c->type == V4L2_CTRL_TYPE_MENU && (e->value < c->min || e->value > c->max))
         return -ERANGE;
+    if (c->id == V4L2_CID_VBLANK && fake->line_ns > 0)
+        set_period(fake, fake->period_ns + (e->value - c->value) * fake->line_ns);
     if (!c->stuck)
         c->value = e->value < c->min ? c->min : e->value > c->max ? c->max : e->value;
     return 0;
@@ -480,6 +501,12 @@ static void sys_unmap(void *ctx, void *at, size_t length)
     of(ctx)->unmapped++;
 }
 
+static void sys_serial(void *ctx, int fd, char ret[64])
+{
+    (void)fd;
+    (void)snprintf(ret, 64, "%s", of(ctx)->serial);
+}
+
 /* To the next frame that is to come, or to the deadline. */
 static int sys_wait(void *ctx, int fd, struct ttf_clock *clock, int64_t deadline_ns)
 {
@@ -507,5 +534,6 @@ const struct v4l2_sys fake_v4l2_sys = {
     .ioctl = sys_ioctl,
     .map = sys_map,
     .unmap = sys_unmap,
+    .serial = sys_serial,
     .wait = sys_wait,
 };

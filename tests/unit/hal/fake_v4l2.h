@@ -37,7 +37,7 @@ struct fake_v4l2 {
     /* What it is; may be changed at any time. */
     struct ttf_clock *clock;
     char path[64]; /* empty: unplugged */
-    const char *driver, *card, *bus;
+    const char *driver, *card, *bus, *serial;
     uint32_t device_caps;
     struct fake_format formats[16];
     uint32_t granted_fourcc; /* instead of what is asked for; 0: that */
@@ -45,7 +45,10 @@ struct fake_v4l2 {
     uint32_t row_padding;    /* bytes at the end of each row */
     uint32_t ycbcr_enc, quantization, colorspace, xfer_func, field;
     bool no_sizes, no_rate;
-    bool keeps_range; /* quantization is what somebody last asked for by name */
+    int64_t line_ns;        /* what a line of vertical blanking adds to a frame; 0: nothing */
+    bool steers;            /* takes another rate while it streams */
+    int64_t period_step_ns; /* of the durations it knows; 0: any */
+    bool keeps_range;       /* quantization is what somebody last asked for by name */
     struct fake_control controls[FAKE_CONTROLS];
     int64_t period_ns, readout_ns;
     unsigned delay; /* frames from a change of controls to the first that shows it */
@@ -67,6 +70,7 @@ struct fake_v4l2 {
 
     /* What it did. */
     unsigned opened, closed, mapped, unmapped, s_fmt, reqbufs;
+    unsigned rates; /* that were set */
     int priority;
     uint32_t asked_width, asked_height;
 

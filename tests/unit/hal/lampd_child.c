@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * lampd_child.c: a client to be killed: lampd_child SOCKET MS WHAT lights lamp 0, having declared its next sign of
- * life for MS from now, writes a line, and then WHAT: "waits" for a signal, or "gives" further signs of life every 50 ms.
+ * life for MS from now, writes a line, and then WHAT: "waits" for a signal (a number: lit to so
+ * many permille; "all": lamp 1, too), or "gives" further signs of life every 50 ms.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,12 +16,14 @@ int main(int argc, char **argv)
 {
     struct ttf_clock *clock = ttf_clock_real_create();
     int64_t life_ns = argc > 2 ? strtoll(argv[2], NULL, 10) * TTF_NS_PER_MS : 0;
+    unsigned level = argc > 3 ? (unsigned)strtoul(argv[3], NULL, 10) : 0;
     struct ttf_lamps *lamps;
     struct ttf_err err = {0};
 
     if (argc != 4 || !clock || ttf_lamps_lampd_create(argv[1], clock, &lamps, &err) < 0 ||
         ttf_lamps_acquire(lamps, ttf_clock_now_ns(clock) + life_ns, &err) < 0 ||
-        ttf_lamps_set(lamps, 0, 1000, &err) < 0) {
+        ttf_lamps_set(lamps, 0, level > 0 ? level : 1000, &err) < 0 ||
+        (strcmp(argv[3], "all") == 0 && ttf_lamps_set(lamps, 1, 1000, &err) < 0)) {
         fprintf(stderr, "%s: %s\n", err.where, err.what);
         return 1;
     }

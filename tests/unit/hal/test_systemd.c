@@ -157,10 +157,35 @@ static int make(struct ttf_box *ret)
                                        &ret->watchdog, NULL);
 }
 
+/* The environment is as a manager sets it, and as a child of a service inherits it. */
+static void a_watchdog_is_that_of_the_process_it_names(void **state)
+{
+    char me[24];
+
+    (void)state;
+    (void)snprintf(me, sizeof(me), "%d", (int)getpid());
+    /* NOLINTBEGIN(concurrency-mt-unsafe): one thread runs */
+    assert_int_equal(unsetenv("WATCHDOG_PID"), 0);
+    assert_int_equal(unsetenv("WATCHDOG_USEC"), 0);
+    assert_true(ttf_systemd_watchdog_ns() == 0);
+    assert_int_equal(setenv("WATCHDOG_USEC", "2000000", 1), 0);
+    assert_true(ttf_systemd_watchdog_ns() == 2 * TTF_NS_PER_S);
+    assert_int_equal(setenv("WATCHDOG_PID", me, 1), 0);
+    assert_true(ttf_systemd_watchdog_ns() == 2 * TTF_NS_PER_S);
+    assert_int_equal(setenv("WATCHDOG_PID", "1", 1), 0);
+    assert_true(ttf_systemd_watchdog_ns() == 0);
+    assert_int_equal(unsetenv("WATCHDOG_PID"), 0);
+    assert_int_equal(setenv("WATCHDOG_USEC", "-5", 1), 0);
+    assert_true(ttf_systemd_watchdog_ns() == 0);
+    assert_int_equal(unsetenv("WATCHDOG_USEC"), 0);
+    /* NOLINTEND(concurrency-mt-unsafe) */
+}
+
 int main(void)
 {
 #define MANAGED(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_watchdog_is_that_of_the_process_it_names),
         MANAGED(states_arrive_as_they_are_said),
         MANAGED(the_watchdog_is_fed_by_the_unit_s_limit),
         MANAGED(the_manager_counts_no_time_while_it_is_not_armed),

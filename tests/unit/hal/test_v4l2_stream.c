@@ -415,13 +415,28 @@ static void another_camera_at_its_place_is_not_taken_for_it(void **state)
     bench_start(bench);
     (void)bench_warm(bench, 5);
     fake_unplug(&bench->fake);
-    bench->fake.bus =
-        "test-1.3"; /* the same model in another socket might be the box's other one */
+    bench->fake.bus = "test-1.3"; /* the same model in another socket, and it is another one */
+    bench->fake.serial = "0002";
     fake_plug(&bench->fake, "/dev/video0");
     assert_int_equal(climb(bench), -1);
     assert_says(bench, "there is /dev/video0 'Fake camera' (test-1.3)");
-    bench->fake.bus = "test-1.2";
+    bench->fake.bus = "test-1.2"; /* even where the first one was */
+    assert_int_equal(climb(bench), -1);
+    bench->fake.serial = "";
     assert_int_equal(climb(bench), TTF_CAMERA_REOPEN);
+}
+
+static void a_camera_that_was_moved_to_another_socket_is_found_there(void **state)
+{
+    struct bench *bench = *state;
+
+    bench_start(bench);
+    (void)bench_warm(bench, 5);
+    fake_unplug(&bench->fake);
+    bench->fake.bus = "test-3.4";
+    fake_plug(&bench->fake, "/dev/video2");
+    assert_int_equal(climb(bench), TTF_CAMERA_REOPEN);
+    (void)bench_shoot(bench, 5, 1000);
 }
 
 static void a_camera_that_comes_back_different_is_refused(void **state)
@@ -495,6 +510,7 @@ int main(void)
         ON_BENCH(a_restart_asks_for_the_settings_again),
         ON_BENCH(a_camera_that_comes_back_under_another_name_is_found_and_set_up_anew),
         ON_BENCH(another_camera_at_its_place_is_not_taken_for_it),
+        ON_BENCH(a_camera_that_was_moved_to_another_socket_is_found_there),
         ON_BENCH(a_camera_that_comes_back_different_is_refused),
         ON_BENCH(a_release_after_the_end_is_harmless),
         ON_BENCH(frames_cost_no_allocation),

@@ -1,0 +1,131 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""arm64.py [REGEX]: the unit tests, built for arm64 and run on this machine's processor by qemu-user. README.md."""
+import hashlib
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+import rig
+
+
+def listed(regex):
+    """The unit tests that are programs: (name, whether it starts programs of ours)."""
+    out = subprocess.run(["ctest", "--test-dir", rig.RIG + "/arm64", "-L", "unit", "-R", regex, "-E", NOT_HERE, "--show-only=json-v1"],
+                         stdout=subprocess.PIPE, check=True).stdout
+    for test in json.loads(out)["tests"]:
+        program = [w for w in test.get("command", []) if w.startswith(rig.RIG + "/arm64/tests/")]
+        if program:
+            yield test["name"], os.path.basename(program[0])
+
+
+# Campaigns about logic, which no processor changes; by emulation they would take an hour.
+NOT_HERE = r"^failures_"
+# qemu-user makes of vfork a fork: who starts a program that is not there is not told so by posix_spawn, as a kernel tells.
+NOT_BY_EMULATION = {"a_missing_or_failing_ffmpeg_is_told_and_leaves_nothing", "a_video_comes_in_through_ffmpeg",
+                    "a_program_that_is_not_there_is_named"}
+
+
+def libraries():
+    """Where emulated programs find the tree's libraries, and nothing else of the tree: else its /tmp would be theirs."""
+    prefix, tree = rig.RIG + "/prefix", rig.RIG + "/system/tree"
+    os.makedirs(prefix + "/usr", exist_ok=True)
+    for name in ("lib", "usr/lib"):
+        if not os.path.islink(prefix + "/" + name):
+            os.symlink(tree + "/" + name, prefix + "/" + name)
+    return prefix
+
+
+def starts_programs(program):
+    """Names of other programs of the build stand in it: the kernel must know how to run those."""
+    with open(rig.RIG + "/arm64/tests/" + program, "rb") as f:
+        text = f.read()
+    return (rig.RIG + "/arm64/").encode() in text
+
+
+# ---- the same bits ----
+
+PLAN = """interval: 10min
+count: 5
+lamps: {mode: continuous}
+shots: [{exposure: 20ms, lamps: {left: 80%, right: 60%}}]
+keep: raw
+reserve: 0B
+"""
+BOX = ["--board", rig.ROOT + "/boards/sim-small", "--plan", "plan.yaml", "-q"]
+
+
+def pictures(folder):
+    """What each of a dataset's pictures is, by a hash of its bytes."""
+    found = {}
+    for path, _, names in os.walk(folder):
+        for name in names:
+            if name.endswith((".tif", ".tiff", ".dng", ".png")):
+                with open(path + "/" + name, "rb") as f:
+                    found[os.path.relpath(path + "/" + name, folder)] = hashlib.sha256(f.read()).hexdigest()
+    return found
+
+
+def same_bits(env):
+    """One dataset's raw frames, developed and quilted by this machine's program and by arm64's."""
+    here = rig.ROOT + "/build/bin/ttfbox"
+    there = [rig.QEMU_USER, "-L", libraries(), rig.RIG + "/arm64/bin/ttfbox"]
+    rig.compile_programs(["ttfbox"])
+    with tempfile.TemporaryDirectory(prefix="ttfbox-bits.") as folder:
+        def run(*command):
+            done = subprocess.run(command, cwd=folder, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+            if done.returncode != 0:
+                sys.exit("arm64: %s: %s" % (" ".join(command[-8:]), done.stdout.decode(errors="replace")[-2000:]))
+
+        with open(folder + "/plan.yaml", "w") as f:
+            f.write(PLAN)
+        run(here, "calibrate", "dark", *BOX, "--frames", "8", "-o", "cal")
+        run(here, "calibrate", "flat", *BOX, "--frames", "8", "--scene", "white", "-o", "cal")
+        run(here, "capture", "plan.yaml", "--board", rig.ROOT + "/boards/sim-small", "-q", "-o", "raw")
+        for name, program in (("here", [here]), ("there", there)):
+            run(*program, "develop", "raw", "-c", "cal", "-q", "-o", name)
+            run(*program, "synth", "quilt", name, "--size", "150x120", "--block", "32x32", "--seed", "7", "-q", "-o", name + "-quilt")
+        wrong = 0
+        for what in ("", "-quilt"):
+            a, b = pictures(folder + "/here" + what), pictures(folder + "/there" + what)
+            differ = sorted(n for n in set(a) | set(b) if a.get(n) != b.get(n))
+            print("  %s: %d pictures on two processors, %d differ%s" %
+                  ("quilted" if what else "developed", len(a), len(differ), ": " + ", ".join(differ[:4]) if differ else ""))
+            wrong += len(differ) + (not a)
+        return wrong
+
+
+def main():
+    regex = sys.argv[1] if len(sys.argv) > 1 else "."
+    rig.prepare_system()
+    rig.configure()
+    tests = dict(listed(regex))
+    if not tests:
+        print("arm64: no unit test has such a name", file=sys.stderr)
+        return 2
+    rig.compile_programs(sorted(set(tests.values())))
+    # qemu is registered with the kernel where its package could do so: then children run, too.
+    registered = os.path.exists("/proc/sys/fs/binfmt_misc/qemu-aarch64")
+    left_out = [] if registered else sorted(n for n, p in tests.items() if starts_programs(p))
+    for name in left_out:
+        print("  skipped, as this kernel does not run arm64 programs by itself: %s" % name)
+    chosen = "^(%s)$" % "|".join(sorted(set(tests) - set(left_out)))
+    env = dict(os.environ, QEMU_LD_PREFIX=libraries())
+    ran = subprocess.run(["ctest", "--test-dir", rig.RIG + "/arm64", "-R", chosen, "-j", str(os.cpu_count()),
+                          "--output-on-failure"], env=env, stdout=subprocess.PIPE, check=False).stdout.decode(errors="replace")
+    failed = set(re.findall(r"- (\w+) \((?:Failed|Timeout|SEGFAULT|Child aborted|\w+)\)", ran))
+    cases = set(re.findall(r"^\[  FAILED  \] ([a-z]\w+)$", ran, re.M))
+    excused = cases & NOT_BY_EMULATION
+    if cases - NOT_BY_EMULATION or len(failed) > len(excused):
+        print(ran[-20000:])
+    print("  %d unit tests for arm64 ran here, %d failed; excused, as qemu-user cannot: %s" %
+          (len(tests) - len(left_out), len(failed) - len(excused), ", ".join(sorted(excused)) or "none"))
+    failed = len(failed) > len(excused) or cases - NOT_BY_EMULATION
+    return 1 if failed or same_bits(env) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
