@@ -157,6 +157,7 @@ def channel(m, n):
 
 def a_lamp_on_a_pwm_driver_has_its_levels_and_is_dark_with_its_client(m):
     bus(m)
+    turn(m, PCA9685, {0xFE: 0x1E})  # its prescaler as after a reset
     code, out = m.run("modprobe pwm-pca9685")
     assert code == 0, out
     plug(m, "pca9685", PCA9685)
