@@ -173,7 +173,7 @@ def a_lamp_on_a_pwm_driver_has_its_levels_and_is_dark_with_its_client(m):
         m.run("kill -9 $(cat /run/client); sleep 0.5")
         assert channel(m, 3) == 0, channel(m, 3)
     # A killed guardian's channel stays; the next one darkens it before it does anything else.
-    m.run("lampd_child /run/lampd.sock 3600000 500 >/run/lit 2>&1 & sleep 0.7; kill -9 $(pgrep -x ttfbox-lampd); wait; rm -f /run/said")
+    m.run("lampd_child /run/lampd.sock 3600000 500 >/run/lit 2>&1 & sleep 0.7; kill -9 $(pgrep -x ttfbox-lampd); rm -f /run/said; sleep 0.3")
     assert channel(m, 3) == 2048, channel(m, 3)
     lamps.guard(m, DIMMED.replace("CHIP", "pwmchip0"))
     assert channel(m, 3) == 0, channel(m, 3)
