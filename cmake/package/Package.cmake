@@ -2,6 +2,7 @@
 # Debian packages by CPack, one for each install component: README.md. Built by `./dev package`.
 set(TTFBOX_DEPENDS_tools "" CACHE STRING "What package ttfbox depends on (dpkg-shlibdeps, by ./dev package)")
 set(TTFBOX_DEPENDS_box "" CACHE STRING "The same of ttfbox-box")
+set(TTFBOX_DEPENDS_libcamera "" CACHE STRING "The same of ttfbox-libcamera")
 set(TTFBOX_ARCHITECTURE amd64 CACHE STRING "Debian's name of the processor built for")
 
 include(GNUInstallDirs)
@@ -12,7 +13,7 @@ set(CPACK_PACKAGE_CONTACT "ttfbox maintainers <maintainers@ttfbox.invalid>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL tools box)
+set(CPACK_COMPONENTS_ALL tools box libcamera)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE ${TTFBOX_ARCHITECTURE})
@@ -50,6 +51,16 @@ box's lamp lines. Both are hardened services of unprivileged users.
 Nothing is captured before /etc/ttfbox/ttfboxd.yaml is written and the
 services are enabled.")
 
+set(CPACK_DEBIAN_LIBCAMERA_PACKAGE_NAME ttfbox-libcamera)
+set(CPACK_DEBIAN_LIBCAMERA_PACKAGE_SECTION electronics)
+# libcamera's pipelines have their algorithms in a package of their own.
+set(CPACK_DEBIAN_LIBCAMERA_PACKAGE_DEPENDS
+    "${TTFBOX_DEPENDS_libcamera}, libcamera-ipa, ttfbox (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+set(CPACK_COMPONENT_LIBCAMERA_DESCRIPTION "ttfbox with cameras behind libcamera
+The module by which ttfbox and ttfboxd reach cameras that need libcamera, as
+the camera modules of a Raspberry Pi do. It is made for this system's version
+of libcamera and no other.")
+
 # What Debian wants beside the files. Only here: an installation by hand has no use for it.
 set(notes ${PROJECT_BINARY_DIR}/package)
 file(MAKE_DIRECTORY ${notes})
@@ -60,7 +71,7 @@ foreach(page IN ITEMS ttfboxd.8 ttfbox-lampd.8)
                     OUTPUT_FILE ${notes}/${page}.gz COMMAND_ERROR_IS_FATAL ANY)
     install(FILES ${notes}/${page}.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 COMPONENT box)
 endforeach()
-foreach(part IN ITEMS tools:ttfbox box:ttfbox-box)
+foreach(part IN ITEMS tools:ttfbox box:ttfbox-box libcamera:ttfbox-libcamera)
     string(REPLACE ":" ";" part ${part})
     list(GET part 0 component)
     list(GET part 1 package)

@@ -19,12 +19,16 @@ compile() { # ARCH CMAKE-ARGUMENTS...
     mkdir -p "$out/$arch"
     # What was left out, and where a tree lies, may have changed: configured each time.
     quiet cmake -G Ninja -S . -B "$out/$arch/build" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_INSTALL_PREFIX=/usr \
-        -DTTFBOX_TESTS=OFF -DTTFBOX_PACKAGE=ON -DTTFBOX_ARCHITECTURE="$arch" "$@"
+        -DTTFBOX_TESTS=OFF -DTTFBOX_PACKAGE=ON -DTTFBOX_LIBCAMERA=ON -DTTFBOX_ARCHITECTURE="$arch" "$@"
     quiet ninja -C "$out/$arch/build" -j "$jobs"
 }
 
-programs() { # COMPONENT
-    case $1 in tools) echo ttfbox ;; box) echo ttfboxd ttfbox-lampd ;; esac
+programs() { # COMPONENT: below the folder that is built into
+    case $1 in
+    tools) echo bin/ttfbox ;;
+    box) echo bin/ttfboxd bin/ttfbox-lampd ;;
+    libcamera) echo lib/ttfbox/ttfbox-libcamera.so ;;
+    esac
 }
 
 needed() { # PROGRAM: the libraries that it names
@@ -36,22 +40,23 @@ depends() { # COMPONENT
     local work=$out/$native/depends name args=()
     mkdir -p "$work/debian"
     printf 'Source: ttfbox\n\nPackage: ttfbox\nArchitecture: any\n' >"$work/debian/control"
-    for name in $(programs "$1"); do args+=("$out/$native/build/bin/$name"); done
+    for name in $(programs "$1"); do args+=("$out/$native/build/$name"); done
     (cd "$work" && dpkg-shlibdeps -O "${args[@]}" 2>/dev/null) | sed -n 's/^shlibs:Depends=//p'
 }
 
 # Another processor's programs have the same names of libraries, or its packages are not made.
 same_libraries() { # ARCH
     local name
-    for name in ttfbox ttfboxd ttfbox-lampd; do
-        diff <(needed "$out/$native/build/bin/$name") <(needed "$out/$1/build/bin/$name") >&2 ||
+    for name in $(programs tools) $(programs box) $(programs libcamera); do
+        diff <(needed "$out/$native/build/$name") <(needed "$out/$1/build/$name") >&2 ||
             { echo "package: $name of $1 needs other libraries than that of $native" >&2; exit 1; }
     done
 }
 
 pack() { # ARCH
     rm -f "$out/$1"/*.deb
-    quiet cmake "-DTTFBOX_DEPENDS_tools=$(depends tools)" "-DTTFBOX_DEPENDS_box=$(depends box)" "$out/$1/build"
+    quiet cmake "-DTTFBOX_DEPENDS_tools=$(depends tools)" "-DTTFBOX_DEPENDS_box=$(depends box)" \
+        "-DTTFBOX_DEPENDS_libcamera=$(depends libcamera)" "$out/$1/build"
     (cd "$out/$1" && quiet cpack --config build/CPackConfig.cmake -B "$out/$1/cpack")
     mv "$out/$1"/cpack/*.deb "$out/$1/"
     rm -rf "$out/$1/cpack" "$out/log"

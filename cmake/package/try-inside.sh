@@ -29,6 +29,11 @@ getent passwd ttfbox ttfbox-lampd
 [ "$(stat -c '%U:%G %a' /run/ttfbox)" = "root:ttfbox 2775" ] || wrong "/run/ttfbox: $(stat -c '%U:%G %a' /run/ttfbox)"
 held "programs, pages, users and folders are there"
 
+printf 'board: pi\ncameras: {main: {backend: libcamera, name: none of these}}\nclock: {backend: machine}\nlock: none\n' >/tmp/pi.yaml
+ttfbox board probe --board /tmp/pi.yaml >/tmp/pi.said 2>&1 || true
+grep -q 'finds no camera' /tmp/pi.said || wrong "$(cat /tmp/pi.said)"
+held "the module for libcamera is found, and libcamera answers"
+
 systemd-analyze verify ttfboxd.service ttfbox-lampd.service 2>/tmp/verify || wrong "$(cat /tmp/verify)"
 if grep ttfbox /tmp/verify; then wrong "systemd has something to say"; fi
 [ "$(systemctl is-enabled ttfboxd.service || true)" = disabled ] || wrong "ttfboxd is enabled by itself"
@@ -51,13 +56,13 @@ apt-get -q install -y --reinstall /debs/*.deb
 held "the example is a configuration; installed again, it stays enabled"
 
 same_data() { [ "$(cd /var/lib/ttfbox && find . -type f | sort | xargs sha256sum)" = "$sums" ] || wrong "datasets were touched"; }
-dpkg --remove ttfbox-box ttfbox
+dpkg --remove ttfbox-libcamera ttfbox-box ttfbox
 same_data
 [ -e /etc/ttfbox/ttfboxd.yaml ] || wrong "removing took a configuration"
 if find /etc/systemd -name 'ttfbox*' | grep .; then wrong "links of services are left"; fi
 held "removed: datasets and configuration stay, no link is left"
 
-dpkg --purge ttfbox-box ttfbox
+dpkg --purge ttfbox-libcamera ttfbox-box ttfbox
 same_data
 find / -xdev -name '*ttf*' ! -path '/proc/*' ! -path '/sys/*' ! -path '/tmp/*' ! -path '/debs/*' ! -path '/var/log/*' | sort >/tmp/left
 printf '%s\n' /etc/ttfbox /etc/ttfbox/ttfboxd.yaml /var/lib/ttfbox >/tmp/allowed
@@ -69,7 +74,7 @@ rm -r /etc/ttfbox /var/lib/ttfbox
 held "purged: what a person wrote and the datasets are all that is left"
 
 apt-get -q install -y --no-install-recommends /debs/*.deb
-dpkg --purge ttfbox-box ttfbox
+dpkg --purge ttfbox-libcamera ttfbox-box ttfbox
 for folder in /etc/ttfbox /run/ttfbox /var/lib/ttfbox; do
     [ ! -e "$folder" ] || wrong "$folder is left of a box that nobody used"
 done

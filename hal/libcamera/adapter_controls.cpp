@@ -101,10 +101,10 @@ void put(enum lc_control meaning, double a, double b, struct lc_settings *ret)
 /* Exposure and gain are two automatics here: off is "manual" of both. */
 void write_automatic_exposure(bool on, const ControlInfoMap &map, ControlList *ret)
 {
-    if (map.count(&controls::ExposureTimeMode))
+    if (map.find(controls::ExposureTimeMode.id()) != map.end())
         ret->set(controls::ExposureTimeMode,
                  on ? controls::ExposureTimeModeAuto : controls::ExposureTimeModeManual);
-    if (map.count(&controls::AnalogueGainMode))
+    if (map.find(controls::AnalogueGainMode.id()) != map.end())
         ret->set(controls::AnalogueGainMode,
                  on ? controls::AnalogueGainModeAuto : controls::AnalogueGainModeManual);
 }

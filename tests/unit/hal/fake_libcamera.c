@@ -113,6 +113,7 @@ static void begin_frame(struct fake_libcamera *f)
         f->obeyed = f->pending[f->frame % FAKE_PENDING];
     exposure = granted_exposure_ns(f);
     duration = duration_ns(f, exposure);
+    f->began_ns[f->frame % 64] = f->next_ns;
     if (f->n_queue > 0 && f->n_exposed < FAKE_REQUESTS &&
         !marked(f->dropped, f->frame, f->fate_from)) {
         *e = (struct fake_exposed){.complete_ns = f->next_ns + exposure + f->readout_ns};

@@ -63,6 +63,8 @@ struct fake_libcamera {
     struct lc_settings last; /* of the last request, or start */
     struct lc_ask asked;
 
+    int64_t began_ns[64]; /* when frame n (mod 64) was begun to be exposed */
+
     /* Its own. */
     bool streaming;
     int64_t next_ns; /* when the next frame begins */

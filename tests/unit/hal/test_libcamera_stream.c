@@ -241,18 +241,37 @@ static void without_any_stamp_the_arrival_counts_and_is_said(void **state)
     assert_int_equal(rig_shoot(rig, &asked, 0).flags, TTF_FRAME_NO_SENSOR_TIME);
 }
 
-static void a_stamp_of_the_readout_is_dated_back_by_the_exposure(void **state)
+/* Taken long after it came, so that its arrival hides nothing. */
+static void assert_dated_as_it_was(struct rig *rig)
 {
     struct ttf_exposure asked = of_us(15000, 1000);
-    struct ttf_frame frame;
+    struct ttf_frame *frame = NULL;
+
+    rig_start(rig);
+    asked = rig_shoot(rig, &asked, 0).settings;
+    assert_int_equal(rig_submit(rig, &asked, 1, 0), 0);
+    ttf_clock_wait_until(rig->clock, now(rig) + 500 * MS);
+    assert_int_equal(rig_next(rig, &frame), 0);
+    if (!frame)
+        abort();
+    /* Exposures are told in whole microseconds. */
+    assert_true(llabs(frame->start_ns - rig->fake.began_ns[frame->sequence % 64]) < TTF_NS_PER_US);
+    assert_int_equal(frame->end_ns - frame->start_ns, frame->settings.exposure_ns + 20 * MS);
+    ttf_camera_release(rig->camera, frame);
+}
+
+static void a_stamp_of_the_readout_is_dated_back_by_the_exposure(void **state)
+{
     struct rig *rig = *state;
 
     rig->fake.stamp_readout = true;
     rig->config.stamp = TTF_LIBCAMERA_STAMP_READOUT;
-    rig_start(rig);
-    frame = rig_shoot(rig, &asked, 0);
-    assert_int_equal(frame.end_ns - frame.start_ns, frame.settings.exposure_ns + 20 * MS);
-    assert_true(now(rig) - frame.end_ns < MS);
+    assert_dated_as_it_was(rig);
+}
+
+static void a_stamp_of_the_exposure_is_its_beginning(void **state)
+{
+    assert_dated_as_it_was(*state);
 }
 
 /* ---- what goes wrong ---- */
@@ -446,6 +465,7 @@ int main(void)
         ON_RIG(a_drivers_own_stamp_is_brought_to_the_boot_clock),
         ON_RIG(without_any_stamp_the_arrival_counts_and_is_said),
         ON_RIG(a_stamp_of_the_readout_is_dated_back_by_the_exposure),
+        ON_RIG(a_stamp_of_the_exposure_is_its_beginning),
         ON_RIG(frames_in_error_short_or_mute_are_handed_out_with_their_marks),
         ON_RIG(a_digital_gain_that_comes_later_marks_the_frame_bad),
         ON_RIG(a_frame_lost_within_a_set_is_skipped_and_the_next_is_flagged),
