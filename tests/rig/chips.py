@@ -184,7 +184,9 @@ def a_lamp_on_a_pwm_driver_has_its_levels_and_is_dark_with_its_client(m):
     assert code == 0, out
     assert m.level(lamps.LEFT, 0, 5), "the other lamp's guardian did not notice"
     plug(m, "pca9685", PCA9685)
+    m.run("kill -9 $(pgrep -x lampd_child)")
     time.sleep(2)
+    assert channel(m, 3) == 0, "nothing lights by itself"
     code, out = m.run("lampd_child /run/lampd.sock 3600000 250 >/run/lit 2>&1 & sleep 0.7; cat /run/lit")
     assert "lit" in out and abs(channel(m, 3) - 1024) <= 1, (out, channel(m, 3))
     lamps.end(m)
