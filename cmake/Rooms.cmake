@@ -16,7 +16,8 @@ set(TTF_MAY_USE_synth "base;dataset")
 # config knows the structs that it fills; it links no driver.
 set(TTF_MAY_USE_config "base;hal;hal_sim;hal_v4l2;hal_libcamera;dataset;capture;synth")
 set(TTF_MAY_USE_http "base;dataset")
-set(TTF_MAY_USE_firmware "base;hal;hal_sim;hal_gpiod;hal_v4l2;hal_libcamera;dataset;capture;synth;config;http")
+set(TTF_MAY_USE_pull "base;hal;dataset")
+set(TTF_MAY_USE_firmware "base;hal;hal_sim;hal_gpiod;hal_v4l2;hal_libcamera;dataset;capture;synth;config;http;pull")
 
 function(ttf_check_arrows name)
     foreach(used IN LISTS ARGN)

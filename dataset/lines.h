@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "ttf/base/err.h"
+#include "ttf/dataset/copy.h"
 #include "ttf/dataset/io.h"
 #include "ttf/dataset/json_writer.h"
 
@@ -29,9 +30,6 @@ void ttf_line_again(struct ttf_json *json, const char *type, int64_t seq);
 
 /* Adds the crc and closes. The text (without newline) belongs to json. */
 TTF_MUST_USE int ttf_line_finish(struct ttf_json *json, const char **ret_text, size_t *ret_bytes);
-
-/* Does the crc at its end hold? */
-bool ttf_line_holds(const char *line, size_t n);
 
 /* ---- reading a file line by line, with one line in memory ---- */
 

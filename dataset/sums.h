@@ -11,6 +11,7 @@
 
 #include "lines.h"
 #include "ttf/base/err.h"
+#include "ttf/dataset/copy.h"
 #include "ttf/dataset/io.h"
 
 #define TTF_SUMS_NAME   "SHA256SUMS"
@@ -60,9 +61,6 @@ TTF_MUST_USE int ttf_sums_compare_end(struct ttf_sums_compare *c, struct ttf_sum
 /* All of it. */
 TTF_MUST_USE int ttf_sums_compare(struct ttf_io *io, const char *dataset,
                                   struct ttf_sums_verdict *ret, struct ttf_err *err);
-
-/* Writes the running SHA256SUMS anew from the records; removes it if there are no images. */
-TTF_MUST_USE int ttf_sums_rebuild(struct ttf_io *io, const char *dataset, struct ttf_err *err);
 
 /* Removes a file that may not be there: 1 if it was, 0 if not. */
 TTF_MUST_USE int ttf_remove(struct ttf_io *io, const char *path, struct ttf_err *err);

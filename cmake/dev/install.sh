@@ -18,7 +18,7 @@ ttf_qemu_user_packages="qemu-user-static"
 # Debian packages; arm64's against the rig's system.
 ttf_package_packages="dpkg-dev file lintian mmdebstrap"
 # Bootable images, and machines to boot them in.
-ttf_image_packages="mmdebstrap qemu-user-static fakeroot fdisk mtools dosfstools e2fsprogs dpkg-dev file"
+ttf_image_packages="mmdebstrap arch-test qemu-user-static fakeroot fdisk mtools dosfstools e2fsprogs dpkg-dev file"
 ttf_image_test_packages="qemu-system-arm qemu-system-x86 qemu-efi-aarch64 ovmf qemu-utils"
 ttf_lint_packages="clang-format clang-tidy shellcheck"
 

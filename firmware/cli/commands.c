@@ -259,6 +259,32 @@ static const struct cli_command COMMANDS[] = {
                      {"curl -O http://127.0.0.1:8417/api/v1/datasets/grass/tar", "all of one"}},
     },
     {
+        .name = "pull",
+        .args = "[DEST]",
+        .summary = "bring a box's datasets here, verified, also while they grow",
+        .text =
+            "Lays each dataset at DEST/NAME (default: here). A file gets its name when its SHA-256 "
+            "is "
+            "the recorded one, a record is added behind its files, the seal comes last: what is "
+            "here is a dataset at any moment. Run again, it goes on where it was, at the byte. "
+            "Files that are damaged on the box are named and left out (exit 3). Nothing that is "
+            "here already is overwritten by another dataset.",
+        .min_args = 0,
+        .max_args = 1,
+        .run = cmd_pull,
+        .options = {{OPT_BOX, NULL},
+                    {OPT_ONLY, NULL},
+                    {OPT_FOLLOW, NULL},
+                    {OPT_LIST, NULL},
+                    {OPT_TOKEN_FILE, "the file with the box's token"},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox pull datasets --box http://192.168.7.1:8417", NULL},
+                     {"ttfbox pull --box http://192.168.7.1:8417 --only grass --follow",
+                      "until it is sealed"}},
+    },
+    {
         .name = "develop",
         .args = "DATASET",
         .summary = "develop a dataset's raw frames anew, with another calibration",

@@ -54,6 +54,7 @@ int cmd_import(struct cli *cli);
 int cmd_info(struct cli *cli);
 int cmd_note(struct cli *cli);
 int cmd_plan_check(struct cli *cli);
+int cmd_pull(struct cli *cli);
 int cmd_serve(struct cli *cli);
 int cmd_synth_composite(struct cli *cli);
 int cmd_synth_quilt(struct cli *cli);

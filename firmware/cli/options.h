@@ -107,6 +107,10 @@ enum cli_option {
     OPT_SOFTEN,
     OPT_LISTEN,
     OPT_TOKEN_FILE,
+    OPT_BOX,
+    OPT_ONLY,
+    OPT_FOLLOW,
+    OPT_LIST,
     OPT_MAN,
     OPT_JSON,
     OPT_QUIET,
@@ -116,7 +120,8 @@ enum cli_option {
 /* Values as given; what was not given has the value the option's table names. */
 struct cli_options {
     const char *board, *scene, *output, *calibration, *plan, *shot, *to, *gaps, *order, *transfer;
-    const char *listen, *token_file;
+    const char *listen, *token_file, *box, *only;
+    bool follow, list;
     const char *bundle, *root, *script, *slots, *tag, *author;
     const char *compress, *sink, *stream, *title, *name, *metric;
     bool json, quiet, per_frame, no_speed_check, as_given, with_excluded, check, man;

@@ -11,6 +11,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "ttf/dataset/copy.h"
+
 #define LOOK_BYTES 65536
 
 int folder_open(const char *path, struct folder *ret, struct ttf_err *err)
@@ -35,38 +37,14 @@ void folder_close(struct folder *folder)
     folder->fd = -1;
 }
 
-static bool is_name(const char *name, size_t n)
-{
-    if (n == 0 || n > 64 || name[0] == '.')
-        return false;
-    for (size_t i = 0; i < n; i++) {
-        char c = name[i];
-
-        if (!((c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
-              c == '.' || c == '_' || c == '-'))
-            return false;
-    }
-    return true;
-}
-
 bool folder_is_name(const char *name)
 {
-    return is_name(name, strlen(name));
+    return name[0] != '.' && ttf_name_ok(name);
 }
 
 bool folder_is_path(const char *path)
 {
-    if (strlen(path) > 191)
-        return false;
-    for (;;) {
-        size_t n = strcspn(path, "/");
-
-        if (!is_name(path, n))
-            return false;
-        if (path[n] == '\0')
-            return true;
-        path += n + 1;
-    }
+    return path[0] != '.' && !strstr(path, "/.") && ttf_path_ok(path);
 }
 
 /* Beneath a folder, whatever the names are made of; links are refused, so none leads out either. */

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-int health(struct ttf_http_request *request, struct ttf_http_answer *ret)
+int health_answer(struct ttf_http_request *request, struct ttf_http_answer *ret)
 {
     char *text = malloc(80);
     int n;

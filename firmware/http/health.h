@@ -5,6 +5,6 @@
 
 #include "request.h"
 
-int health(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int health_answer(struct ttf_http_request *request, struct ttf_http_answer *ret);
 
 #endif

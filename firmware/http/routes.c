@@ -9,7 +9,7 @@
 #include "health.h"
 
 static const struct ttf_http_route ROUTES[] = {
-    {"GET", "/api/v1/health", TTF_HTTP_OPEN, health},
+    {"GET", "/api/v1/health", TTF_HTTP_OPEN, health_answer},
     {"GET", "/api/v1/datasets", TTF_HTTP_READ, datasets_list},
     {"GET", "/api/v1/datasets/{name}", TTF_HTTP_READ, datasets_one},
     {"GET", "/api/v1/datasets/{name}/records", TTF_HTTP_READ, datasets_records},

@@ -64,18 +64,24 @@ static int read_file(int fd, const char *path, char ret[TTF_HTTP_TOKEN_SIZE], st
     return 0;
 }
 
-int ttf_http_token_load(const char *path, char ret[TTF_HTTP_TOKEN_SIZE], struct ttf_err *err)
+int ttf_http_token_read(const char *path, char ret[TTF_HTTP_TOKEN_SIZE], struct ttf_err *err)
 {
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     int r;
 
-    if (fd < 0 && errno != ENOENT)
+    if (fd < 0)
         return ttf_err_set(err, -errno, path, "cannot be read: %s", strerrordesc_np(errno));
-    if (fd < 0) {
-        r = ttf_http_token_make(ret, err);
-        return r == 0 ? make_file(path, ret, err) : r;
-    }
     r = read_file(fd, path, ret, err);
     (void)close(fd);
     return r;
+}
+
+int ttf_http_token_load(const char *path, char ret[TTF_HTTP_TOKEN_SIZE], struct ttf_err *err)
+{
+    int r = ttf_http_token_read(path, ret, err);
+
+    if (r != -ENOENT)
+        return r;
+    r = ttf_http_token_make(ret, err);
+    return r == 0 ? make_file(path, ret, err) : r;
 }

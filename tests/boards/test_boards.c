@@ -109,17 +109,17 @@ static void a_raspberry_pi_says_that_it_is_one(void **state)
     }
 }
 
-/* The whole text of FOLDER/README.md, to be freed. */
-static char *readme(const struct board *b)
+/* The whole text of FOLDER/NAME, to be freed. */
+static char *text_of(const struct board *b, const char *name)
 {
-    char path[300];
+    char path[400];
     char *text = calloc(1, 65536);
     FILE *file;
 
-    (void)snprintf(path, sizeof path, "%s/README.md", b->folder);
+    (void)snprintf(path, sizeof path, "%s/%s", b->folder, name);
     file = fopen(path, "r");
     if (!file || !text || fread(text, 1, 65535, file) == 0)
-        fail_msg("%s has no README.md", b->b.name);
+        fail_msg("%s has no %s", b->b.name, name);
     if (file)
         (void)fclose(file);
     return text;
@@ -136,7 +136,7 @@ static void every_real_board_says_what_was_tried_and_how_its_lamps_are_safe(void
 
         if (!boards[k].b.real)
             continue;
-        text = readme(&boards[k]);
+        text = text_of(&boards[k], "README.md");
         for (unsigned i = 0; i < TTF_COUNT_OF(WORDS); i++)
             if (!strstr(text, WORDS[i]))
                 fail_msg("%s: its README does not say '%s'", boards[k].b.name, WORDS[i]);
@@ -147,6 +147,81 @@ static void every_real_board_says_what_was_tried_and_how_its_lamps_are_safe(void
     }
 }
 
+/* Whether "gpio=17,27=op,dl" drives a line to that level from the firmware on. */
+static bool driven_at_boot(const char *config, const char *line, bool high)
+{
+    const char *number = line + strcspn(line, "0123456789");
+    const size_t n = strlen(number);
+    const char *at = config;
+
+    while ((at = strstr(at, "\ngpio=")) != NULL) {
+        const char *p = at + 6, *level = strstr(at + 6, high ? "=op,dh\n" : "=op,dl\n");
+
+        at = p;
+        if (!level || memchr(p, '\n', (size_t)(level - p)))
+            continue;
+        for (; p < level; p += strcspn(p, ",=") + 1)
+            if (strncmp(p, number, n) == 0 && (p[n] == ',' || p[n] == '='))
+                return true;
+    }
+    return false;
+}
+
+static void an_image_says_what_it_is_made_of(void **state)
+{
+    static const char *const KEYS[] = {
+        "\narch=", "\nfirmware=", "\nkernel=", "\npackages=", "\ncmdline=", "\nmissing="};
+    char path[400];
+
+    (void)state;
+    for (unsigned k = 0; k < n_boards; k++) {
+        char *text;
+
+        if (!boards[k].b.real)
+            continue;
+        (void)snprintf(path, sizeof path, "%.255s/image/image.conf", boards[k].folder);
+        if (access(path, R_OK) < 0)
+            fail_msg("%s: nothing says how its image is made", boards[k].b.name);
+        text = text_of(&boards[k], "image/image.conf");
+        for (unsigned i = 0; i < TTF_COUNT_OF(KEYS); i++)
+            if (!strstr(text, KEYS[i]))
+                fail_msg("%s: its image has no '%s'", boards[k].b.name, KEYS[i] + 1);
+        free(text);
+    }
+}
+
+static void a_raspberry_pi_s_lamps_are_dark_from_its_firmware_on(void **state)
+{
+    static const char *const WORDS[] = {"\ndtoverlay=i2c-rtc,ds3231\n", "\ndtparam=i2c_arm=on\n",
+                                        "\ndtoverlay=i2c-sensor,bme280\n",
+                                        "\ndtparam=watchdog=on\n"};
+
+    (void)state;
+    for (unsigned k = 0; k < n_boards; k++) {
+        const struct ttf_board *b = &boards[k].b;
+        char *config, *module;
+
+        if (b->machine.header != TTF_HEADER_RASPBERRY_PI)
+            continue;
+        config = text_of(&boards[k], "image/boot/config.txt");
+        module = text_of(&boards[k], "image/root/etc/modprobe.d/ttfbox-camera.conf");
+        for (unsigned i = 0; i < b->sim.n_lamps; i++)
+            if (!driven_at_boot(config, b->guardian.wires[i].line, b->guardian.wires[i].active_low))
+                fail_msg("%s: %s may burn while it boots", b->name, b->sim.lamps[i].info.name);
+        for (unsigned i = 0; i < TTF_COUNT_OF(WORDS); i++)
+            if (!strstr(config, WORDS[i]))
+                fail_msg("%s: its firmware is not told '%s'", b->name, WORDS[i] + 1);
+        /* The port's role: as the board says. */
+        if ((b->machine.usb_role == TTF_USB_DEVICE) !=
+            (strstr(config, "\ndtoverlay=dwc2,dr_mode=peripheral") != NULL))
+            fail_msg("%s: its port is not what the board says", b->name);
+        if (!strstr(module, "\noptions imx477 dpc_enable=0"))
+            fail_msg("%s: a sensor repairs its pixels by itself", b->name);
+        free(config);
+        free(module);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -154,6 +229,8 @@ int main(void)
         cmocka_unit_test(a_board_is_simulated_or_real_and_not_both),
         cmocka_unit_test(every_real_lamp_has_a_limit_and_every_real_box_an_owner),
         cmocka_unit_test(a_raspberry_pi_says_that_it_is_one),
+        cmocka_unit_test(an_image_says_what_it_is_made_of),
+        cmocka_unit_test(a_raspberry_pi_s_lamps_are_dark_from_its_firmware_on),
         cmocka_unit_test(every_real_board_says_what_was_tried_and_how_its_lamps_are_safe),
     };
 

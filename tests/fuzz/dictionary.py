@@ -23,6 +23,7 @@ SOURCES = {
     "sums": ["dataset/sums.c", "dataset/walk.c", "dataset/verify_sums.c"],
     "calibration": ["dataset/calibration_load.c", "dataset/calibration_store.c"],
     "map": ["synth/quilt/map_file.c"],
+    "request": ["firmware/http/access.c"],
     "tiff": ["dataset/tiff_*.c"], "dng": ["dataset/tiff_*.c", "dataset/dng_*.c"],
 }
 OTHER = {
@@ -32,6 +33,7 @@ OTHER = {
              b"2020:05:28 18:20:01\0"] + [b"\xff" + bytes([m]) for m in (
                  0xc0, 0xc1, 0xc2, 0xc3, 0xc4, 0xd8, 0xd9, 0xda, 0xdb, 0xdd, 0xe0, 0xe1, 0xe2, 0xee)],
     "sums": [b"records.jsonl", b"frames/main/000000.tif", b"0" * 64 + b"  "],
+    "request": [b"bytes=", b"Bearer ", b"/api/v1/datasets/", b"/files/", b"/records", b"/tar", b"../", b"[::1]:"],
     "store": [b"frames/main/", b".tmp", b"\0"], "records": [b"frames/main/"],
 }
 EXIF = [0x0112, 0x0132, 0x8769, 0x9003, 0x9004, 0x9011, 0x9291, 0x882a]

@@ -17,6 +17,8 @@ TRACE = re.compile(r"@(\d+\.\d+):pl061_set_output .*?setting output (\d+) to (\d
 class Machine:
     """Boots on entering, is killed on leaving."""
 
+    ready_s = 120  # until its agent answers
+
     def __init__(self, rig, share, seconds=600, devices=()):
         self.rig, self.share, self.seconds, self.devices = rig, share, seconds, list(devices)
         self.folder = tempfile.mkdtemp(prefix="ttfbox-rig.")
@@ -29,19 +31,20 @@ class Machine:
                 "-fsdev", "local,id=s,path=%s,security_model=none,multidevs=remap" % self.share,
                 "-device", "virtio-9p-pci,fsdev=s,mount_tag=share"]
 
+    def boots(self, words):
+        """What it is, and what it boots."""
+        return ["qemu-system-aarch64", "-accel", "tcg", "-M", "virt", "-cpu", "cortex-a53", "-m", "512",
+                "-kernel", self.rig + "/kernel", "-initrd", self.rig + "/initramfs.gz",
+                "-append", "console=ttyAMA0 quiet loglevel=4 panic=-1" + words] + self.lent()
+
     def __enter__(self):
         self.power_on()
         return self
 
     def power_on(self, words=""):
         f = self.folder
-        command = [
-            "timeout", "-k", "5", str(self.seconds),
-            "qemu-system-aarch64", "-accel", "tcg", "-M", "virt", "-cpu", "cortex-a53", "-m", "512",
-            "-smp", "1", "-nodefaults", "-no-reboot", "-display", "none",
-            "-serial", "file:" + f + "/serial", "-kernel", self.rig + "/kernel",
-            "-initrd", self.rig + "/initramfs.gz",
-            "-append", "console=ttyAMA0 quiet loglevel=4 panic=-1" + words] + self.lent() + [
+        command = ["timeout", "-k", "5", str(self.seconds)] + self.boots(words) + [
+            "-smp", "1", "-nodefaults", "-no-reboot", "-display", "none", "-serial", "file:" + f + "/serial",
             "-device", "virtio-serial-pci", "-chardev", "socket,id=a,path=%s/agent,server=on,wait=off" % f,
             "-device", "virtconsole,chardev=a",
             "-chardev", "socket,id=p,path=%s/port,server=on,wait=off" % f, "-device", "virtconsole,chardev=p", "-qmp", "unix:%s/monitor,server=on,wait=off" % f,
@@ -57,7 +60,7 @@ class Machine:
     def meet(self):
         """The agent in the guest, and the emulator's own monitor."""
         self.agent = self.connect("agent")
-        self.booted_s = float(self.until(b"AGENT-READY ", b"\n", 120))
+        self.booted_s = float(self.until(b"AGENT-READY ", b"\n", self.ready_s))
         self.talk_to_monitor()
 
     def talk_to_monitor(self):

@@ -18,4 +18,8 @@ TTF_MUST_USE int ttf_http_token_make(char ret[TTF_HTTP_TOKEN_SIZE], struct ttf_e
 TTF_MUST_USE int ttf_http_token_load(const char *path, char ret[TTF_HTTP_TOKEN_SIZE],
                                      struct ttf_err *err);
 
+/* The same of a file that has to be there: -ENOENT. */
+TTF_MUST_USE int ttf_http_token_read(const char *path, char ret[TTF_HTTP_TOKEN_SIZE],
+                                     struct ttf_err *err);
+
 #endif

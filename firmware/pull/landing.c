@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "landing.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ttf/dataset/hash.h"
+
+#define PATH_SIZE 4600
+
+/* A file that is coming. */
+struct coming {
+    struct ttf_io *io;
+    int file;
+    int64_t bytes;    /* there */
+    int64_t expected; /* -1: not known */
+    struct ttf_sha256 hash;
+};
+
+static void place(const struct landing *landing, const char *path, const char *end,
+                  char ret[PATH_SIZE])
+{
+    (void)snprintf(ret, PATH_SIZE, "%s/%s%s", landing->folder, path, end);
+}
+
+static int make_folder(struct landing *landing, const char *path, struct ttf_err *err)
+{
+    const char *slash = strrchr(path, '/');
+    char whole[PATH_SIZE];
+    int r;
+
+    if (!slash || (strncmp(landing->made, path, (size_t)(slash - path)) == 0 &&
+                   landing->made[slash - path] == '\0'))
+        return 0;
+    (void)snprintf(whole, sizeof whole, "%s/%.*s", landing->folder, (int)(slash - path), path);
+    r = ttf_io_mkdirs(landing->io, whole, err);
+    if (r == 0)
+        (void)snprintf(landing->made, sizeof landing->made, "%.*s", (int)(slash - path), path);
+    return r;
+}
+
+/* ---- from the wire ---- */
+
+static int on_begin(void *ctx, int64_t first)
+{
+    struct coming *c = ctx;
+    int r = 0;
+
+    if (first == c->bytes)
+        return 0;
+    /* The whole, although a part was asked for: it is another entity, or the server knows no parts. */
+    r = c->io->ops->truncate(c->io, c->file, 0);
+    c->bytes = 0;
+    ttf_sha256_init(&c->hash);
+    return first == 0 ? r : -EIO;
+}
+
+static int on_take(void *ctx, const void *data, size_t n)
+{
+    struct coming *c = ctx;
+
+    if (c->expected >= 0 && (int64_t)n > c->expected - c->bytes)
+        return -TTF_EDAMAGED; /* longer than recorded */
+    ttf_sha256_add(&c->hash, data, n);
+    c->bytes += (int64_t)n;
+    return ttf_io_append_all(c->io, c->file, data, n);
+}
+
+/* What an earlier pull left of it: hashed, so that the rest can be added. */
+static int take_up(struct coming *c)
+{
+    unsigned char piece[16384];
+    int64_t bytes, at = 0;
+    int r = c->io->ops->size(c->io, c->file, &bytes);
+
+    ttf_sha256_init(&c->hash);
+    if (r < 0)
+        return r;
+    if (c->expected >= 0 && bytes >= c->expected)
+        return c->io->ops->truncate(c->io, c->file,
+                                    0); /* all of it, and not right, else it had its name */
+    while (at < bytes) {
+        int64_t got = ttf_io_pread_all(c->io, c->file, piece, sizeof piece, at);
+
+        if (got <= 0)
+            return got < 0 ? (int)got : -EIO;
+        ttf_sha256_add(&c->hash, piece, (size_t)got);
+        at += got;
+    }
+    c->bytes = at;
+    return 0;
+}
+
+static int fetch(struct landing *landing, struct coming *c, const char *path, const char *sha256,
+                 struct ttf_err *err)
+{
+    const struct wire_sink sink = {on_begin, on_take, c};
+    char url[300];
+    int r;
+
+    (void)snprintf(url, sizeof url, "/datasets/%s/files/%s", landing->name, path);
+    r = pull_wire_get(landing->wire, url, c->bytes, -1, sha256, &sink, err);
+    if (r == -ERANGE)
+        r = -TTF_EDAMAGED; /* shorter than what was here: begun anew by the caller */
+    if (r < 0 && r != -TTF_EDAMAGED && !pull_wire_may_pass(r) && err && err->code == 0)
+        ttf_err_set(err, r, path, "cannot be written: %s", strerrordesc_np(-r));
+    return r;
+}
+
+/* Once: -TTF_EDAMAGED if what came is not it; the temporary file is gone then. */
+static int try_once(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
+                    struct ttf_err *err)
+{
+    struct ttf_io *io = landing->io;
+    struct coming c = {.io = io, .expected = bytes};
+    char temporary[PATH_SIZE], final[PATH_SIZE], hex[65];
+    int r;
+
+    place(landing, path, ".tmp", temporary);
+    place(landing, path, "", final);
+    c.file = io->ops->open(io, temporary, TTF_IO_APPEND);
+    if (c.file < 0)
+        return ttf_err_set(err, c.file, temporary, "cannot be made: %s", strerrordesc_np(-c.file));
+    r = take_up(&c);
+    if (r == 0)
+        r = fetch(landing, &c, path, sha256, err);
+    (void)io->ops->close(io, c.file);
+    ttf_sha256_hex(&c.hash, hex);
+    if (r == 0 && (strcmp(hex, sha256) != 0 || (bytes >= 0 && c.bytes != bytes)))
+        r = -TTF_EDAMAGED;
+    if (r == -TTF_EDAMAGED) {
+        (void)io->ops->unlink(io, temporary);
+        ttf_err_set(err, r, path, "is on the box not what the box recorded");
+    }
+    if (r < 0)
+        return r;
+    r = io->ops->rename(io, temporary, final);
+    return r == 0 ? 0
+                  : ttf_err_set(err, r, final, "cannot be put in place: %s", strerrordesc_np(-r));
+}
+
+/* ---- what is there ---- */
+
+/* 1: it is what it should be; 0: it is not there, or something else. */
+static int is_there(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
+                    enum landing_trust trust)
+{
+    char final[PATH_SIZE], hex[65];
+    struct ttf_io_stat st;
+    int64_t got;
+    int r;
+
+    place(landing, path, "", final);
+    r = landing->io->ops->stat(landing->io, final, &st);
+    if (r < 0)
+        return r == -ENOENT ? 0 : r;
+    if (!st.is_regular || (bytes >= 0 && st.bytes != bytes))
+        return 0;
+    if (trust == LANDING_SIZE)
+        return 1;
+    r = ttf_sha256_file(landing->io, final, &got, hex, NULL);
+    return r < 0 ? r : strcmp(hex, sha256) == 0;
+}
+
+int landing_ensure(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
+                   enum landing_trust trust, bool *ret_came, struct ttf_err *err)
+{
+    int r = is_there(landing, path, bytes, sha256, trust);
+
+    *ret_came = false;
+    if (r < 0)
+        return ttf_err_set(err, r, path, "cannot be looked at: %s", strerrordesc_np(-r));
+    if (r > 0)
+        return 0;
+    r = make_folder(landing, path, err);
+    if (r == 0)
+        r = try_once(landing, path, bytes, sha256, err);
+    if (r == -TTF_EDAMAGED) /* the wire, or a temporary file of another time */
+        r = try_once(landing, path, bytes, sha256, err);
+    if (r < 0)
+        return r;
+    *ret_came = true;
+    (void)snprintf(landing->batch[landing->n_batch++], sizeof landing->batch[0], "%s", path);
+    return landing->n_batch == LANDING_BATCH ? landing_settle(landing, err) : 0;
+}
+
+int landing_put(struct landing *landing, const char *path, const void *data, size_t n,
+                struct ttf_err *err)
+{
+    char final[PATH_SIZE];
+    int r = make_folder(landing, path, err);
+
+    place(landing, path, "", final);
+    return r < 0 ? r : ttf_io_write_file(landing->io, final, data, n, err);
+}
+
+static int sync_file(struct landing *landing, const char *path)
+{
+    char final[PATH_SIZE];
+    int file, r;
+
+    place(landing, path, "", final);
+    file = landing->io->ops->open(landing->io, final, TTF_IO_READ);
+    if (file < 0)
+        return file;
+    r = landing->io->ops->sync(landing->io, file, true);
+    (void)landing->io->ops->close(landing->io, file);
+    return r;
+}
+
+static int sync_folder(struct landing *landing, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char whole[PATH_SIZE];
+
+    (void)snprintf(whole, sizeof whole, "%s/%.*s", landing->folder, slash ? (int)(slash - path) : 0,
+                   path);
+    return landing->io->ops->sync_dir(landing->io, whole);
+}
+
+/* Does an earlier one of the batch lie in the same folder? */
+static bool same_folder(const struct landing *landing, unsigned i)
+{
+    const char *slash = strrchr(landing->batch[i], '/');
+    size_t n = slash ? (size_t)(slash - landing->batch[i]) + 1 : 0;
+
+    for (unsigned k = 0; k < i; k++)
+        if (strncmp(landing->batch[k], landing->batch[i], n) == 0 &&
+            !strchr(landing->batch[k] + n, '/'))
+            return true;
+    return false;
+}
+
+int landing_settle(struct landing *landing, struct ttf_err *err)
+{
+    int r = 0;
+
+    for (unsigned i = 0; r == 0 && i < landing->n_batch; i++)
+        r = sync_file(landing, landing->batch[i]);
+    for (unsigned i = 0; r == 0 && i < landing->n_batch; i++)
+        if (!same_folder(landing, i))
+            r = sync_folder(landing, landing->batch[i]);
+    if (r < 0)
+        return ttf_err_set(err, r, landing->folder, "cannot be synced: %s", strerrordesc_np(-r));
+    landing->n_batch = 0;
+    return 0;
+}

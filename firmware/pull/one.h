@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* one.h: one dataset, brought as far as the box has it. One thread. */
+#ifndef PULL_ONE_H
+#define PULL_ONE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ttf/pull/pull.h"
+#include "wire.h"
+
+struct one_result {
+    int64_t slots, files, damaged;
+    char first_damaged[256];
+    bool sealed; /* here now, with the box's digest */
+};
+
+/*
+ * Once: what the box has now. Whatever comes before an error stays, and is gone on with the next time. *ret is set also on
+ * failure. Errors of ttf_pull; damaged files are no error here, but counted.
+ */
+TTF_MUST_USE int one_pull(const struct ttf_pull_config *config, struct wire *wire, const char *name,
+                          struct one_result *ret, struct ttf_err *err);
+
+#endif

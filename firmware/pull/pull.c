@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ttf/pull/pull.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "one.h"
+#include "ttf/dataset/copy.h"
+#include "ttf/dataset/json_parse.h"
+#include "wire.h"
+
+#define LIST_MAX       ((size_t)16 << 20)
+#define TRIES          5 /* in a row that bring nothing */
+/* More than a try takes that brings nothing: what is asked for at the beginning of each. */
+#define PROGRESS_BYTES 16384
+#define POLL_NS        TTF_NS_PER_S
+#define WAIT_MOST      (30 * TTF_NS_PER_S)
+#define LOOK_NS        (100 * TTF_NS_PER_MS)
+
+static bool told_to_stop(const struct ttf_pull_config *config)
+{
+    return config->stop && *config->stop != 0;
+}
+
+static void pause_ns(const struct ttf_pull_config *config, int64_t for_ns)
+{
+    int64_t until = ttf_clock_now_ns(config->clock) + for_ns;
+    int64_t now;
+
+    while ((now = ttf_clock_now_ns(config->clock)) < until && !told_to_stop(config))
+        (void)ttf_clock_wait_until(config->clock, until - now < LOOK_NS ? until : now + LOOK_NS);
+}
+
+static void say(const struct ttf_pull_config *config, const struct wire *wire, const char *name,
+                const char *text)
+{
+    const struct ttf_pull_progress p = {.dataset = name,
+                                        .bytes = pull_wire_bytes(wire),
+                                        .now_ns = ttf_clock_now_ns(config->clock),
+                                        .text = text};
+
+    if (config->progress)
+        config->progress(config->progress_ctx, &p);
+}
+
+/* ---- which ---- */
+
+struct names {
+    char (*items)[65];
+    size_t n;
+};
+
+/* The answer's names; those that no dataset has are a server's that means harm, and are passed over. */
+static int take_names(const json_t *list, struct names *ret)
+{
+    const json_t *item;
+    size_t i;
+
+    ret->items = calloc(json_array_size(list) + 1, sizeof *ret->items);
+    if (!ret->items)
+        return -ENOMEM;
+    json_array_foreach(list, i, item)
+    {
+        const char *name = json_string_value(json_object_get(item, "name"));
+
+        if (name && ttf_name_ok(name) && name[0] != '.')
+            (void)snprintf(ret->items[ret->n++], sizeof *ret->items, "%s", name);
+    }
+    return 0;
+}
+
+static int ask_names(struct wire *wire, struct names *ret, struct ttf_err *err)
+{
+    char *text = NULL;
+    json_t *json;
+    size_t n;
+    int r = pull_wire_get_text(wire, "/datasets", 0, -1, LIST_MAX, &text, &n, err);
+
+    if (r < 0)
+        return r;
+    r = ttf_json_parse(text, n, &json, NULL);
+    free(text);
+    if (r < 0)
+        return ttf_err_set(err, r == -EINVAL ? -EPROTO : r, "/datasets",
+                           "the box's answer is no JSON");
+    r = take_names(json_object_get(json, "datasets"), ret);
+    json_decref(json);
+    return r < 0 ? ttf_err_set(err, r, NULL, "no memory") : 0;
+}
+
+static int given_names(const struct ttf_pull_config *config, struct names *ret, struct ttf_err *err)
+{
+    size_t n = 0;
+
+    while (config->names[n])
+        n++;
+    ret->items = calloc(n + 1, sizeof *ret->items);
+    if (!ret->items)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    for (; ret->n < n; ret->n++) {
+        const char *name = config->names[ret->n];
+
+        if (!ttf_name_ok(name) || name[0] == '.')
+            return ttf_err_set(err, -EINVAL, name, "is no dataset's name");
+        (void)snprintf(ret->items[ret->n], sizeof *ret->items, "%s", name);
+    }
+    return 0;
+}
+
+/* ---- one after another ---- */
+
+/* Until it is here as far as the box has it now: cut off, it goes on. */
+static int persist(const struct ttf_pull_config *config, struct wire *wire, const char *name,
+                   struct one_result *ret, struct ttf_err *err)
+{
+    int64_t files = 0, wait_ns = POLL_NS;
+    unsigned tries = 0;
+
+    for (;;) {
+        int64_t before = pull_wire_bytes(wire), files_before = files;
+        char text[700];
+        int r;
+
+        memset(err, 0, sizeof *err);
+        r = one_pull(config, wire, name, ret, err);
+        files += ret->files;
+        ret->files = files;
+        if (!pull_wire_may_pass(r) || told_to_stop(config))
+            return r;
+        if (ret->files > files_before || pull_wire_bytes(wire) > before + PROGRESS_BYTES) {
+            tries = 0;
+            wait_ns = POLL_NS;
+        }
+        if (!config->follow && ++tries >= TRIES)
+            return r;
+        (void)ttf_err_text(err, text, sizeof text);
+        say(config, wire, name, text);
+        pause_ns(config, tries <= 1 ? POLL_NS / 5 : wait_ns);
+        wait_ns = 2 * wait_ns < WAIT_MOST ? 2 * wait_ns : WAIT_MOST;
+    }
+}
+
+/* All of them once. *ret_open: there are some that are not sealed. */
+static int round_of_all(const struct ttf_pull_config *config, struct wire *wire,
+                        const struct names *names, struct ttf_pull_result *ret, bool *ret_open,
+                        struct ttf_err *err)
+{
+    int64_t files = ret->files;
+    int r = 0;
+
+    *ret = (struct ttf_pull_result){.files = files};
+    *ret_open = false;
+    for (size_t i = 0; r == 0 && i < names->n && !told_to_stop(config); i++) {
+        struct one_result one;
+
+        r = persist(config, wire, names->items[i], &one, err);
+        ret->slots += one.slots;
+        ret->files += one.files;
+        if (one.damaged > 0 && ret->damaged == 0)
+            (void)snprintf(ret->first_damaged, sizeof ret->first_damaged, "%s", one.first_damaged);
+        ret->damaged += one.damaged;
+        ret->datasets += r == 0;
+        ret->sealed += one.sealed;
+        *ret_open |= !one.sealed;
+    }
+    return r;
+}
+
+static int pull_with(const struct ttf_pull_config *config, struct wire *wire,
+                     struct ttf_pull_result *ret, struct ttf_err *err)
+{
+    struct names names = {0};
+    bool open = false;
+    int r = config->names ? given_names(config, &names, err) : ask_names(wire, &names, err);
+
+    if (r == 0)
+        r = ttf_io_mkdirs(config->io, config->dest, err);
+    while (r == 0) {
+        r = round_of_all(config, wire, &names, ret, &open, err);
+        if (r < 0 || !config->follow || !open || told_to_stop(config))
+            break;
+        pause_ns(config, POLL_NS);
+    }
+    free(names.items);
+    if (r == -ECANCELED)
+        r = 0;
+    ret->stopped = told_to_stop(config);
+    ret->bytes = pull_wire_bytes(wire);
+    if (r == 0 && ret->damaged > 0) {
+        ttf_err_set(err, -TTF_EDAMAGED, ret->first_damaged,
+                    "is damaged on the box, as %lld of its files are; all else is here",
+                    (long long)ret->damaged);
+        r = -TTF_EDAMAGED;
+    }
+    return r;
+}
+
+int ttf_pull(const struct ttf_pull_config *config, struct ttf_pull_result *ret, struct ttf_err *err)
+{
+    struct ttf_err unwanted = {0};
+    struct wire *wire;
+    int r;
+
+    *ret = (struct ttf_pull_result){0};
+    if (!err)
+        err = &unwanted;
+    r = pull_wire_create(config->box, config->token, config->stop, &wire, err);
+    if (r < 0)
+        return r;
+    r = pull_with(config, wire, ret, err);
+    pull_wire_destroy(wire);
+    return r;
+}
+
+int ttf_pull_list(const struct ttf_pull_config *config, char **ret_text, struct ttf_err *err)
+{
+    struct wire *wire;
+    size_t n;
+    int r = pull_wire_create(config->box, config->token, config->stop, &wire, err);
+
+    if (r < 0)
+        return r;
+    r = pull_wire_get_text(wire, "/datasets", 0, -1, LIST_MAX, ret_text, &n, err);
+    pull_wire_destroy(wire);
+    return r;
+}

@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "seal.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ttf/dataset/copy.h"
+#include "ttf/dataset/hash.h"
+#include "ttf/dataset/json_parse.h"
+
+#define SUMMARY_MAX ((size_t)1 << 20)
+#define SUMS_MAX    ((size_t)256 << 20)
+#define PREFIX      66 /* digits and two blanks */
+
+int seal_ask(struct wire *wire, const char *name, struct seal_state *ret, struct ttf_err *err)
+{
+    char url[128], *text = NULL;
+    const char *digest;
+    json_t *json;
+    size_t n;
+    int r;
+
+    (void)snprintf(url, sizeof url, "/datasets/%s", name);
+    r = pull_wire_get_text(wire, url, 0, -1, SUMMARY_MAX, &text, &n, err);
+    if (r < 0)
+        return r;
+    r = ttf_json_parse(text, n, &json, NULL);
+    free(text);
+    if (r < 0)
+        return ttf_err_set(err, r == -EINVAL ? -EPROTO : r, url, "the box's answer is no JSON");
+    *ret = (struct seal_state){
+        .slots = json_integer_value(json_object_get(json, "slots")),
+        .sealed = json_is_true(json_object_get(json, "sealed")),
+    };
+    digest = json_string_value(json_object_get(json, "digest"));
+    if (ret->sealed && (!digest || !ttf_sha256_is_hex(digest)))
+        r = ttf_err_set(err, -EPROTO, url, "the box's answer has no digest");
+    else if (ret->sealed)
+        (void)snprintf(ret->digest, sizeof ret->digest, "%s", digest);
+    json_decref(json);
+    return r;
+}
+
+int seal_open(struct ttf_io *io, const char *folder, struct seal_state *state, struct ttf_err *err)
+{
+    char path[4600], digest[65], *text = NULL;
+    bool sealed;
+    size_t n;
+    int r;
+
+    (void)snprintf(path, sizeof path, "%s/SHA256SUMS", folder);
+    r = ttf_io_slurp(io, path, SUMS_MAX, &text, &n, NULL);
+    if (r < 0)
+        return r == -ENOENT ? 0
+                            : ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
+    sealed = strstr(text, "  records.jsonl\n") != NULL;
+    free(text);
+    if (!sealed)
+        return 0;
+    r = ttf_sha256_file(io, path, NULL, digest, err);
+    if (r < 0)
+        return r;
+    state->here = state->sealed && strcmp(digest, state->digest) == 0;
+    return state->here ? 0 : ttf_sums_rebuild(io, folder, err);
+}
+
+/* What its line alone vouches for: the rest was checked against its record when it came. */
+static enum landing_trust trust_of(const char *path)
+{
+    return strncmp(path, "frames/", 7) == 0 || strncmp(path, "raw/", 4) == 0 ||
+                   strncmp(path, "plans/", 6) == 0 || strncmp(path, "calibration/", 12) == 0
+               ? LANDING_SIZE
+               : LANDING_HASH;
+}
+
+/* Every file of the list. */
+static int check_all(struct landing *landing, const char *text, size_t n, struct ttf_err *err)
+{
+    const char *end = text + n;
+
+    while (text < end) {
+        const char *lf = memchr(text, '\n', (size_t)(end - text));
+        size_t length = lf ? (size_t)(lf - text) : 0;
+        char hex[65], path[192];
+        bool came;
+        int r;
+
+        if (length <= PREFIX || length - PREFIX >= sizeof path)
+            return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS", "a line of the box's is none");
+        memcpy(hex, text, 64);
+        hex[64] = '\0';
+        memcpy(path, text + PREFIX, length - PREFIX);
+        path[length - PREFIX] = '\0';
+        if (!ttf_sha256_is_hex(hex) || !ttf_path_ok(path))
+            return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS", "a line of the box's is none");
+        r = landing_ensure(landing, path, -1, hex, trust_of(path), &came, err);
+        if (r < 0)
+            return r;
+        text = lf + 1;
+    }
+    return 0;
+}
+
+int seal_close(struct landing *landing, struct wire *wire, const struct seal_state *state,
+               bool *ret_sealed, struct ttf_err *err)
+{
+    char url[128], digest[65], *text = NULL;
+    struct ttf_sha256 hash;
+    size_t n;
+    int r;
+
+    *ret_sealed = state->here;
+    if (!state->sealed || state->here)
+        return 0;
+    (void)snprintf(url, sizeof url, "/datasets/%s/files/SHA256SUMS", landing->name);
+    r = pull_wire_get_text(wire, url, 0, -1, SUMS_MAX, &text, &n, err);
+    if (r < 0)
+        return r;
+    ttf_sha256_init(&hash);
+    ttf_sha256_add(&hash, text, n);
+    ttf_sha256_hex(&hash, digest);
+    /* Gone on with since it was asked: its next state is for the next time. */
+    if (strcmp(digest, state->digest) == 0) {
+        r = check_all(landing, text, n, err);
+        if (r == 0)
+            r = landing_settle(landing, err);
+        if (r == 0)
+            r = landing_put(landing, "SHA256SUMS", text, n, err);
+        *ret_sealed = r == 0;
+    }
+    free(text);
+    return r;
+}

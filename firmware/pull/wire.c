@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "wire.h"
+
+#include <curl/curl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CONNECT_S 10L
+#define SILENCE_S 30L  /* without a byte */
+#define SAID_MAX  2048 /* of what the box says of an error */
+
+struct wire {
+    CURL *curl;
+    struct curl_slist *headers; /* of every request */
+    char base[512];             /* "http://host:port/api/v1" */
+    const volatile int *stop;
+    int64_t bytes;
+    /* of the request under way */
+    const struct wire_sink *sink;
+    int64_t asked_first;
+    bool begun;
+    int sink_error;
+    char said[SAID_MAX];
+    size_t n_said;
+};
+
+static int init_curl(struct wire *wire, const char *token)
+{
+    CURL *curl = curl_easy_init();
+    char header[256];
+
+    wire->curl = curl;
+    if (!curl)
+        return -ENOMEM;
+    if (token) {
+        (void)snprintf(header, sizeof header, "Authorization: Bearer %s", token);
+        wire->headers = curl_slist_append(NULL, header);
+        if (!wire->headers)
+            return -ENOMEM;
+    }
+    return 0;
+}
+
+static size_t on_data(char *data, size_t size, size_t n, void *ctx);
+static int on_progress(void *ctx, curl_off_t a, curl_off_t b, curl_off_t c, curl_off_t d);
+
+static int set_options(struct wire *wire)
+{
+    CURL *curl = wire->curl;
+
+    return curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, on_data) ||
+                   curl_easy_setopt(curl, CURLOPT_WRITEDATA, wire) ||
+                   curl_easy_setopt(curl, CURLOPT_XFERINFOFUNCTION, on_progress) ||
+                   curl_easy_setopt(curl, CURLOPT_XFERINFODATA, wire) ||
+                   curl_easy_setopt(curl, CURLOPT_NOPROGRESS, 0L) ||
+                   curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L) ||
+                   curl_easy_setopt(curl, CURLOPT_FOLLOWLOCATION, 0L) ||
+                   curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https") ||
+                   curl_easy_setopt(curl, CURLOPT_PROXY, "") || /* a box is near */
+                   curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, CONNECT_S) ||
+                   curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L) ||
+                   curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, SILENCE_S) ||
+                   curl_easy_setopt(curl, CURLOPT_BUFFERSIZE, 256L * 1024)
+               ? -EINVAL
+               : 0;
+}
+
+static int set_box(struct wire *wire, const char *box, struct ttf_err *err)
+{
+    size_t n = strlen(box);
+    CURLcode set = CURLE_OK;
+
+    if (strncmp(box, "unix:", 5) == 0) {
+        set = curl_easy_setopt(wire->curl, CURLOPT_UNIX_SOCKET_PATH, box + 5);
+        box = "http://localhost";
+        n = strlen(box);
+    } else if (strncmp(box, "http://", 7) != 0 && strncmp(box, "https://", 8) != 0) {
+        ttf_err_set(err, -EINVAL, box, "is no box");
+        ttf_err_hint(err, "write http://ADDRESS:PORT or unix:PATH");
+        return -EINVAL;
+    }
+    while (n > 0 && box[n - 1] == '/')
+        n--;
+    if (set != CURLE_OK || n + 8 >= sizeof wire->base)
+        return ttf_err_set(err, -EINVAL, box, "is too long");
+    (void)snprintf(wire->base, sizeof wire->base, "%.*s/api/v1", (int)n, box);
+    return 0;
+}
+
+int pull_wire_create(const char *box, const char *token, const volatile int *stop,
+                     struct wire **ret, struct ttf_err *err)
+{
+    struct wire *wire = calloc(1, sizeof *wire);
+    int r;
+
+    if (!wire)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    wire->stop = stop;
+    r = init_curl(wire, token);
+    if (r == 0)
+        r = set_options(wire);
+    if (r < 0)
+        ttf_err_set(err, r, "libcurl", "cannot be set up");
+    if (r == 0)
+        r = set_box(wire, box, err);
+    if (r < 0) {
+        pull_wire_destroy(wire);
+        return r;
+    }
+    *ret = wire;
+    return 0;
+}
+
+void pull_wire_destroy(struct wire *wire)
+{
+    if (!wire)
+        return;
+    curl_slist_free_all(wire->headers);
+    curl_easy_cleanup(wire->curl);
+    free(wire);
+}
+
+int64_t pull_wire_bytes(const struct wire *wire)
+{
+    return wire->bytes;
+}
+
+/* ---- a request under way ---- */
+
+static int on_progress(void *ctx, curl_off_t a, curl_off_t b, curl_off_t c, curl_off_t d)
+{
+    const struct wire *wire = ctx;
+
+    (void)a;
+    (void)b;
+    (void)c;
+    (void)d;
+    return wire->stop && *wire->stop != 0;
+}
+
+static long status_of(struct wire *wire)
+{
+    long status = 0;
+
+    (void)curl_easy_getinfo(wire->curl, CURLINFO_RESPONSE_CODE, &status);
+    return status;
+}
+
+static int begin(struct wire *wire)
+{
+    int64_t first = status_of(wire) == 206 ? wire->asked_first : 0;
+
+    if (wire->begun)
+        return 0;
+    wire->begun = true;
+    return wire->sink->begin ? wire->sink->begin(wire->sink->ctx, first) : 0;
+}
+
+static size_t on_data(char *data, size_t size, size_t n, void *ctx)
+{
+    struct wire *wire = ctx;
+
+    n *= size;
+    if (status_of(wire) >= 300) {
+        size_t kept = n < SAID_MAX - 1 - wire->n_said ? n : SAID_MAX - 1 - wire->n_said;
+
+        memcpy(wire->said + wire->n_said, data, kept);
+        wire->n_said += kept;
+        return n;
+    }
+    wire->bytes += (int64_t)n;
+    wire->sink_error = begin(wire);
+    if (wire->sink_error == 0)
+        wire->sink_error = wire->sink->take(wire->sink->ctx, data, n);
+    return wire->sink_error == 0 ? n : 0;
+}
+
+/* What libcurl says of the wire. */
+static int wire_error(struct wire *wire, CURLcode code, const char *path, struct ttf_err *err)
+{
+    int r = -ECONNRESET;
+
+    if (wire->sink_error < 0)
+        return wire->sink_error; /* whoever took the bytes has said why */
+    if (code == CURLE_ABORTED_BY_CALLBACK)
+        return ttf_err_set(err, -ECANCELED, NULL, "told to stop");
+    if (code == CURLE_COULDNT_CONNECT)
+        r = -ECONNREFUSED;
+    else if (code == CURLE_OPERATION_TIMEDOUT)
+        r = -ETIMEDOUT;
+    else if (code == CURLE_COULDNT_RESOLVE_HOST)
+        r = -EHOSTUNREACH;
+    else if (code == CURLE_OUT_OF_MEMORY)
+        r = -ENOMEM;
+    return ttf_err_set(err, r, path, "the box does not answer: %s", curl_easy_strerror(code));
+}
+
+/* What the box says by a status and in words. */
+static int box_error(struct wire *wire, long status, const char *path, struct ttf_err *err)
+{
+    const char *text = wire->said;
+    int r = -EIO;
+
+    wire->said[wire->n_said] = '\0';
+    if (status == 416)
+        return -ERANGE;
+    if (status == 401)
+        r = -EACCES;
+    else if (status == 404)
+        r = -ENOENT;
+    ttf_err_set(err, r, path, "the box says %ld: %.200s", status, text);
+    if (status == 401)
+        ttf_err_hint(err, "give the box's token by --token-file");
+    return r;
+}
+
+int pull_wire_get(struct wire *wire, const char *path, int64_t first, int64_t last,
+                  const char *if_tag, const struct wire_sink *sink, struct ttf_err *err)
+{
+    char url[1024], range[64], tag[128];
+    struct curl_slist *tags = NULL;
+    CURLcode code;
+    long status;
+    bool part = first > 0 || last >= 0;
+
+    if ((size_t)snprintf(url, sizeof url, "%s%s", wire->base, path) >= sizeof url)
+        return ttf_err_set(err, -EINVAL, path, "is too long");
+    (void)snprintf(range, sizeof range, "%" PRId64 "-", first);
+    if (last >= 0)
+        (void)snprintf(range, sizeof range, "%" PRId64 "-%" PRId64, first, last);
+    wire->sink = sink;
+    wire->asked_first = first;
+    wire->begun = false;
+    wire->sink_error = 0;
+    wire->n_said = 0;
+    /* The token's header is the list's tail, which the request's own comes before. */
+    if (part && if_tag) {
+        (void)snprintf(tag, sizeof tag, "If-Range: \"%s\"", if_tag);
+        tags = curl_slist_append(NULL, tag);
+        if (!tags)
+            return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+        tags->next = wire->headers;
+    }
+    (void)curl_easy_setopt(wire->curl, CURLOPT_URL, url);
+    (void)curl_easy_setopt(wire->curl, CURLOPT_RANGE, part ? range : NULL);
+    (void)curl_easy_setopt(wire->curl, CURLOPT_HTTPHEADER, tags ? tags : wire->headers);
+    code = curl_easy_perform(wire->curl);
+    if (tags) {
+        tags->next = NULL;
+        curl_slist_free_all(tags);
+    }
+    status = status_of(wire);
+    if (code != CURLE_OK)
+        return wire_error(wire, code, path, err);
+    if (status != 200 && status != 206)
+        return box_error(wire, status, path, err);
+    return begin(wire); /* an empty answer has begun too */
+}
+
+/* ---- texts ---- */
+
+struct text {
+    char *bytes;
+    size_t n, room, max;
+    int64_t first; /* asked for */
+};
+
+static int text_begin(void *ctx, int64_t first)
+{
+    struct text *text = ctx;
+
+    text->n = 0;
+    return first == text->first ? 0 : -EPROTO;
+}
+
+static int text_take(void *ctx, const void *data, size_t n)
+{
+    struct text *text = ctx;
+
+    if (n > text->max - text->n)
+        return -EFBIG;
+    if (text->n + n + 1 > text->room) {
+        size_t room = text->room ? 2 * text->room : 4096;
+        char *more;
+
+        while (room < text->n + n + 1)
+            room *= 2;
+        more = realloc(text->bytes, room);
+        if (!more)
+            return -ENOMEM;
+        text->bytes = more;
+        text->room = room;
+    }
+    memcpy(text->bytes + text->n, data, n);
+    text->n += n;
+    return 0;
+}
+
+int pull_wire_get_text(struct wire *wire, const char *path, int64_t first, int64_t last, size_t max,
+                       char **ret_text, size_t *ret_bytes, struct ttf_err *err)
+{
+    struct text text = {.max = max, .first = first};
+    const struct wire_sink sink = {text_begin, text_take, &text};
+    int r = pull_wire_get(wire, path, first, last, NULL, &sink, err);
+
+    if (r == 0 && !text.bytes)
+        text.bytes = malloc(1);
+    if (r == 0 && !text.bytes)
+        r = -ENOMEM;
+    if (r < 0 || !text.bytes) {
+        free(text.bytes);
+        if (r == -EPROTO)
+            ttf_err_set(err, r, path, "comes whole where a part was asked for: this is no ttfbox");
+        if (r == -ENOMEM || r == -EFBIG)
+            ttf_err_set(err, r, path, r == -ENOMEM ? "no memory" : "is longer than can be");
+        return r;
+    }
+    text.bytes[text.n] = '\0';
+    *ret_text = text.bytes;
+    *ret_bytes = text.n;
+    return 0;
+}

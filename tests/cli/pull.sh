@@ -1,0 +1,201 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Datasets brought from a box: whole, growing, cut off, damaged, from boxes that mean harm.
+. "$(dirname "$0")/cli.bash"
+. "$(dirname "$0")/server.bash"
+CUTS=${TTFBOX_PULL_CUTS:-20}
+SEED=${TTFBOX_PULL_SEED:-20261126}
+
+plan p.yaml 'interval: 1h' 'count: 10' 'lamps: {mode: continuous}' 'shots:' \
+    '  - {stream: main, channel: white, lamps: {left: 100%, right: 100%}, exposure: 20ms}' 'keep: both' 'mains: 50Hz'
+mkdir data
+expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" -o data/grass
+expect 0 "$TTFBOX" note data/grass "watered" --slots 3
+digest=$(sha256sum data/grass/SHA256SUMS | cut -c1-64)
+
+# background COMMAND...: starts what says where it listens in its first line; WHERE and CHILD.
+background() {
+    : >where
+    "$@" >where &
+    CHILD=$!
+    until [ -s where ]; do sleep 0.05; done
+    WHERE=$(head -n 1 where)
+}
+# drop: ends it.
+drop() {
+    kill -KILL "$CHILD"
+    wait "$CHILD" 2>/dev/null
+}
+# same A B: no file of the two differs.
+same() { diff -r "$1" "$2" >differs || fail "$1 and $2 differ: $(head -n 3 differs)"; }
+
+serve data
+BOX=${URL%/api/v1}
+
+# --- whole, and again at no cost
+expect 0 "$TTFBOX" pull here --box "$BOX" --json
+is sealed 1
+is slots 10
+same data here
+expect 0 "$TTFBOX" pull here --box "$BOX" --json
+is files 0
+expect 0 "$TTFBOX" verify here/grass
+
+# --- what was lost here comes again, and nothing else
+rm here/grass/frames/main/000004.tif here/grass/SHA256SUMS
+expect 0 "$TTFBOX" pull here --box "$BOX" --json
+is files 1
+same data here
+
+# --- notes made here stay; those of the box come where there are none
+echo '{"text":"mine"}' >here/grass/notes.jsonl
+expect 0 "$TTFBOX" pull here --box "$BOX"
+said err 'notes.jsonl here is not the box'
+grep -q mine here/grass/notes.jsonl || fail "a note is gone"
+
+# --- only what is named; what is not there
+cp -r data/grass data/meadow
+expect 0 "$TTFBOX" pull only --box "$BOX" --only meadow
+if [ ! -d only/meadow ] || [ -e only/grass ]; then fail "another was brought than asked for"; fi
+expect 2 "$TTFBOX" pull only --box "$BOX" --only nobody
+said err 'no dataset of this name'
+expect 2 "$TTFBOX" pull only --box "$BOX" --only ../grass
+rm -r data/meadow
+
+# --- nothing of another is overwritten
+mkdir -p taken/grass other
+echo mine >taken/grass/thesis.txt
+expect 2 "$TTFBOX" pull taken --box "$BOX"
+said err 'is there, and no dataset'
+[ "$(ls taken/grass)" = thesis.txt ] || fail "something was put into a folder of another"
+expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other/grass
+cp -r other/grass before
+expect 2 "$TTFBOX" pull other --box "$BOX"
+said err 'another dataset'
+same before other/grass
+
+# --- growing: a dataset at every moment, the rest later
+mv data/grass whole
+cp -r whole data/grass
+rm data/grass/SHA256SUMS
+grow() { head -n "$1" whole/records.jsonl >data/grass/records.jsonl; }
+grow 5
+expect 0 "$TTFBOX" pull growing --box "$BOX" --json
+is sealed 0
+expect 0 "$TTFBOX" verify growing/grass
+expect 0 "$TTFBOX" info growing/grass --json
+seen=$(json slots)
+grow 8
+printf '{"type":"sl' >>data/grass/records.jsonl
+expect 0 "$TTFBOX" pull growing --box "$BOX"
+expect 0 "$TTFBOX" info growing/grass --json
+is slots $((seen + 3))
+expect 0 "$TTFBOX" verify growing/grass
+# A line that was served and then lost by the box in a power cut is taken back.
+grow 7
+expect 0 "$TTFBOX" pull growing --box "$BOX"
+cmp -s growing/grass/records.jsonl data/grass/records.jsonl || fail "a line that the box lost is still here"
+# Half a line, and a file that a crash left in full length with other bytes: here.
+printf '{"type":"half' >>growing/grass/records.jsonl
+head -c "$(stat -c %s whole/frames/main/000007.tif)" /dev/zero >growing/grass/frames/main/000007.tif
+grow 99
+cp whole/SHA256SUMS data/grass/
+expect 0 "$TTFBOX" pull growing --box "$BOX" --json
+is sealed 1
+same whole growing/grass
+# Sealed here, gone on with there: the seal goes, and comes anew.
+grow 9
+rm data/grass/SHA256SUMS
+cp -r growing sealed-then-not
+sed -i '$d' sealed-then-not/grass/records.jsonl
+rm sealed-then-not/grass/SHA256SUMS
+expect 0 "$TTFBOX" pull sealed-then-not --box "$BOX" --json
+is sealed 0
+cp -r whole/. data/grass/
+
+# --- damage on the box is named and left out, and comes when it is mended
+printf X | dd of=data/grass/frames/main/000002.tif bs=1 seek=3000 conv=notrunc 2>/dev/null
+rm data/grass/raw/main/000005.dng
+expect 3 "$TTFBOX" pull damaged --box "$BOX"
+said err 'grass/frames/main/000002.tif'
+said err 'raw/main/000005.dng is missing on the box'
+if [ -e damaged/grass/frames/main/000002.tif ] || [ ! -e damaged/grass/frames/main/000009.tif ]; then fail "not what was to come came"; fi
+[ ! -e damaged/grass/SHA256SUMS ] || ! grep -q records.jsonl damaged/grass/SHA256SUMS || fail "it says that it is sealed"
+cp -r whole/. data/grass/
+expect 0 "$TTFBOX" pull damaged --box "$BOX" --json
+is files 2
+same whole damaged/grass
+
+# --- killed at random moments, and connections cut at random bytes
+background "$PYTHON" "$HERE/bad_wire.py" "${BOX#http://}" "$SEED"
+RANDOM=$SEED
+for ((i = 0; i < CUTS; i++)); do
+    "$TTFBOX" pull cut --box "http://$WHERE" >/dev/null 2>&1 &
+    pid=$!
+    sleep "0.0$((RANDOM % 90 + 10))"
+    kill -KILL $pid 2>/dev/null
+    wait $pid 2>/dev/null
+    if [ -e cut/grass/dataset.json ]; then
+        "$TTFBOX" verify cut/grass >out 2>err || [ ! -e cut/grass/records.jsonl ] || fail "after kill $i it is no whole dataset (seed $SEED)"
+    fi
+    [ $((i % 20)) -ne 19 ] || rm -rf cut
+done
+for ((i = 0; i < 200; i++)); do
+    "$TTFBOX" pull cut --box "http://$WHERE" >out 2>err && break
+done
+[ "$i" -lt 200 ] || fail "it does not come through a wire that is cut (seed $SEED)"
+same whole cut/grass
+drop
+
+# --- bits that turn over on the way
+background "$PYTHON" "$HERE/bad_wire.py" "${BOX#http://}" "$SEED" flip
+for ((i = 0; i < 50; i++)); do
+    "$TTFBOX" pull flipped --box "http://$WHERE" >out 2>err && break
+    for f in flipped/grass/frames/main/*.tif flipped/grass/raw/main/*.dng; do
+        [ ! -e "$f" ] || cmp -s "$f" "whole/${f#flipped/grass/}" || fail "$f came with a wrong bit (seed $SEED)"
+    done
+done
+[ "$i" -lt 50 ] || fail "it does not come through a wire that turns bits over (seed $SEED)"
+same whole flipped/grass
+drop
+unserve
+
+# --- while it is captured, until it is sealed
+plan live.yaml 'interval: 400ms' 'count: 15' 'lamps: {mode: continuous}' 'shots:' \
+    '  - {stream: main, channel: white, lamps: {left: 100%, right: 100%}, exposure: 10ms}' 'keep: both' 'mains: 50Hz'
+rm -r data/grass
+serve data
+BOX=${URL%/api/v1}
+"$TTFBOX" capture live.yaml "${TINY[@]}" --set sim.clock=real -o data/live >captured 2>&1 &
+pid=$!
+until [ -e data/live/dataset.json ]; do
+    kill -0 $pid 2>/dev/null || fail "nothing is captured: $(cat captured)"
+    sleep 0.05
+done
+expect 0 "$TTFBOX" pull live --box "$BOX" --follow --json
+is sealed 1
+wait $pid || fail "the capture failed: $(cat captured)"
+same data/live live/live
+unserve
+expect 1 "$TTFBOX" pull live --box "$BOX"
+said err 'does not answer'
+
+# --- boxes that mean harm
+for case in path absolute long garbage noend name size; do
+    background "$PYTHON" "$HERE/evil_box.py" $case
+    timeout 60 "$TTFBOX" pull "evil-$case/in/here" --box "http://$WHERE" >out 2>err
+    code=$?
+    [ $code -le 3 ] || fail "$case: exit $code"
+    for place in escaped /tmp/escaped "evil-$case/escaped" "evil-$case/in/escaped"; do
+        [ ! -e "$place" ] || fail "$case: it wrote $place"
+    done
+    [ $code = 3 ] || [ $case = name ] || [ $case = noend ] || fail "$case: exit $code instead of 3"
+    [ -z "$(find "evil-$case" -size +100k)" ] || fail "$case: it took more than was said"
+    drop
+done
+[ "$digest" = "$(sha256sum whole/SHA256SUMS | cut -c1-64)" ] || fail "the test spoilt its own dataset"
+
+expect 2 "$TTFBOX" pull here
+said err '--box'
+expect 2 "$TTFBOX" pull here --box ftp://box
+said err 'is no box'

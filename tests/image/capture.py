@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A first boot without screen or network: the settings are taken, the card grows, a capture runs, nothing is open."""
+import json
+import os
+import subprocess
+import time
+
+import booted
+import camera
+import lamps
+
+SLOTS = int(os.environ.get("TTFBOX_IMAGE_SLOTS", "40"))
+SETTINGS = """board: qemu-virt-arm64
+plan: plan.yaml
+zone: Europe/Berlin
+data: /var/lib/ttfbox
+set: {cameras.main.format: RG10, cameras.main.width: 320, cameras.main.height: 180, cameras.main.frame_period: 40ms}
+"""
+PLAN = """interval: 1s
+count: %d
+lamps: {mode: %s, settle: 150ms}
+shots: [{lamps: {left: 100%%}}]
+reserve: 1MB
+"""
+RECORDS = "/var/lib/ttfbox/plan/records.jsonl"
+STATUS = "systemctl show -P StatusText ttfboxd"
+
+
+def card(board, image, plan, programs=(), mib=1024):
+    """An image on a card that is so much larger than itself, with a plan."""
+    booted.copy(board, image, programs)
+    subprocess.run(["truncate", "-s", "+%dM" % mib, image], check=True)
+    booted.put(image, "settings/ttfbox.yaml", SETTINGS)
+    booted.put(image, "settings/plan.yaml", plan)
+
+
+def expect_sealed_off(m):
+    """What must be so in every booted image."""
+    code, out = m.run("touch /x /etc/x /usr/x; grep ' / ' /proc/mounts")
+    assert out.count("Read-only file system") == 3 and " / ext4 ro," in out, out
+    code, out = m.run("cat /proc/net/tcp /proc/net/tcp6 /proc/net/udp /proc/net/udp6 2>/dev/null | grep -v local_address")
+    assert out.strip() == "", "something listens: " + out
+    code, out = m.run("ls -d /var/log/journal; journalctl --header --no-pager | grep 'File path' | sort -u")
+    assert "/run/log/journal/" in out and "/var/log" not in out.replace("'/var/log/journal'", ""), out
+    code, out = m.run("systemctl --failed --no-legend --plain")
+    assert out.strip() == "", out + m.journal()
+    code, out = m.run("cat /etc/machine-id; blkid -p -s UUID -o value /dev/disk/by-label/ttfbox-data | tr -d -; cat /proc/sys/kernel/random/boot_id")
+    lines = out.split()
+    assert lines[0] == lines[1] and len(lines[0]) == 32, out
+    return lines[0]
+
+
+def exposure(m):
+    for unit in ("ttfboxd", "ttfbox-lampd"):
+        code, out = m.run("systemd-analyze security --no-pager %s.service | tail -n 1" % unit, 120)
+        print("    " + out.strip().lstrip("→ "))
+        assert "OK" in out, out
+
+
+def a_first_boot_takes_the_settings_and_captures_as_seen_from_outside(board, image):
+    card(board, image, PLAN % (SLOTS, "capture-only"))
+    since = time.time()
+    with booted.Booted(image) as m:
+        print("    its agent answered %.0f s after the kernel's start" % m.booted_s)
+        m.wait("systemctl is-active ttfboxd ttfbox-lampd && %s | grep -q -e capturing -e done" % STATUS, 300)
+        expect_sealed_off(m)
+        exposure(m)
+        code, out = m.run("df --output=size -BM /data | tail -n 1; cat /etc/ttfbox/ttfboxd.yaml; ls /boot/box; "
+                          "stat -c %U:%G /var/lib/ttfbox/plan; systemctl is-system-running")
+        assert 950 <= int(out.split("M")[0]) <= 1024, "the data partition has not the card's size: " + out
+        assert "Europe/Berlin" in out and "ttfbox:ttfbox" in out and "ttfbox-problem" not in out, out
+        m.wait("%s | grep -q done" % STATUS, SLOTS * 3 + 120)
+        zero = camera.boot_at(m)
+        code, out = m.run("ttfbox verify /var/lib/ttfbox/plan && cat %s" % RECORDS, 200)
+        assert code == 0, out[-1500:]
+        records = [json.loads(text) for text in out.splitlines() if text.startswith('{"type":"slot"')]
+        assert [r["index"] for r in records] == list(range(SLOTS)), out[-1500:]
+        lit = camera.lamps_as_recorded(records, m.changes(since), zero)
+        late = camera.lateness_ms(records)
+        lost = camera.tell_lost(records)
+        print("    %d of %d slots captured, lamps as recorded in each; slot error p99 %.1f ms, %.1f at most" %
+              (len(late), SLOTS, late[len(late) * 99 // 100], late[-1]))
+        assert all(r.get("reason") for r in lost) and len(lost) <= 1 + SLOTS // 100 and lit >= len(late), (len(lost), lit)
+        assert m.lines() == {lamps.LEFT: 0, lamps.RIGHT: 1}, m.lines()
+        code, out = m.run("grep -o '\"zone\":\"[^\"]*\"' /var/lib/ttfbox/plan/plan.json")
+        assert "Europe/Berlin" in out, out
+        m.off()
+    assert booted.get(image, "ttfbox-problem.txt") is None
+
+
+SCENARIOS = [a_first_boot_takes_the_settings_and_captures_as_seen_from_outside]
