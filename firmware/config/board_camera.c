@@ -88,6 +88,7 @@ static const struct cfg_field V4L2[] = {
      0},
     {"buffers", cfg_u32, C(buffers), 2, 8, "frames held at once", 0, 0},
     {"settle_frames", cfg_u32, C(settle), 1, 30, "frames until a changed setting shows", 0, 0},
+    {"steer", cfg_bool, C(v4l2.steer), 0, 0, "true: its frames may be moved to meet a slot", 0, 0},
     {"readout", cfg_i64_time, C(v4l2.readout_ns), 0, 1e11, "from its first row to its last", 0, 0},
     {"black_level", cfg_u32, C(black), 0, 65534, "the code of no light", 0, 0},
     {"white_level", cfg_u32, C(white), 1, 65535, "the code of saturation", 0, 0},

@@ -40,8 +40,8 @@ static void fill_caps(struct lc_camera *camera)
     *caps = (struct ttf_camera_caps){
         .steerable = steerable,
         /* Half a period as it runs freely; the other half for a readout and stamps that nobody vouches for. */
-        .timing_bound_ns = (steerable ? period / STEERING_PARTS : period) + JITTER_NS +
-                           camera->stream.uncertainty_ns,
+        .timing_bound_ns = (steerable ? period / STEERING_PARTS : period + camera->uneven_ns) +
+                           JITTER_NS + camera->stream.uncertainty_ns,
         .frame_period_ns = period,
         .lead_frames = camera->can.mapped ? settled : 0,
         .lead_ns = ahead * period,

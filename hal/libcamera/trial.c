@@ -83,6 +83,15 @@ static int64_t median(const struct seen *seen, unsigned of_last)
     return n ? sorted[n / 2] : 0;
 }
 
+static int64_t longest(const struct seen *seen)
+{
+    int64_t found = 0;
+
+    for (unsigned i = 0; i < INTERVALS && i < seen->n; i++)
+        found = seen->interval_ns[i] > found ? seen->interval_ns[i] : found;
+    return found;
+}
+
 /* So many frames, passed on. */
 static int watch(struct lc_camera *camera, unsigned frames, int64_t deadline_ns, struct seen *seen,
                  struct ttf_err *err)
@@ -203,6 +212,8 @@ static int all(struct lc_camera *camera, struct ttf_err *err)
         r = watch(camera, camera->config.settle_frames, deadline, &seen, err);
     if (r == 0)
         camera->period_ns = median(&seen, INTERVALS);
+    if (r == 0)
+        camera->uneven_ns = longest(&seen) - camera->period_ns;
     if (r == 0 && (camera->can.mapped & TTF_LIBCAMERA_PLACING))
         r = steers(camera, &seen, deadline, err);
     if (r == 0 && camera->period_ns <= 0)

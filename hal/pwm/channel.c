@@ -177,7 +177,8 @@ static int prepare(struct pwm_channel *channel, const struct ttf_line_spec *spec
     bool fresh = take_number(channel->folder, "period", &period_ns) == 0 && period_ns == 0;
     int r = fresh ? 0 : darken(channel);
 
-    if (r < 0)
+    /* A driver may refuse everything as long as the period is one that its chip was left with; the end decides. */
+    if (r == -EACCES || r == -ENODEV)
         return failed(spec, r, "cannot be made dark", r == -EACCES ? IN_A_MOMENT : NULL, err);
     r = put_number(channel->folder, "period", spec->period_ns);
     if (r < 0)

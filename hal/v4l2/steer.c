@@ -25,6 +25,8 @@ void v4l2_steer_set_up(struct v4l2_camera *camera)
     int64_t blank = 0, line_ns = v4l2_controls_line_ns(c, camera->base.format.width);
 
     memset(steer, 0, sizeof(*steer));
+    if (!camera->config.steer)
+        return;
     if (line_ns > 0 && v4l2_control_query(c, V4L2_CID_VBLANK, &q) == 0 &&
         !(q.flags & V4L2_CTRL_FLAG_READ_ONLY) &&
         v4l2_control_get(c, V4L2_CID_VBLANK, &blank) == 0) {

@@ -157,6 +157,7 @@ def channel(m, n):
 
 def a_lamp_on_a_pwm_driver_has_its_levels_and_is_dark_with_its_client(m):
     bus(m)
+    turn(m, PCA9685, {0xFE: 0x1E})  # its prescaler as after a reset
     code, out = m.run("modprobe pwm-pca9685")
     assert code == 0, out
     plug(m, "pca9685", PCA9685)
@@ -172,7 +173,7 @@ def a_lamp_on_a_pwm_driver_has_its_levels_and_is_dark_with_its_client(m):
         m.run("kill -9 $(cat /run/client); sleep 0.5")
         assert channel(m, 3) == 0, channel(m, 3)
     # A killed guardian's channel stays; the next one darkens it before it does anything else.
-    m.run("lampd_child /run/lampd.sock 3600000 500 >/run/lit 2>&1 & sleep 0.7; kill -9 $(pgrep -x ttfbox-lampd); wait; rm -f /run/said")
+    m.run("lampd_child /run/lampd.sock 3600000 500 >/run/lit 2>&1 & sleep 0.7; kill -9 $(pgrep -x ttfbox-lampd); rm -f /run/said; sleep 0.3")
     assert channel(m, 3) == 2048, channel(m, 3)
     lamps.guard(m, DIMMED.replace("CHIP", "pwmchip0"))
     assert channel(m, 3) == 0, channel(m, 3)
@@ -183,7 +184,9 @@ def a_lamp_on_a_pwm_driver_has_its_levels_and_is_dark_with_its_client(m):
     assert code == 0, out
     assert m.level(lamps.LEFT, 0, 5), "the other lamp's guardian did not notice"
     plug(m, "pca9685", PCA9685)
+    m.run("kill -9 $(pgrep -x lampd_child)")
     time.sleep(2)
+    assert channel(m, 3) == 0, "nothing lights by itself"
     code, out = m.run("lampd_child /run/lampd.sock 3600000 250 >/run/lit 2>&1 & sleep 0.7; cat /run/lit")
     assert "lit" in out and abs(channel(m, 3) - 1024) <= 1, (out, channel(m, 3))
     lamps.end(m)

@@ -80,7 +80,8 @@ def a_camera_behind_libcamera_that_goes_is_found_again(m):
     again = [r["due_ns"] / 1e9 for r in records if r["result"] == "captured" and r["due_ns"] / 1e9 > float(out)]
     print("    away for %d s: %d of %d lost, the next one captured %.1f s after it was back" %
           (AWAY_S, len(lost), slots, again[0] - float(out)))
-    assert len(lost) <= 3 and all(r.get("reason") for r in lost) and again[0] - float(out) < 10, lost
+    # Those due while it was away, and in the ten seconds that it may take to be well again.
+    assert len(lost) <= (AWAY_S + 10) // INTERVAL_S and all(r.get("reason") for r in lost) and again[0] - float(out) < 10, lost
     lamps.end(m)
 
 

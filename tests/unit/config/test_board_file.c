@@ -242,7 +242,8 @@ static void every_key_of_real_devices_reaches_its_field(void **state)
              "cameras:\n"
              "  main: {backend: v4l2, device: /dev/video2, bus: usb-1, name: C920, format: Y10,\n"
              "         width: 640px, height: 480px, frame_period: 40ms, buffers: 3,\n"
-             "         settle_frames: 6, readout: 19ms, black_level: 64, white_level: 1000,\n"
+             "         settle_frames: 6, steer: true, readout: 19ms, black_level: 64, white_level: "
+             "1000,\n"
              "         gain_unity: 16, balance_unity: 128, focus_per_dioptre: 5,\n"
              "         white_balance_kelvin: 5000, flicker: 60Hz,\n"
              "         controls: {sharpness: 0, backlight_compensation: -3}}\n"
@@ -262,7 +263,7 @@ static void every_key_of_real_devices_reaches_its_field(void **state)
     assert_string_equal(v->name, "C920");
     assert_string_equal(v->pixel_format, "Y10 ");
     assert_true(v->frame_period_ns == 40 * TTF_NS_PER_MS && v->readout_ns == 19 * TTF_NS_PER_MS);
-    assert_true(v->buffers == 3 && v->settle_frames == 6);
+    assert_true(v->buffers == 3 && v->settle_frames == 6 && v->steer);
     assert_true(v->black_level == 64 && v->white_level == 1000);
     assert_true(v->gain_unity == 16 && v->balance_unity == 128 && v->focus_per_dioptre == 5);
     assert_true(v->white_balance_kelvin == 5000 && v->flicker == TTF_V4L2_FLICKER_60HZ);

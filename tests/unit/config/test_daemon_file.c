@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "ttf/base/attr.h"
@@ -65,6 +66,8 @@ static const struct {
     {"board: b\nplan: p\n", "/etc/ttfbox/d.yaml:1:1", "'data' is missing"},
     {"board: b\nplan: p\ndata: d\nlisten: 1\n", "/etc/ttfbox/d.yaml:4:1", "unknown key"},
     {"board: b\nplan: p\ndata: d\ndataset: ../x\n", "/etc/ttfbox/d.yaml:4:10", "no dataset's name"},
+    {"board: b\nplan: p\ndata: d\ndataset: a/b\n", "/etc/ttfbox/d.yaml:4:10", "no dataset's name"},
+    {"board: b\nplan: p\ndata: d\nset: real\n", "/etc/ttfbox/d.yaml:4:6", "a map of at most 16"},
     {"board: b\nplan: p\ndata: d\ndataset: .x\n", "/etc/ttfbox/d.yaml:4:10", "no dataset's name"},
     {"board: b\nplan: p/.yaml\ndata: d\n", "/etc/ttfbox/d.yaml:2:7", "no dataset's name"},
     {"board: b\nplan: p\ndata: d\nretry: 5\n", "/etc/ttfbox/d.yaml:4:8", "has no unit"},
@@ -88,11 +91,49 @@ static void what_is_wrong_is_named_with_its_place(void **state)
     }
 }
 
+static void expect_refused(const char *text, const char *what)
+{
+    struct ttf_daemon_config c;
+    struct ttf_err err;
+
+    assert_int_equal(parse(text, &c, &err), -EINVAL);
+    if (!strstr(err.what, what))
+        fail_msg("%s: %s", err.where, err.what);
+}
+
+/* Each by one more than there is room for. */
+static void what_has_no_room_is_refused(void **state)
+{
+    static const char HEAD[] = "board: b\nplan: p\ndata: d\nset: {";
+    char text[2048], letters[300] = "";
+    struct ttf_daemon_config c;
+    struct ttf_err err;
+    int n;
+
+    (void)state;
+    memset(letters, 'x', sizeof c.set[0].value);
+    (void)snprintf(text, sizeof text, "%sa: %s}\n", HEAD, letters);
+    expect_refused(text, "too long");
+    letters[sizeof c.set[0].value - 1] = '\0';
+    (void)snprintf(text, sizeof text, "%sa: %s}\n", HEAD, letters);
+    assert_int_equal(parse(text, &c, &err), 0);
+    memset(letters, 'k', sizeof c.set[0].path);
+    letters[sizeof c.set[0].path] = '\0';
+    (void)snprintf(text, sizeof text, "%s%s: 1}\n", HEAD, letters);
+    expect_refused(text, "no key of a board");
+    n = snprintf(text, sizeof text, "%s", HEAD);
+    for (int i = 0; i <= TTF_DAEMON_SETS_MAX; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n, "k%d: 1, ", i);
+    (void)snprintf(text + n, sizeof text - (size_t)n, "}\n");
+    expect_refused(text, "at most 16 keys");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_key_reaches_its_field),
         cmocka_unit_test(a_dataset_without_a_name_has_the_plan_s),
+        cmocka_unit_test(what_has_no_room_is_refused),
         cmocka_unit_test(what_is_wrong_is_named_with_its_place),
     };
 

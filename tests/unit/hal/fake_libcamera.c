@@ -128,7 +128,7 @@ static void begin_frame(struct fake_libcamera *f)
         f->n_exposed++;
         memmove(f->queue, f->queue + 1, --f->n_queue * sizeof(*f->queue));
     }
-    f->next_ns += duration;
+    f->next_ns += duration + (f->frame % 3 == 0 ? f->uneven_ns : 0);
     f->frame++;
 }
 

@@ -47,6 +47,7 @@ struct fake_libcamera {
 
     /* What goes wrong. */
     bool automatic;      /* exposure wanders whatever is asked */
+    int64_t uneven_ns;   /* each third frame is longer by this */
     bool deaf_durations; /* frame durations are taken and not followed */
     int begin_failure, hold_failure, configure_failure, start_failure, queue_failure;
     bool silent;  /* no frame comes, nothing is said */

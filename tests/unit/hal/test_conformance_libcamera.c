@@ -6,6 +6,7 @@
 #include "conformance/conformance.h"
 #include "fake_libcamera.h"
 #include "fake_v4l2.h"
+#include "ttf/base/time.h"
 
 struct made {
     struct fake_libcamera fake;
@@ -58,6 +59,7 @@ static void be_vimc(struct fake_libcamera *fake)
     fake->limits.has = 1u << LC_CONTRAST;
     fake->raw[0].fourcc = 0;
     fake->stamp_monotonic = true;
+    fake->uneven_ns = 60 * TTF_NS_PER_MS; /* a pipeline of software on a busy machine */
 }
 
 static int make_like_vimc(struct ttf_box *ret)

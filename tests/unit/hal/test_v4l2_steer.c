@@ -41,8 +41,20 @@ static int64_t worst_error_ns(struct bench *bench)
 
 static void begin(struct bench *bench)
 {
+    bench->config.steer = true;
     bench_start(bench);
     (void)bench_warm(bench, 5);
+}
+
+static void a_stream_that_nobody_wants_moved_is_left_alone(void **state)
+{
+    struct bench *bench = *state;
+
+    bench->fake.steers = true;
+    bench_start(bench);
+    (void)bench_warm(bench, 5);
+    assert_true(worst_error_ns(bench) > PERIOD / 4);
+    assert_int_equal(bench->fake.rates, 0);
 }
 
 static void a_stream_that_cannot_be_moved_is_off_by_up_to_half_a_frame(void **state)
@@ -129,6 +141,7 @@ static void a_set_that_is_dropped_while_frames_are_moved_leaves_the_rate_as_it_w
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        ON_BENCH(a_stream_that_nobody_wants_moved_is_left_alone),
         ON_BENCH(a_stream_that_cannot_be_moved_is_off_by_up_to_half_a_frame),
         ON_BENCH(another_rate_for_a_few_frames_brings_the_middle_to_its_instant),
         ON_BENCH(a_driver_that_knows_few_rates_is_moved_as_near_as_they_lead),

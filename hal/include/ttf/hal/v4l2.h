@@ -44,6 +44,7 @@ struct ttf_v4l2_config {
     uint32_t width, height;  /* pixels, what a mode of 0 means; 0: the largest the camera has */
     int64_t frame_period_ns; /* wanted of the free-running sensor; 0: as the driver has it */
     unsigned buffers;        /* frames that may be held at once, 2..8; 0: 2 */
+    bool steer;              /* the stream may be moved to meet instants (README.md, "Steering") */
     unsigned settle_frames;  /* frames after a change of settings until it shows, 1..30; 0: 4 */
     int64_t readout_ns; /* from the first row's end of exposure to the last's; 0: a frame period */
     uint16_t black_level; /* code of no light, of raw and linear grey; < 2^bits - 1 */
