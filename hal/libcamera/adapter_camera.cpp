@@ -95,8 +95,10 @@ struct lc_handle {
     std::deque<struct lc_done> done;
     bool gone = false;
 
-    void completed(Request *request);
-    void disconnected();
+    /* On libcamera's thread, which has nobody to catch anything. */
+    void completed(Request *request) noexcept;
+    void disconnected() noexcept;
+    bool is_gone();
     void tell();
     void forget();
     void free_buffers();
@@ -116,8 +118,14 @@ void lc_handle::forget()
     (void)!read(event, &count, sizeof(count));
 }
 
-/* On libcamera's thread. */
-void lc_handle::completed(Request *request)
+bool lc_handle::is_gone()
+{
+    const std::lock_guard<std::mutex> held(lock);
+
+    return gone;
+}
+
+void lc_handle::completed(Request *request) noexcept
 {
     struct lc_done d = {};
     const FrameBuffer *buffer = request->buffers().begin()->second;
@@ -142,7 +150,7 @@ void lc_handle::completed(Request *request)
     tell();
 }
 
-void lc_handle::disconnected()
+void lc_handle::disconnected() noexcept
 {
     {
         const std::lock_guard<std::mutex> held(lock);
@@ -228,7 +236,7 @@ int lc_adapter_configure(struct lc_handle *handle, const struct lc_ask *ask,
     handle->free_buffers();
     handle->configuration = configuration_of(*handle->camera, ask->role);
     if (!handle->configuration)
-        return handle->gone ? -ENODEV : -EINVAL;
+        return handle->is_gone() ? -ENODEV : -EINVAL;
     auto &stream = handle->configuration->at(0);
     stream.pixelFormat = libcamera::PixelFormat(ask->fourcc, ask->modifier);
     if (ask->width && ask->height)

@@ -4,6 +4,9 @@
  * libcamera itself, tests have one of their own. No policy is behind it: it translates.
  * Private to hal/libcamera.
  *
+ * A process without memory ends in the module (libcamera itself and C++ have no other way out: what they throw meets
+ * noexcept): the service manager starts it again, and the run goes on.
+ *
  * All functions return a negative errno on failure. One thread calls them, but for queue and take, which any may.
  */
 #ifndef TTF_HAL_LIBCAMERA_BOUNDARY_H

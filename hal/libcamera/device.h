@@ -118,7 +118,8 @@ struct lc_camera {
     const struct lc_pixels *pixels;
     size_t frame_bytes; /* of a whole frame */
     int64_t period_ns, readout_ns;
-    int64_t uneven_ns; /* by how much the longest interval of the trial was longer than a period */
+    int64_t
+        uneven_ns; /* by how much the longest interval of the trial was longer than a period; one at most */
     struct lc_abilities can;
     struct ttf_gate *freed;
     struct lc_stream stream;

@@ -109,6 +109,14 @@ static int64_t longest(const struct seen *seen)
     return found;
 }
 
+/* Beyond a period it is the machine that was busy, or a camera whose frames no bound holds. */
+static int64_t unevenness(const struct seen *seen, int64_t period_ns)
+{
+    int64_t found = longest(seen) - period_ns;
+
+    return found < period_ns ? found : period_ns;
+}
+
 /* So many frames, passed on. */
 static int watch(struct lc_camera *camera, unsigned frames, int64_t deadline_ns, struct seen *seen,
                  struct ttf_err *err)
@@ -231,7 +239,7 @@ static int all(struct lc_camera *camera, struct ttf_err *err)
     if (r == 0)
         camera->period_ns = median(&seen, INTERVALS);
     if (r == 0)
-        camera->uneven_ns = longest(&seen) - camera->period_ns;
+        camera->uneven_ns = unevenness(&seen, camera->period_ns);
     if (r == 0 && (camera->can.mapped & TTF_LIBCAMERA_PLACING))
         r = steers(camera, &seen, deadline, err);
     if (r == 0 && camera->period_ns <= 0)

@@ -130,22 +130,36 @@ static int try(struct v4l2_camera *camera, int64_t period_ns, unsigned frames, i
     return 0;
 }
 
+/* A driver that took one duration and refuses another is not left with the first. */
+static void restore(struct v4l2_camera *camera, enum v4l2_steer_by by)
+{
+    int64_t granted_ns;
+
+    camera->steer.by = by;
+    (void)ask(camera, camera->period_ns, &granted_ns);
+    camera->steer.by = V4L2_STEER_NONE;
+}
+
 /* Drivers know some durations and not others: longer frames or, where no exposure may be cut by them, shorter ones. */
 static int choose(struct v4l2_camera *camera, int64_t ahead_ns, struct move *best)
 {
     int64_t period_ns = camera->period_ns, later_ns = ahead_ns % period_ns, granted_ns;
     int64_t close_ns = period_ns / CLOSE_SHARE, shorter_ns;
-    bool may_shorten = !camera->controls.exposure.id && camera->steer.by == V4L2_STEER_RATE;
+    enum v4l2_steer_by by = camera->steer.by;
+    bool may_shorten = !camera->controls.exposure.id && by == V4L2_STEER_RATE, taken = false;
     int r = 0;
 
     for (unsigned k = 1; k <= FRAMES_MAX && r == 0 && best->off_ns > close_ns; k++) {
         r = try(camera, period_ns + later_ns / k, k, ahead_ns, best);
+        taken |= r == 0;
         shorter_ns = period_ns - (period_ns - later_ns) / k;
         if (r == 0 && may_shorten && best->off_ns > close_ns && shorter_ns > period_ns / 2)
             r = try(camera, shorter_ns, k, ahead_ns, best);
     }
     if (r == 0)
         r = ask(camera, best->frames > 0 ? best->period_ns : period_ns, &granted_ns);
+    if (r < 0 && taken)
+        restore(camera, by);
     return r;
 }
 

@@ -316,6 +316,7 @@ int rig_soak(unsigned slots)
     printf(
         "soak: %u slots, %u taken again, %u failed, descriptors %u -> %u, resident %ld -> %ld kB\n",
         slots, run.again, failed, fds, descriptors(), kb, resident_kb());
+    failed += run.again > slots / 100;
     failed += descriptors() != fds || resident_kb() > kb + 64;
     end(&run);
     return failed > 0;

@@ -478,7 +478,9 @@ static int sys_ioctl(void *ctx, int fd, unsigned long request, void *arg)
 
     if (fd != fake->fd || fake->path[0] == '\0')
         return -ENODEV;
-    if (request == fake->failing && fake->failures != 0) {
+    if (request == fake->failing && fake->failures != 0 && fake->served > 0) {
+        fake->served--;
+    } else if (request == fake->failing && fake->failures != 0) {
         fake->failures -= fake->failures > 0;
         return fake->failure;
     }

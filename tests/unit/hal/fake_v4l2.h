@@ -59,7 +59,8 @@ struct fake_v4l2 {
     /* What goes wrong. */
     unsigned long failing; /* a request ... */
     int failure;           /* ... that gives this, ... */
-    int failures;          /* ... so many times; -1: always */
+    int failures;          /* ... so many times; -1: always; ... */
+    int served;            /* ... after so many that are served */
     int open_failure;
     uint64_t dropped; /* bit n: frame n after fate_from is dropped, in error, or short */
     uint64_t in_error, cut;

@@ -59,7 +59,8 @@ static void be_vimc(struct fake_libcamera *fake)
     fake->limits.has = 1u << LC_CONTRAST;
     fake->raw[0].fourcc = 0;
     fake->stamp_monotonic = true;
-    fake->uneven_ns = 60 * TTF_NS_PER_MS; /* a pipeline of software on a busy machine */
+    /* A pipeline of software on a busy machine: as uneven as its bound allows. */
+    fake->uneven_ns = 40 * TTF_NS_PER_MS;
 }
 
 static int make_like_vimc(struct ttf_box *ret)

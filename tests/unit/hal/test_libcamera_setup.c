@@ -280,6 +280,20 @@ static void a_period_that_nobody_tells_is_measured(void **state)
     assert_false(ttf_camera_caps(rig->camera)->steerable);
 }
 
+static void a_trial_of_very_uneven_frames_does_not_excuse_more_than_two_periods(void **state)
+{
+    struct rig *rig = *state;
+
+    fake_libcamera_take_away(&rig->fake, LC_FRAME_DURATION);
+    rig->fake.uneven_ns = 5 * MS;
+    assert_int_equal(rig_configure(rig), 0);
+    assert_in_range(ttf_camera_caps(rig->camera)->timing_bound_ns, 25 * MS, 30 * MS);
+    rig->fake.uneven_ns = 700 * MS;
+    assert_int_equal(rig_configure(rig), 0);
+    assert_int_equal(ttf_camera_caps(rig->camera)->frame_period_ns, 20 * MS);
+    assert_in_range(ttf_camera_caps(rig->camera)->timing_bound_ns, 40 * MS, 45 * MS);
+}
+
 static void steerable_is_what_follows_and_not_what_is_listed(void **state)
 {
     struct rig *rig = *state;
@@ -395,6 +409,7 @@ int main(void)
         ON_RIG(a_lens_that_is_not_told_is_recorded_as_it_was_asked),
         ON_RIG(a_digital_gain_of_processed_pixels_is_refused_and_of_raw_ones_does_not_matter),
         ON_RIG(a_period_that_nobody_tells_is_measured),
+        ON_RIG(a_trial_of_very_uneven_frames_does_not_excuse_more_than_two_periods),
         ON_RIG(steerable_is_what_follows_and_not_what_is_listed),
         ON_RIG(a_camera_without_frames_is_refused_within_ten_seconds),
         ON_RIG(a_camera_of_one_frame_a_second_has_the_time_for_its_trial),

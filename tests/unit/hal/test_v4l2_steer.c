@@ -116,6 +116,22 @@ static void a_driver_that_refuses_while_it_streams_is_asked_once(void **state)
     assert_int_equal(bench->fake.rates, 0);
 }
 
+static void a_driver_that_takes_one_rate_and_refuses_the_next_is_not_left_with_it(void **state)
+{
+    struct bench *bench = *state;
+
+    bench->fake.steers = true;
+    bench->fake.period_step_ns = 5 * MS; /* so that the first does not do */
+    begin(bench);
+    bench->fake.failing = VIDIOC_S_PARM;
+    bench->fake.failure = -EBUSY;
+    bench->fake.failures = 1;
+    bench->fake.served = 1;
+    assert_true(worst_error_ns(bench) > PERIOD / 4); /* looks at the rate after each set, too */
+    assert_int_equal(bench->fake.failures, 0);
+    assert_int_equal(bench->fake.rates, 2);
+}
+
 static void a_set_that_is_dropped_while_frames_are_moved_leaves_the_rate_as_it_was(void **state)
 {
     struct bench *bench = *state;
@@ -147,6 +163,7 @@ int main(void)
         ON_BENCH(a_driver_that_knows_few_rates_is_moved_as_near_as_they_lead),
         ON_BENCH(lines_of_blanking_do_the_same),
         ON_BENCH(a_driver_that_refuses_while_it_streams_is_asked_once),
+        ON_BENCH(a_driver_that_takes_one_rate_and_refuses_the_next_is_not_left_with_it),
         ON_BENCH(a_set_that_is_dropped_while_frames_are_moved_leaves_the_rate_as_it_was),
     };
 
