@@ -161,8 +161,7 @@ drop
 unserve
 
 # --- while it is captured, until it is sealed
-plan live.yaml 'interval: 400ms' 'count: 15' 'lamps: {mode: continuous}' 'shots:' \
-    '  - {stream: main, channel: white, lamps: {left: 100%, right: 100%}, exposure: 10ms}' 'keep: both' 'mains: 50Hz'
+plan live.yaml 'interval: 400ms' 'count: 15' 'shot: {exposure: 10ms}' 'keep: both'
 rm -r data/grass
 serve data
 BOX=${URL%/api/v1}
