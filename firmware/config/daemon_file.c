@@ -44,8 +44,17 @@ static int read_sets(const struct cfg_field *field, struct yaml_node *node, void
     return 0;
 }
 
+#define BOARD                                                                                     \
+    {                                                                                             \
+        "board", cfg_path512, D(board), 0, 0, "a board's name or file, as 'board: rpi4'", 0, true \
+    }
+#define SET                                                                           \
+    {                                                                                 \
+        "set", read_sets, 0, 0, 0, "changes of the board, as {sim.clock: real}", 0, 0 \
+    }
+
 static const struct cfg_field DAEMON[] = {
-    {"board", cfg_path512, D(board), 0, 0, "a board's name or file, as 'board: rpi4'", 0, true},
+    BOARD,
     {"plan", cfg_path512, D(plan), 0, 0, "the plan's file, as 'plan: plan.yaml'", 0, true},
     {"data", cfg_path512, D(data), 0, 0, "the folder of datasets, as 'data: /var/lib/ttfbox'", 0,
      true},
@@ -56,8 +65,10 @@ static const struct cfg_field DAEMON[] = {
     {"threads", cfg_u32, D(threads), 0, 1024, "threads that develop; 0: all processors", 0, 0},
     {"retry", cfg_i64_time, D(retry_ns), 1e8, 3.6e12,
      "how long to wait before what failed is tried again, as 5s", 0, 0},
-    {"set", read_sets, 0, 0, 0, "changes of the board, as {sim.clock: real}", 0, 0},
+    SET,
     {0}};
+
+static const struct cfg_field BOARD_ONLY[] = {BOARD, SET, {0}};
 
 /* Without a name the plan's: /etc/ttfbox/grass.yaml makes grass. */
 static void name_of_plan(const char *plan, char ret[128])
@@ -68,6 +79,12 @@ static void name_of_plan(const char *plan, char ret[128])
     if (n > 5 && strcmp(name + n - 5, ".yaml") == 0)
         n -= 5;
     (void)snprintf(ret, 128, "%.*s", (int)n, name);
+}
+
+static void find_board(const char *file, struct ttf_daemon_config *c)
+{
+    if (strchr(c->board, '/'))
+        cfg_from_folder_of(file, c->board);
 }
 
 static int finish(struct read *read, const char *file, const struct yaml_node *root,
@@ -82,8 +99,7 @@ static int finish(struct read *read, const char *file, const struct yaml_node *r
     if (strchr(read->name, '/') || read->name[0] == '.' || !*read->name)
         return cfg_error(named ? named : yaml_child(root, "plan"), err, "as 'dataset: grass'",
                          "'%s' is no dataset's name", read->name);
-    if (strchr(c->board, '/'))
-        cfg_from_folder_of(file, c->board);
+    find_board(file, c);
     cfg_from_folder_of(file, c->plan);
     cfg_from_folder_of(file, c->data);
     cfg_from_folder_of(file, c->calibration);
@@ -96,8 +112,34 @@ static int finish(struct read *read, const char *file, const struct yaml_node *r
     return 0;
 }
 
-int ttf_daemon_file_parse(const char *name, const char *text, size_t bytes,
-                          struct ttf_daemon_config *ret, struct ttf_err *err)
+static int read_all(struct read *read, const char *file, struct yaml_node *root,
+                    struct ttf_err *err)
+{
+    int r;
+
+    read->c.retry_ns = 5 * TTF_NS_PER_S;
+    r = cfg_map(DAEMON, root, read, err);
+    return r < 0 ? r : finish(read, file, root, err);
+}
+
+static int read_board(struct read *read, const char *file, struct yaml_node *root,
+                      struct ttf_err *err)
+{
+    int r;
+
+    for (struct yaml_node *c = root->child; c; c = c->next)
+        c->used = strcmp(c->key, "board") != 0 && strcmp(c->key, "set") != 0;
+    r = cfg_map(BOARD_ONLY, root, read, err);
+    if (r == 0)
+        find_board(file, &read->c);
+    return r;
+}
+
+typedef int read_fn(struct read *read, const char *file, struct yaml_node *root,
+                    struct ttf_err *err);
+
+static int parse(const char *name, const char *text, size_t bytes, const char *needs, read_fn *fn,
+                 struct ttf_daemon_config *ret, struct ttf_err *err)
 {
     struct read *read = calloc(1, sizeof *read);
     struct yaml_tree tree;
@@ -105,18 +147,14 @@ int ttf_daemon_file_parse(const char *name, const char *text, size_t bytes,
 
     if (!read)
         return ttf_err_set(err, -ENOMEM, name, "no memory");
-    read->c.retry_ns = 5 * TTF_NS_PER_S;
-    r = yaml_tree_parse(name, "a configuration needs 'board', 'plan' and 'data'", text, bytes,
-                        &tree, err);
+    r = yaml_tree_parse(name, needs, text, bytes, &tree, err);
     if (r < 0) {
         free(read);
         return r;
     }
     r = tree.root->kind != YAML_MAP ? cfg_error(tree.root, err, "write 'board: NAME' and so on",
                                                 "a configuration holds keys")
-                                    : cfg_map(DAEMON, tree.root, read, err);
-    if (r == 0)
-        r = finish(read, name, tree.root, err);
+                                    : fn(read, name, tree.root, err);
     if (r == 0)
         *ret = read->c;
     yaml_tree_free(&tree);
@@ -124,7 +162,23 @@ int ttf_daemon_file_parse(const char *name, const char *text, size_t bytes,
     return r;
 }
 
-int ttf_daemon_file_load(const char *path, struct ttf_daemon_config *ret, struct ttf_err *err)
+int ttf_daemon_file_parse(const char *name, const char *text, size_t bytes,
+                          struct ttf_daemon_config *ret, struct ttf_err *err)
+{
+    return parse(name, text, bytes, "a configuration needs 'board', 'plan' and 'data'", read_all,
+                 ret, err);
+}
+
+int ttf_daemon_file_parse_board(const char *name, const char *text, size_t bytes,
+                                struct ttf_daemon_config *ret, struct ttf_err *err)
+{
+    return parse(name, text, bytes, "a configuration needs a 'board'", read_board, ret, err);
+}
+
+typedef int parse_fn(const char *name, const char *text, size_t bytes,
+                     struct ttf_daemon_config *ret, struct ttf_err *err);
+
+static int load(const char *path, parse_fn *fn, struct ttf_daemon_config *ret, struct ttf_err *err)
 {
     char *text = NULL;
     size_t bytes = 0;
@@ -132,7 +186,17 @@ int ttf_daemon_file_load(const char *path, struct ttf_daemon_config *ret, struct
 
     if (r < 0)
         return r;
-    r = ttf_daemon_file_parse(path, text, bytes, ret, err);
+    r = fn(path, text, bytes, ret, err);
     free(text);
     return r;
+}
+
+int ttf_daemon_file_load(const char *path, struct ttf_daemon_config *ret, struct ttf_err *err)
+{
+    return load(path, ttf_daemon_file_parse, ret, err);
+}
+
+int ttf_daemon_file_load_board(const char *path, struct ttf_daemon_config *ret, struct ttf_err *err)
+{
+    return load(path, ttf_daemon_file_parse_board, ret, err);
 }

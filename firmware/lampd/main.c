@@ -106,10 +106,10 @@ static int take_options(struct lampd *d, int argc, char **argv)
     return -EINVAL;
 }
 
-/* The daemon's board, so that the two cannot have two different ones. */
+/* The daemon's board, so that the two cannot have two different ones; its other keys are none of the lamps' business. */
 static int load_config(struct lampd *d, struct ttf_err *err)
 {
-    int r = ttf_daemon_file_load(d->config_file, &d->config, err);
+    int r = ttf_daemon_file_load_board(d->config_file, &d->config, err);
 
     for (unsigned i = 0; r == 0 && i < d->config.n_sets; i++)
         d->sets[i] = (struct ttf_board_set){d->config.set[i].path, d->config.set[i].value};

@@ -22,7 +22,7 @@ using libcamera::ControlValue;
 namespace
 {
 
-/* NULL: this version has none. One meaning may have another control from a version on; the first that a camera has counts. */
+/* One meaning may have another control from a version on. */
 struct entry {
     enum lc_control meaning;
     const ControlId *id;
@@ -98,6 +98,32 @@ void put(enum lc_control meaning, double a, double b, struct lc_settings *ret)
 }
 
 #if LIBCAMERA_AT_LEAST(0, 5)
+bool offers(const libcamera::ControlInfo &info, int32_t mode)
+{
+    for (const ControlValue &value : info.values())
+        if (value.get<int32_t>() == mode)
+            return true;
+    return info.values().empty() && number(info.min()) <= mode && number(info.max()) >= mode;
+}
+
+/* Its modes' numbers are not ours: there 0 is "automatic". Of the gain's mode the two numbers are the same. */
+void translate_automatic_exposure(const ControlInfoMap &map, struct lc_limits *ret)
+{
+    bool off = true, on = false;
+
+    for (const ControlId *id : {static_cast<const ControlId *>(&controls::ExposureTimeMode),
+                                static_cast<const ControlId *>(&controls::AnalogueGainMode)}) {
+        const auto found = map.find(id->id());
+
+        if (found == map.end())
+            continue;
+        off = off && offers(found->second, controls::ExposureTimeModeManual);
+        on = on || offers(found->second, controls::ExposureTimeModeAuto);
+    }
+    ret->min[LC_AUTO_EXPOSURE] = off ? 0 : 1;
+    ret->max[LC_AUTO_EXPOSURE] = on ? 1 : ret->min[LC_AUTO_EXPOSURE];
+}
+
 /* Exposure and gain are two automatics here: off is "manual" of both. */
 void write_automatic_exposure(bool on, const ControlInfoMap &map, ControlList *ret)
 {
@@ -132,6 +158,10 @@ void read_limits(const ControlInfoMap &map, struct lc_limits *ret)
         ret->min[e.meaning] = number(found->second.min());
         ret->max[e.meaning] = number(found->second.max());
     }
+#if LIBCAMERA_AT_LEAST(0, 5)
+    if (ret->has & 1u << LC_AUTO_EXPOSURE)
+        translate_automatic_exposure(map, ret);
+#endif
 }
 
 void write_settings(const struct lc_settings &settings, const ControlInfoMap &map, ControlList *ret)

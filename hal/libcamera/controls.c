@@ -10,11 +10,19 @@
 static const struct fixed {
     enum lc_control control;
     double value;
-    bool automatic;
-} FIXED[] = {{LC_AUTO_EXPOSURE, 0, true},   {LC_AUTO_BALANCE, 0, true}, {LC_AUTO_FOCUS, 0, true},
-             {LC_NOISE_REDUCTION, 0, true}, {LC_HDR, 0, true},          {LC_FLICKER, 0, true},
-             {LC_SHARPNESS, 0, false},      {LC_BRIGHTNESS, 0, false},  {LC_CONTRAST, 1, false},
-             {LC_SATURATION, 1, false},     {LC_DIGITAL_GAIN, 1, false}};
+    const char
+        *automatic; /* its name, if it is one: it has to be off, and not as near to it as it goes */
+} FIXED[] = {{LC_AUTO_EXPOSURE, 0, "automatic exposure"},
+             {LC_AUTO_BALANCE, 0, "automatic white balance"},
+             {LC_AUTO_FOCUS, 0, "automatic focus"},
+             {LC_NOISE_REDUCTION, 0, "noise reduction"},
+             {LC_HDR, 0, "HDR"},
+             {LC_FLICKER, 0, "anti-flicker"},
+             {LC_SHARPNESS, 0, NULL},
+             {LC_BRIGHTNESS, 0, NULL},
+             {LC_CONTRAST, 1, NULL},
+             {LC_SATURATION, 1, NULL},
+             {LC_DIGITAL_GAIN, 1, NULL}};
 
 /* Which control is which ability. */
 static const struct ability {
@@ -46,6 +54,26 @@ static double within(const struct lc_limits *limits, enum lc_control control, do
     return value > limits->max[control] ? limits->max[control] : value;
 }
 
+/* What stands still, into what each request carries. */
+static int fix(struct lc_camera *camera, struct ttf_err *err)
+{
+    struct lc_abilities *can = &camera->can;
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(FIXED); i++) {
+        const struct fixed *f = &FIXED[i];
+        double value = within(&can->limits, f->control, f->value);
+
+        if (!has(&can->limits, f->control))
+            continue;
+        if (f->automatic && (value < f->value || value > f->value))
+            return ttf_err_set(err, -ENOTSUP, camera->id.id,
+                               "the camera's %s cannot be switched off", f->automatic);
+        put(&can->fixed, f->control, value, 0);
+        can->automatics_off += f->automatic != NULL;
+    }
+    return 0;
+}
+
 int lc_controls_find(struct lc_camera *camera, struct ttf_err *err)
 {
     struct lc_abilities *can = &camera->can;
@@ -55,14 +83,9 @@ int lc_controls_find(struct lc_camera *camera, struct ttf_err *err)
     r = lc_ops(camera)->limits(camera->handle, &can->limits);
     if (r < 0)
         return ttf_err_set(err, r, camera->id.id, "the camera does not tell its controls");
-    for (unsigned i = 0; i < TTF_COUNT_OF(FIXED); i++) {
-        const struct fixed *f = &FIXED[i];
-
-        if (!has(&can->limits, f->control))
-            continue;
-        put(&can->fixed, f->control, within(&can->limits, f->control, f->value), 0);
-        can->automatics_off += f->automatic;
-    }
+    r = fix(camera, err);
+    if (r < 0)
+        return r;
     for (unsigned i = 0; i < TTF_COUNT_OF(ABILITIES); i++)
         if (has(&can->limits, ABILITIES[i].control) &&
             can->limits.max[ABILITIES[i].control] > can->limits.min[ABILITIES[i].control])

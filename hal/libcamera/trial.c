@@ -7,8 +7,8 @@
 #include "device.h"
 #include "ttf/base/time.h"
 
-#define FRAMES_MAX  64 /* until settings have settled */
-#define PATIENCE_NS (10 * TTF_NS_PER_S)
+#define FRAMES_MAX  64                  /* until settings have settled */
+#define PATIENCE_NS (10 * TTF_NS_PER_S) /* for a frame, and for what is no waiting for frames */
 #define EXPOSURE_NS (10 * TTF_NS_PER_MS)
 #define INTERVALS   8
 
@@ -43,11 +43,28 @@ static struct ttf_exposure modest(const struct lc_camera *camera)
     return e;
 }
 
+/* Of the frames as they are asked for; one that is not asked may be slow all the same. */
+static int64_t frame_ns(const struct lc_camera *camera)
+{
+    int64_t asked = camera->config.frame_period_ns, base = camera->stream.steer.base_ns;
+
+    return asked > base ? asked : base;
+}
+
+/* A frame is long overdue after this, however slow they are. */
+static int64_t patience_ns(const struct lc_camera *camera)
+{
+    int64_t frames = 4 * frame_ns(camera);
+
+    return frames > PATIENCE_NS ? frames : PATIENCE_NS;
+}
+
 static int look(struct lc_camera *camera, int64_t deadline_ns, struct seen *seen,
                 struct ttf_err *err)
 {
     struct lc_arrival *a = &seen->last;
-    int r = lc_stream_take(camera, deadline_ns, a, err);
+    int64_t overdue_ns = ttf_clock_now_ns(camera->clock) + patience_ns(camera);
+    int r = lc_stream_take(camera, overdue_ns < deadline_ns ? overdue_ns : deadline_ns, a, err);
 
     if (r == -ETIMEDOUT)
         return ttf_err_set(err, -EIO, camera->id.id, "the camera gives no frames");
@@ -194,7 +211,8 @@ static int steers(struct lc_camera *camera, struct seen *seen, int64_t deadline_
 
 static int all(struct lc_camera *camera, struct ttf_err *err)
 {
-    int64_t deadline = ttf_clock_now_ns(camera->clock) + PATIENCE_NS;
+    int64_t deadline =
+        ttf_clock_now_ns(camera->clock) + PATIENCE_NS + 2 * FRAMES_MAX * frame_ns(camera);
     struct ttf_exposure asked = modest(camera);
     struct seen seen = {0};
     int r;

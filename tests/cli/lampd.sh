@@ -78,7 +78,7 @@ expect 2 "$LAMPD" --board "$SOURCE/boards/sim/board.yaml"
 said err "nothing to guard"
 expect 2 "$LAMPD" --board box.yaml --config d.yaml
 said err "one too many"
-printf 'board: ./box.yaml\nplan: p.yaml\ndata: d\nset: {guardian.file: elsewhere}\n' >d.yaml
+printf 'board: ./box.yaml\nplann: p.yaml\nzone: Atlantis\nretry: soon\nset: {guardian.file: elsewhere}\n' >d.yaml
 printf 'board: %s\nplan: p.yaml\ndata: d\n' "$SOURCE/boards/sim/board.yaml" >none.yaml
 expect 4 "$LAMPD" --config none.yaml # a box without lamps: not to be tried again
 said err "nothing to guard"
@@ -91,7 +91,7 @@ said err "another lamp guardian answers"
 kill -TERM $guardian
 wait $guardian
 
-# ---- the daemon's board, with what its configuration changes of it ----
+# ---- the daemon's board, with what its configuration changes of it, whatever else is wrong there ----
 "$LAMPD" --config d.yaml >said 2>&1 &
 guardian=$!
 for _ in $(seq 400); do grep -q guarding said && break; sleep 0.05; done

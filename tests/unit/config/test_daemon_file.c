@@ -128,6 +128,48 @@ static void what_has_no_room_is_refused(void **state)
     expect_refused(text, "at most 16 keys");
 }
 
+static int parse_board(const char *text, struct ttf_daemon_config *ret, struct ttf_err *err)
+{
+    memset(err, 0, sizeof *err);
+    return ttf_daemon_file_parse_board("/etc/ttfbox/d.yaml", text, strlen(text), ret, err);
+}
+
+/* Each keeps the daemon from starting, and must not keep the lamp guardian from it. */
+static void the_board_is_read_whatever_mistakes_are_elsewhere(void **state)
+{
+    static const char *const MISTAKES[] = {
+        "retry: soon\n",           "zone: Atlantis/Deep\n", "planned: x\n",    "threads: [1, 2]\n",
+        "dataset: ../elsewhere\n", "plan: {a: b}\n",        "data:\nplan: p\n"};
+    struct ttf_daemon_config c;
+    struct ttf_err err;
+    char text[256];
+
+    (void)state;
+    for (size_t i = 0; i < TTF_COUNT_OF(MISTAKES); i++) {
+        (void)snprintf(text, sizeof text, "%sset: {sim.clock: real}\nboard: boards/mine.yaml\n",
+                       MISTAKES[i]);
+        assert_int_equal(parse(text, &c, &err), -EINVAL);
+        if (parse_board(text, &c, &err) < 0)
+            fail_msg("%s: %s: %s", MISTAKES[i], err.where, err.what);
+        assert_string_equal(c.board, "/etc/ttfbox/boards/mine.yaml");
+        assert_int_equal(c.n_sets, 1);
+        assert_string_equal(c.set[0].path, "sim.clock");
+        assert_string_equal(c.set[0].value, "real");
+    }
+}
+
+static void a_mistake_in_the_board_itself_is_still_refused(void **state)
+{
+    static const char *const MISTAKES[] = {"plan: p\ndata: d\n", "board:\n", "board: [a]\n",
+                                           "board: b\nset: real\n", "board: b\nplan: 'p\n"};
+    struct ttf_daemon_config c;
+    struct ttf_err err;
+
+    (void)state;
+    for (size_t i = 0; i < TTF_COUNT_OF(MISTAKES); i++)
+        assert_int_equal(parse_board(MISTAKES[i], &c, &err), -EINVAL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -135,6 +177,8 @@ int main(void)
         cmocka_unit_test(a_dataset_without_a_name_has_the_plan_s),
         cmocka_unit_test(what_has_no_room_is_refused),
         cmocka_unit_test(what_is_wrong_is_named_with_its_place),
+        cmocka_unit_test(the_board_is_read_whatever_mistakes_are_elsewhere),
+        cmocka_unit_test(a_mistake_in_the_board_itself_is_still_refused),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -191,6 +191,26 @@ static void an_exposure_that_wanders_is_refused_as_automatic(void **state)
     assert_says(rig, "its exposure stays automatic");
 }
 
+static void an_automatic_that_cannot_be_switched_off_is_refused_by_its_name(void **state)
+{
+    static const struct {
+        enum lc_control control;
+        const char *words;
+    } automatics[] = {{LC_AUTO_EXPOSURE, "automatic exposure cannot be switched off"},
+                      {LC_AUTO_BALANCE, "automatic white balance cannot be switched off"},
+                      {LC_AUTO_FOCUS, "automatic focus cannot be switched off"},
+                      {LC_NOISE_REDUCTION, "noise reduction cannot be switched off"}};
+    struct rig *rig = *state;
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(automatics); i++) {
+        rig->fake.limits.min[automatics[i].control] = 1;
+        assert_int_equal(rig_configure(rig), -ENOTSUP);
+        assert_says(rig, automatics[i].words);
+        rig->fake.limits.min[automatics[i].control] = 0;
+    }
+    assert_int_equal(rig_configure(rig), 0);
+}
+
 static void an_exposure_that_cannot_be_asked_for_is_refused_if_it_is_automatic(void **state)
 {
     struct rig *rig = *state;
@@ -285,6 +305,17 @@ static void a_camera_without_frames_is_refused_within_ten_seconds(void **state)
     assert_true(ttf_clock_now_ns(rig->clock) - before <= 10 * TTF_NS_PER_S);
 }
 
+static void a_camera_of_one_frame_a_second_has_the_time_for_its_trial(void **state)
+{
+    struct rig *rig = *state;
+
+    rig->config.frame_period_ns = TTF_NS_PER_S;
+    if (rig_configure(rig) < 0)
+        fail_msg("%s", rig->err.what);
+    assert_int_equal(ttf_camera_caps(rig->camera)->frame_period_ns, TTF_NS_PER_S);
+    assert_true(ttf_camera_caps(rig->camera)->steerable);
+}
+
 static void a_libcamera_that_does_not_start_or_configure_is_said(void **state)
 {
     struct rig *rig = *state;
@@ -357,6 +388,7 @@ int main(void)
         ON_RIG(everything_automatic_is_off_in_each_request),
         ON_RIG(raw_pixels_have_no_white_balance_but_the_gains_are_fixed_at_one),
         ON_RIG(an_exposure_that_wanders_is_refused_as_automatic),
+        ON_RIG(an_automatic_that_cannot_be_switched_off_is_refused_by_its_name),
         ON_RIG(an_exposure_that_cannot_be_asked_for_is_refused_if_it_is_automatic),
         ON_RIG(an_exposure_that_is_not_told_is_refused),
         ON_RIG(a_gain_that_is_not_told_is_none_and_stays_at_its_least),
@@ -365,6 +397,7 @@ int main(void)
         ON_RIG(a_period_that_nobody_tells_is_measured),
         ON_RIG(steerable_is_what_follows_and_not_what_is_listed),
         ON_RIG(a_camera_without_frames_is_refused_within_ten_seconds),
+        ON_RIG(a_camera_of_one_frame_a_second_has_the_time_for_its_trial),
         ON_RIG(a_libcamera_that_does_not_start_or_configure_is_said),
         ON_RIG(a_wrong_configuration_is_refused_before_anything_is_touched),
         ON_RIG(a_module_that_is_not_there_is_said_with_what_to_do),

@@ -32,4 +32,13 @@ TTF_MUST_USE int ttf_daemon_file_load(const char *path, struct ttf_daemon_config
 TTF_MUST_USE int ttf_daemon_file_parse(const char *name, const char *text, size_t bytes,
                                        struct ttf_daemon_config *ret, struct ttf_err *err);
 
+/*
+ * The same for who needs nothing but the board and its changes, and must not be kept from it by a mistake elsewhere:
+ * `board` and `set` are read and checked, all other keys are passed over, whatever they hold. The rest of *ret is zero.
+ */
+TTF_MUST_USE int ttf_daemon_file_load_board(const char *path, struct ttf_daemon_config *ret,
+                                            struct ttf_err *err);
+TTF_MUST_USE int ttf_daemon_file_parse_board(const char *name, const char *text, size_t bytes,
+                                             struct ttf_daemon_config *ret, struct ttf_err *err);
+
 #endif
