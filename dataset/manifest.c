@@ -64,6 +64,8 @@ bool ttf_path_ok(const char *path)
     const char *slash;
     size_t n;
 
+    if (strlen(path) >= sizeof(part))
+        return false;
     for (;; path = slash + 1) {
         slash = strchr(path, '/');
         n = slash ? (size_t)(slash - path) : strlen(path);

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "ttf/base/err.h"
+#include "ttf/dataset/copy.h"
 #include "ttf/dataset/io.h"
 
 struct ttf_paths {
@@ -28,9 +29,6 @@ TTF_MUST_USE int ttf_walk(struct ttf_io *io, const char *dataset, struct ttf_pat
 
 /* "x.tmp": written by us, not finished. */
 bool ttf_is_temporary(const char *path);
-
-/* Of the seal: not notes.jsonl, samples.json, report.json, SHA256SUMS, nor names no dataset has. */
-bool ttf_is_sealed_file(const char *path);
 
 /* The slot's index in frames/S/000012.tif or raw/S/000012.b1.dng; -1: not such a name. */
 int64_t ttf_path_index(const char *path);

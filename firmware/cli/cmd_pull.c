@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "ttf/dataset/json_parse.h"
 #include "ttf/hal/clock.h"
 #include "ttf/http/token.h"
 #include "ttf/pull/pull.h"
@@ -78,10 +79,18 @@ static int take_names(struct cli *cli, char *text, const char *names[NAMES_MAX +
 static int list(struct cli *cli, const struct ttf_pull_config *config)
 {
     char *text = NULL;
+    json_t *json;
     int r = ttf_pull_list(config, &text, &cli->err);
 
     if (r < 0)
         return r;
+    r = ttf_json_parse(text, strlen(text), &json, NULL);
+    if (r < 0) {
+        free(text);
+        return ttf_err_set(&cli->err, r == -EINVAL ? -EPROTO : r, config->box,
+                           "the box's answer is no JSON");
+    }
+    json_decref(json);
     ttf_json_key(&cli->out, "box");
     ttf_json_raw(&cli->out, text);
     cli_say(cli, "%s", text);

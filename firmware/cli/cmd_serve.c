@@ -46,8 +46,9 @@ static void tell(struct cli *cli, const struct ttf_http_socket *socket, const ch
 int cmd_serve(struct cli *cli)
 {
     struct ttf_http_config config = {.folder = cli->opt.args[0], .io = cli->io};
-    char token[TTF_HTTP_TOKEN_SIZE] = "", host[256] = "";
-    const char *names[] = {host, NULL};
+    char token[TTF_HTTP_TOKEN_SIZE] = "", host[256] = "", local[264];
+    const char *names[] = {host, local,
+                           NULL}; /* as the system calls it, and as multicast DNS does */
     struct ttf_http_server *server = NULL;
     struct ttf_http_socket socket;
     int r;
@@ -59,6 +60,7 @@ int cmd_serve(struct cli *cli)
     config.token = token;
     if (gethostname(host, sizeof host - 1) == 0)
         config.names = names;
+    (void)snprintf(local, sizeof local, "%s.local", host);
     r = ttf_http_server_create(&config, &server, &cli->err);
     if (r == 0)
         r = ttf_http_listen(cli->opt.listen ? cli->opt.listen : DEFAULT_LISTEN, &socket, &cli->err);

@@ -104,12 +104,13 @@ static bool lists(const char *header, const char *etag)
     return strcmp(header, "*") == 0 || strstr(header, quoted) != NULL;
 }
 
-static struct range wanted(struct MHD_Connection *connection, const struct ttf_http_answer *answer)
+static struct range wanted(struct MHD_Connection *connection, bool parts,
+                           const struct ttf_http_answer *answer)
 {
     const char *range = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Range");
     const char *only = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "If-Range");
 
-    if (!answer->ranges || (only && (*only != '"' || !lists(only, answer->etag))))
+    if (!parts || !answer->ranges || (only && (*only != '"' || !lists(only, answer->etag))))
         range = NULL; /* it is another entity by now: all of it */
     return range_read(range, answer->bytes);
 }
@@ -195,10 +196,11 @@ static enum MHD_Result queue(struct MHD_Connection *connection, unsigned status,
     return r;
 }
 
-enum MHD_Result answer_send(struct MHD_Connection *connection, struct ttf_http_answer *answer)
+enum MHD_Result answer_send(struct MHD_Connection *connection, bool parts,
+                            struct ttf_http_answer *answer)
 {
     const char *none = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "If-None-Match");
-    struct range part = wanted(connection, answer);
+    struct range part = wanted(connection, parts, answer);
     struct MHD_Response *response;
     unsigned status = MHD_HTTP_OK;
     char text[80];

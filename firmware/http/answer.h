@@ -9,8 +9,11 @@
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
 
-/* Queues what a handler gave; the answer's contents are the response's afterwards. */
-TTF_MUST_USE enum MHD_Result answer_send(struct MHD_Connection *connection,
+/*
+ * Queues what a handler gave; the answer's contents are the response's afterwards. parts: a Range counts, as it does for
+ * GET alone (RFC 9110, 14.2).
+ */
+TTF_MUST_USE enum MHD_Result answer_send(struct MHD_Connection *connection, bool parts,
                                          struct ttf_http_answer *answer);
 
 /* Queues an error as JSON. status 0: the one that goes with err->code. */

@@ -113,13 +113,6 @@ static void tag_by_stat(struct ttf_http_answer *ret, const struct stat *st)
                    (unsigned long)st->st_mtim.tv_nsec);
 }
 
-/* Lines are added to it, also while it is being read. */
-static bool grows(const char *path)
-{
-    return strcmp(path, "records.jsonl") == 0 || strcmp(path, "events.jsonl") == 0 ||
-           strcmp(path, "notes.jsonl") == 0;
-}
-
 static int open_file(struct ttf_http_request *request, const char *path,
                      struct ttf_http_answer *ret)
 {
@@ -130,15 +123,15 @@ static int open_file(struct ttf_http_request *request, const char *path,
 
     if (fd == -ENOENT && folder_dataset(request->folder, name, where, sizeof where) == -ENOENT)
         return no_dataset(request);
-    if (fd < 0)
-        return ttf_err_set(&request->err, fd, path,
-                           fd == -ENOENT ? "there is no such file in the dataset"
-                                         : "cannot be read");
+    if (fd == -ENOENT)
+        return ttf_err_set(&request->err, fd, path, "there is no such file in the dataset");
+    if (fd < 0) /* whatever the disk has against it, it is nothing that a token mends */
+        return ttf_err_set(&request->err, -EIO, path, "cannot be read: %s", strerrordesc_np(-fd));
     ret->fd = fd;
     ret->bytes = st.st_size;
     ret->type = type_of(path);
     ret->ranges = true;
-    if (grows(path) && !described_sealed(request->folder, name))
+    if (folder_grows(path, described_sealed(request->folder, name)))
         ret->bytes = folder_whole_lines(fd, st.st_size);
     else if (described_sha256(request->folder, name, path, ret->sha256) == 0)
         (void)snprintf(ret->etag, sizeof ret->etag, "%s", ret->sha256);
@@ -179,6 +172,9 @@ int datasets_tar(struct ttf_http_request *request, struct ttf_http_answer *ret)
 
     if (r == -ENOENT)
         return no_dataset(request);
+    if (r == -ENAMETOOLONG)
+        return ttf_err_set(&request->err, r, request->match->name,
+                           "has paths that are too long for an archive: pull it file by file");
     if (r < 0)
         return ttf_err_set(&request->err, r, request->match->name, "cannot be listed");
     ret->bytes = layout.bytes;

@@ -144,6 +144,12 @@ int64_t folder_list(const struct folder *folder, char (**ret)[65])
     return (int64_t)n;
 }
 
+bool folder_grows(const char *path, bool sealed)
+{
+    return strcmp(path, "notes.jsonl") == 0 ||
+           (!sealed && (strcmp(path, "records.jsonl") == 0 || strcmp(path, "events.jsonl") == 0));
+}
+
 int64_t folder_whole_lines(int fd, int64_t bytes)
 {
     char *look = malloc(LOOK_BYTES);

@@ -40,6 +40,9 @@ TTF_MUST_USE int folder_dataset(const struct folder *folder, const char *dataset
 /* Names of all datasets, in the order of their bytes, an array to be freed as one block; or a negative errno. */
 TTF_MUST_USE int64_t folder_list(const struct folder *folder, char (**ret)[65]);
 
+/* May lines be added to this file of a dataset, also while it is read? People's notes may behind a seal, too. */
+bool folder_grows(const char *path, bool sealed);
+
 /* Bytes of a file of lines up to its last line end; or a negative errno. */
 TTF_MUST_USE int64_t folder_whole_lines(int fd, int64_t bytes);
 

@@ -37,8 +37,6 @@ struct ttf_http_server {
     struct summaries *summaries;
     char *token;
     char *names[NAMES_MAX + 1];
-    void (*say)(void *ctx, const char *text);
-    void *say_ctx;
     struct socket sockets[SOCKETS_MAX];
     unsigned n_sockets;
 };
@@ -106,7 +104,7 @@ static enum MHD_Result answer(const struct socket *socket, struct MHD_Connection
             ttf_err_set(&request.err, r, NULL, "%s", strerrordesc_np(-r));
         ret = answer_error(connection, 0, &request.err);
     } else {
-        ret = answer_send(connection, &whole);
+        ret = answer_send(connection, strcmp(method, "GET") == 0, &whole);
     }
     answer_free(&whole);
     return ret;
@@ -180,8 +178,6 @@ int ttf_http_server_create(const struct ttf_http_config *config, struct ttf_http
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     server->folder.fd = -1;
     server->io = config->io;
-    server->say = config->say;
-    server->say_ctx = config->say_ctx;
     r = folder_open(config->folder, &server->folder, err);
     server->summaries = summaries_create();
     if (r == 0 && (copy_texts(server, config) < 0 || !server->summaries))

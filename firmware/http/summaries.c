@@ -11,7 +11,7 @@
 #include "ttf/dataset/json_writer.h"
 #include "ttf/dataset/reader.h"
 
-#define KEPT 64 /* datasets; with more, the one that was made longest ago is made anew */
+#define KEPT 256 /* datasets; with more, the one that was made longest ago is made anew */
 
 /* What changes if a dataset does. */
 struct stamp {

@@ -14,8 +14,6 @@
 
 #define DEPTH_MAX 4 /* calibration/ID/frames/x.tif is the deepest that the format has */
 
-static const char *const GROWING[] = {"records.jsonl", "events.jsonl", "notes.jsonl"};
-
 static int add(struct tar_layout *layout, const char *path)
 {
     if (layout->n == layout->room) {
@@ -45,6 +43,7 @@ static int walk(const struct folder *folder, struct tar_layout *layout, const ch
     char whole[4096 + 300], inside[256 + 200];
     DIR *dir;
     const struct dirent *entry;
+    struct stat st;
     int r = 0;
 
     (void)snprintf(whole, sizeof whole, "%s/%s/%s", folder->path, layout->dataset, path);
@@ -60,21 +59,16 @@ static int walk(const struct folder *folder, struct tar_layout *layout, const ch
         (void)snprintf(inside, sizeof inside, "%s%s%s", path, *path ? "/" : "", entry->d_name);
         if (!folder_is_path(inside))
             continue;
-        if (entry->d_type == DT_DIR)
+        /* Some file systems do not say what an entry is. */
+        if (fstatat(dirfd(dir), entry->d_name, &st, AT_SYMLINK_NOFOLLOW) < 0)
+            continue; /* gone meanwhile */
+        if (S_ISDIR(st.st_mode))
             r = depth < DEPTH_MAX ? walk(folder, layout, inside, depth + 1) : 0;
-        else if (entry->d_type == DT_REG || entry->d_type == DT_UNKNOWN)
+        else if (S_ISREG(st.st_mode))
             r = add(layout, inside);
     }
     (void)closedir(dir);
     return r;
-}
-
-static bool grows(const char *path)
-{
-    for (size_t i = 0; i < sizeof GROWING / sizeof *GROWING; i++)
-        if (strcmp(path, GROWING[i]) == 0)
-            return true;
-    return false;
 }
 
 /* 0, or -ENOENT: it has gone meanwhile. */
@@ -88,7 +82,9 @@ static int measure(const struct folder *folder, const struct tar_layout *layout,
         return fd;
     file->bytes = st.st_size;
     file->mtime_s = st.st_mtime;
-    if (!layout->sealed && grows(file->path))
+    file->stamp[0] = (uint64_t)st.st_ino;
+    file->stamp[1] = (uint64_t)st.st_mtim.tv_nsec;
+    if (folder_grows(file->path, layout->sealed))
         file->bytes = folder_whole_lines(fd, st.st_size);
     (void)close(fd);
     return file->bytes < 0 ? (int)file->bytes : 0;
@@ -115,6 +111,8 @@ static int place(const struct folder *folder, struct tar_layout *layout)
             free(file->path);
             continue;
         }
+        if (r == 0 && !tar_header(layout, file, header))
+            r = -ENAMETOOLONG;
         if (r < 0) {
             /* what is not kept is freed with the rest: close the gap first */
             memmove(&layout->files[kept], file, (layout->n - i) * sizeof *file);
@@ -123,8 +121,8 @@ static int place(const struct folder *folder, struct tar_layout *layout)
         }
         file->offset = layout->bytes;
         layout->bytes += TAR_BLOCK + (file->bytes + TAR_BLOCK - 1) / TAR_BLOCK * TAR_BLOCK;
-        tar_header(layout, file, header);
         ttf_sha256_add(&hash, header, sizeof header);
+        ttf_sha256_add(&hash, &file->stamp, sizeof file->stamp);
         if (kept != i)
             layout->files[kept] = *file;
         kept++;
@@ -186,21 +184,22 @@ static void put_number(unsigned char *field, size_t size, int64_t value)
 }
 
 /* Names of up to 100 bytes stand whole; longer ones are cut at a slash into prefix (155) and name. No zero is needed behind. */
-static void put_name(unsigned char *header, const char *name)
+static bool put_name(unsigned char *header, const char *name)
 {
     size_t n = strlen(name);
     const char *cut = n > 100 ? strchr(name + n - 101, '/') : NULL;
 
-    if (n > 100 && !cut) /* no name of the format is as long */
-        return;
+    if (n > 100 && (!cut || cut - name > 155))
+        return false;
     for (size_t i = 0; cut && name + i < cut; i++)
         header[345 + i] = (unsigned char)name[i];
     name = cut ? cut + 1 : name;
     for (size_t i = 0; name[i]; i++)
         header[i] = (unsigned char)name[i];
+    return true;
 }
 
-void tar_header(const struct tar_layout *layout, const struct tar_file *file,
+bool tar_header(const struct tar_layout *layout, const struct tar_file *file,
                 unsigned char ret[TAR_BLOCK])
 {
     char name[65 + 192];
@@ -208,7 +207,8 @@ void tar_header(const struct tar_layout *layout, const struct tar_file *file,
 
     memset(ret, 0, TAR_BLOCK);
     (void)snprintf(name, sizeof name, "%s/%s", layout->dataset, file->path);
-    put_name(ret, name);
+    if (!put_name(ret, name))
+        return false;
     put_number(ret + 100, 8, 0644);
     put_number(ret + 108, 8, 0);
     put_number(ret + 116, 8, 0);
@@ -221,4 +221,5 @@ void tar_header(const struct tar_layout *layout, const struct tar_file *file,
     for (size_t i = 0; i < TAR_BLOCK; i++)
         sum += ret[i];
     put_number(ret + 148, 7, sum);
+    return true;
 }

@@ -16,7 +16,8 @@ struct tar_file {
     char *path;    /* in the dataset */
     int64_t bytes; /* taken; of a growing file up to its last line end */
     int64_t mtime_s;
-    int64_t offset; /* of its header in the archive */
+    uint64_t stamp[2]; /* inode and nanoseconds of the time: what else changes if the file does */
+    int64_t offset;    /* of its header in the archive */
 };
 
 struct tar_layout {
@@ -30,14 +31,14 @@ struct tar_layout {
 
 /*
  * Lists and measures all files of a dataset but preview/, *.tmp and names that belong to no dataset. -ENOENT: no such
- * dataset. Free it with tar_layout_free.
+ * dataset; -ENAMETOOLONG: a path that no ustar can have. Free it with tar_layout_free.
  */
 TTF_MUST_USE int tar_layout_make(const struct folder *folder, const char *dataset,
                                  struct tar_layout *ret);
 void tar_layout_free(struct tar_layout *layout);
 
-/* The header of a file: 512 bytes. */
-void tar_header(const struct tar_layout *layout, const struct tar_file *file,
+/* The header of a file: 512 bytes. false: no ustar has so long a path (-ENAMETOOLONG of tar_layout_make). */
+bool tar_header(const struct tar_layout *layout, const struct tar_file *file,
                 unsigned char ret[TAR_BLOCK]);
 
 #endif

@@ -107,7 +107,8 @@ ssize_t tar_read(struct tar_reader *reader, int64_t offset, void *buf, size_t n)
     file = &layout->files[i];
     inside = offset - file->offset;
     if (inside < TAR_BLOCK) {
-        tar_header(layout, file, header);
+        if (!tar_header(layout, file, header))
+            return -EIO; /* it was looked at when it was laid out */
         if (n > (size_t)(TAR_BLOCK - inside))
             n = (size_t)(TAR_BLOCK - inside);
         memcpy(buf, header + inside, n);

@@ -21,13 +21,13 @@ static int complain(const struct grown *grown, int r, const char *what, struct t
     return ttf_err_set(err, r, grown->path, "%s: %s", what, strerrordesc_np(-r));
 }
 
-/* Gives each whole line here; ends at the first that does not hold, or at the end. *ret_good: bytes of those given. */
-static int walk(struct grown *grown, grown_line_fn *fn, void *ctx, int64_t *ret_good,
+/* Gives each whole line here from a byte on, up to half a line at the end. *ret_good: where that begins. -TTF_EDAMAGED. */
+static int walk(struct grown *grown, int64_t from, grown_line_fn *fn, void *ctx, int64_t *ret_good,
                 struct ttf_err *err)
 {
     size_t room = PIECE, n = 0;
     char *buf = malloc(room);
-    int64_t at = 0; /* of buf's first byte */
+    int64_t at = from; /* of buf's first byte */
     int r = buf ? 0 : -ENOMEM;
 
     while (r == 0) {
@@ -40,8 +40,11 @@ static int walk(struct grown *grown, grown_line_fn *fn, void *ctx, int64_t *ret_
             break;
         n += (size_t)got;
         while (r == 0 && (end = memchr(line, '\n', n - (size_t)(line - buf)))) {
-            if (!ttf_line_holds(line, (size_t)(end - line)))
-                goto out;
+            if (!ttf_line_holds(line, (size_t)(end - line))) {
+                r = ttf_err_set(err, -TTF_EDAMAGED, grown->path, "a line here is damaged");
+                ttf_err_hint(err, "move the dataset away and pull it again");
+                break;
+            }
             r = fn(ctx, line, (size_t)(end - line), err);
             line = end + 1;
             *ret_good = at + (line - buf);
@@ -58,7 +61,6 @@ static int walk(struct grown *grown, grown_line_fn *fn, void *ctx, int64_t *ret_
             room *= 2;
         }
     }
-out:
     free(buf);
     if (r == -ENOMEM)
         ttf_err_set(err, r, NULL, "no memory");
@@ -84,7 +86,7 @@ int grown_open(struct grown *grown, struct ttf_err *err)
     if (grown->file < 0)
         return complain(grown, grown->file, "cannot be opened", err);
     memset(grown->ends, 0, sizeof grown->ends);
-    r = walk(grown, note_end, grown, &good, err);
+    r = walk(grown, 0, note_end, grown, &good, err);
     if (r < 0)
         return r;
     grown->bytes = good;
@@ -104,6 +106,13 @@ void grown_close(struct grown *grown)
     grown->piece_bytes = grown->piece_at = 0;
 }
 
+/* One line, its end included, that does not hold? */
+static bool is_wrong_line(const char *text, size_t n)
+{
+    return n > 1 && text[n - 1] == '\n' && !memchr(text, '\n', n - 1) &&
+           !ttf_line_holds(text, n - 1);
+}
+
 /* 1: the box has the same bytes there; 0: others, or none. */
 static int same(struct grown *grown, int64_t first, int64_t end, struct ttf_err *err)
 {
@@ -116,8 +125,11 @@ static int same(struct grown *grown, int64_t first, int64_t end, struct ttf_err 
     r = pull_wire_get_text(grown->wire, grown->url, first, end - 1, n, &theirs, &n_theirs, err);
     if (r == 0 && ttf_io_pread_all(grown->io, grown->file, ours, n, first) != (int64_t)n)
         r = ttf_err_set(err, -EIO, grown->path, "cannot be read");
-    if (r == 0)
-        r = n_theirs == n && memcmp(ours, theirs, n) == 0;
+    if (r == 0 && n_theirs == n && memcmp(ours, theirs, n) == 0)
+        r = 1;
+    else if (r == 0 && is_wrong_line(theirs, n_theirs))
+        /* What a power cut takes is gone; what is there and wrong is rot, and ours is the better one. */
+        r = ttf_err_set(err, -TTF_EDAMAGED, grown->url, "a line of the box's is damaged");
     else if (r == -ERANGE)
         r = 0;
     free(theirs);
@@ -139,20 +151,30 @@ int grown_agree(struct grown *grown, struct ttf_err *err)
         return r;
     if (r == 0 && grown->ends[back] > 0)
         return ttf_err_set(err, -EEXIST, grown->path, "is not the beginning of what the box has");
-    if (back == 0)
-        return 0;
-    r = grown->io->ops->truncate(grown->io, grown->file, grown->ends[back]);
-    if (r < 0)
-        return complain(grown, r, "cannot be cut", err);
     grown->bytes = grown->ends[back];
     return 0;
 }
 
-int grown_each(struct grown *grown, grown_line_fn *fn, void *ctx, struct ttf_err *err)
+bool grown_is_ahead(const struct grown *grown)
+{
+    return grown->ends[0] > grown->bytes;
+}
+
+int grown_cut(struct grown *grown, struct ttf_err *err)
+{
+    int r = grown->io->ops->truncate(grown->io, grown->file, grown->bytes);
+
+    if (r < 0)
+        return complain(grown, r, "cannot be cut", err);
+    grown->ends[0] = grown->bytes;
+    return 0;
+}
+
+int grown_each(struct grown *grown, int64_t from, grown_line_fn *fn, void *ctx, struct ttf_err *err)
 {
     int64_t good = 0;
 
-    return walk(grown, fn, ctx, &good, err);
+    return walk(grown, from, fn, ctx, &good, err);
 }
 
 /* More of the box's bytes behind those that are in the piece. 1; 0: there is no more; a negative errno. */

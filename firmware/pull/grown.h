@@ -3,6 +3,7 @@
 #ifndef PULL_GROWN_H
 #define PULL_GROWN_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -31,18 +32,28 @@ struct grown {
 /* A line without its end. Non-zero stops and is returned. */
 typedef int grown_line_fn(void *ctx, const char *line, size_t n, struct ttf_err *err);
 
-/* Opens the file here, made if it is missing, and cuts off what is no whole good line at its end. */
+/*
+ * Opens the file here, made if it is missing, and cuts off half a line at its end. -TTF_EDAMAGED: a whole line here is wrong;
+ * nothing is changed.
+ */
 TTF_MUST_USE int grown_open(struct grown *grown, struct ttf_err *err);
 void grown_close(struct grown *grown);
 
 /*
- * Goes back to the last line here that the box has too. -EEXIST: none of the last GROWN_BACK is, and there are more.
- * Errors of the wire.
+ * Finds the last line here that the box has too: bytes counts up to its end, and nothing is changed yet. -EEXIST: none of the last
+ * GROWN_BACK is, and there are more. -TTF_EDAMAGED: the box's line is wrong there; ours stays. Errors of the wire.
  */
 TTF_MUST_USE int grown_agree(struct grown *grown, struct ttf_err *err);
 
-/* Every line that is here. */
-TTF_MUST_USE int grown_each(struct grown *grown, grown_line_fn *fn, void *ctx, struct ttf_err *err);
+/* Are there lines here behind those that the box has too? */
+bool grown_is_ahead(const struct grown *grown);
+
+/* Every line that is here from this byte on. */
+TTF_MUST_USE int grown_each(struct grown *grown, int64_t from, grown_line_fn *fn, void *ctx,
+                            struct ttf_err *err);
+
+/* Cuts the file at bytes. */
+TTF_MUST_USE int grown_cut(struct grown *grown, struct ttf_err *err);
 
 /*
  * The next line that the box has and that was not given yet, in *ret of *ret_n bytes, valid until the next call. 1; 0: there is

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "ttf/dataset/copy.h"
 #include "ttf/dataset/hash.h"
 
 #define PATH_SIZE 4600
@@ -77,9 +78,8 @@ static int take_up(struct coming *c)
     ttf_sha256_init(&c->hash);
     if (r < 0)
         return r;
-    if (c->expected >= 0 && bytes >= c->expected)
-        return c->io->ops->truncate(c->io, c->file,
-                                    0); /* all of it, and not right, else it had its name */
+    if (c->expected >= 0 && bytes > c->expected)
+        return c->io->ops->truncate(c->io, c->file, 0);
     while (at < bytes) {
         int64_t got = ttf_io_pread_all(c->io, c->file, piece, sizeof piece, at);
 
@@ -99,6 +99,8 @@ static int fetch(struct landing *landing, struct coming *c, const char *path, co
     char url[300];
     int r;
 
+    if (c->bytes == c->expected && c->bytes > 0)
+        return 0; /* all of it came, and then there was no time to give it its name */
     (void)snprintf(url, sizeof url, "/datasets/%s/files/%s", landing->name, path);
     r = pull_wire_get(landing->wire, url, c->bytes, -1, sha256, &sink, err);
     if (r == -ERANGE)
@@ -163,6 +165,36 @@ static int is_there(struct landing *landing, const char *path, int64_t bytes, co
     return r < 0 ? r : strcmp(hex, sha256) == 0;
 }
 
+bool landing_is_listed(const char *path)
+{
+    return path[0] != '.' && !strstr(path, "/.") && !strstr(path, ".tmp/") &&
+           strncmp(path, "preview/", 8) != 0 && ttf_is_sealed_file(path);
+}
+
+bool landing_is_image(const char *path)
+{
+    static const char *const FOLDERS[] = {"frames/", "raw/", "plans/", "calibration/"};
+
+    for (unsigned i = 0; i < sizeof FOLDERS / sizeof *FOLDERS; i++)
+        if (strncmp(path, FOLDERS[i], strlen(FOLDERS[i])) == 0)
+            return landing_is_listed(path);
+    return false;
+}
+
+static int come(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
+                struct ttf_err *err)
+{
+    int r = make_folder(landing, path, err);
+
+    if (r == 0)
+        r = try_once(landing, path, bytes, sha256, err);
+    if (r == -TTF_EDAMAGED) { /* the wire, or a temporary file of another time */
+        memset(err, 0, sizeof *err);
+        r = try_once(landing, path, bytes, sha256, err);
+    }
+    return r;
+}
+
 int landing_ensure(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
                    enum landing_trust trust, bool *ret_came, struct ttf_err *err)
 {
@@ -171,16 +203,15 @@ int landing_ensure(struct landing *landing, const char *path, int64_t bytes, con
     *ret_came = false;
     if (r < 0)
         return ttf_err_set(err, r, path, "cannot be looked at: %s", strerrordesc_np(-r));
-    if (r > 0)
+    if (r > 0 && trust == LANDING_SIZE)
         return 0;
-    r = make_folder(landing, path, err);
-    if (r == 0)
-        r = try_once(landing, path, bytes, sha256, err);
-    if (r == -TTF_EDAMAGED) /* the wire, or a temporary file of another time */
-        r = try_once(landing, path, bytes, sha256, err);
-    if (r < 0)
-        return r;
-    *ret_came = true;
+    if (r == 0) {
+        r = come(landing, path, bytes, sha256, err);
+        if (r < 0)
+            return r;
+        *ret_came = true;
+    }
+    /* What an earlier try brought and did not settle is settled with the rest. */
     (void)snprintf(landing->batch[landing->n_batch++], sizeof landing->batch[0], "%s", path);
     return landing->n_batch == LANDING_BATCH ? landing_settle(landing, err) : 0;
 }
@@ -234,15 +265,16 @@ static bool same_folder(const struct landing *landing, unsigned i)
 
 int landing_settle(struct landing *landing, struct ttf_err *err)
 {
-    int r = 0;
+    int r = landing->failed;
 
     for (unsigned i = 0; r == 0 && i < landing->n_batch; i++)
         r = sync_file(landing, landing->batch[i]);
     for (unsigned i = 0; r == 0 && i < landing->n_batch; i++)
         if (!same_folder(landing, i))
             r = sync_folder(landing, landing->batch[i]);
+    landing->failed = r;
+    landing->n_batch = 0;
     if (r < 0)
         return ttf_err_set(err, r, landing->folder, "cannot be synced: %s", strerrordesc_np(-r));
-    landing->n_batch = 0;
     return 0;
 }

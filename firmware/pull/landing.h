@@ -19,9 +19,16 @@ struct landing {
     const char *name;   /* the dataset's */
     const char *folder; /* where it is laid, DEST/NAME */
     char made[256];     /* the folder inside it that was made last */
+    int failed; /* of settling, once and for all: a second sync may well say that all is well */
     unsigned n_batch;
     char batch[LANDING_BATCH][192]; /* paths of those that came since they were settled last */
 };
+
+/* May a record or a seal name it? A file of the format's folders, none of whose names is hidden or temporary. */
+bool landing_is_image(const char *path);
+
+/* The same of what a seal lists, which may lie beside those folders. */
+bool landing_is_listed(const char *path);
 
 /* How a file that is there already is looked at. */
 enum landing_trust {

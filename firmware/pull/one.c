@@ -29,6 +29,8 @@ struct one {
     struct grown records, events;
     int64_t slots_there; /* as the box says */
     enum landing_trust trust;
+    const struct one_skips *skips;
+    bool changed; /* lines were added or taken back */
     struct one_result *result;
     /* lines whose files are here, but perhaps not on the disk yet */
     char *lines;
@@ -61,25 +63,36 @@ static void count_damage(struct one *one, const char *path)
                        one->name, path);
 }
 
+static bool is_skipped(const struct one *one, const char *path)
+{
+    for (unsigned i = 0; i < one->skips->n; i++)
+        if (strcmp(one->skips->paths[i], path) == 0)
+            return true;
+    return false;
+}
+
 static int bring(struct one *one, const char *path, int64_t bytes, const char *sha256,
                  struct ttf_err *err)
 {
     struct ttf_err why = {0};
-    bool came;
-    int r = landing_ensure(&one->landing, path, bytes, sha256, one->trust, &came, &why);
+    bool came = false;
+    int r = is_skipped(one, path)
+                ? -EIO
+                : landing_ensure(&one->landing, path, bytes, sha256, one->trust, &came, &why);
 
-    if (r == -TTF_EDAMAGED || r == -ENOENT) {
+    if (r == -TTF_EDAMAGED || r == -ENOENT || (r == -EIO && one->landing.failed == 0)) {
         char text[400];
+        const char *what = r == -ENOENT ? "is missing on the box" : "cannot be read on the box";
 
-        (void)snprintf(text, sizeof text, "%s %s", path,
-                       r == -ENOENT ? "is missing on the box" : why.what);
+        (void)snprintf(text, sizeof text, "%s %s", path, r == -TTF_EDAMAGED ? why.what : what);
         count_damage(one, path);
         tell(one, text);
         return 0;
     }
     if (r < 0) {
-        if (err)
-            *err = why;
+        *err = why;
+        if (pull_wire_may_pass(r))
+            (void)snprintf(one->result->stuck, sizeof one->result->stuck, "%s", path);
         return r;
     }
     one->result->files += came;
@@ -102,7 +115,7 @@ static int bring_files(struct one *one, const json_t *owner, struct ttf_err *err
         const json_t *bytes = json_object_get(file, "bytes");
         int r;
 
-        if (!path || !ttf_path_ok(path) || !sha256 || !ttf_sha256_is_hex(sha256) ||
+        if (!path || !landing_is_image(path) || !sha256 || !ttf_sha256_is_hex(sha256) ||
             !json_is_integer(bytes) || json_integer_value(bytes) < 0)
             return ttf_err_set(err, -TTF_EDAMAGED, one->records.url,
                                "a line names a file in a way that no dataset does");
@@ -155,6 +168,7 @@ static int flush(struct one *one, struct ttf_err *err)
         r = grown_append(&one->records, one->lines, one->lines_bytes, err);
     if (r < 0)
         return r;
+    one->changed = true;
     one->lines_bytes = 0;
     one->batch_bytes = 0;
     one->batch_files = 0;
@@ -200,15 +214,55 @@ static int pull_records(struct one *one, struct ttf_err *err)
     return r < 0 ? r : last;
 }
 
-static int open_records(struct one *one, struct ttf_err *err)
+/* grown_line_fn: a line that the box lost before its disk had it; what it named is no part of the dataset. */
+static int take_back(void *ctx, const char *line, size_t n, struct ttf_err *err)
+{
+    struct one *one = ctx;
+    const json_t *image, *file;
+    char path[4600];
+    json_t *json;
+    size_t i, k;
+
+    (void)err;
+    if (ttf_json_parse(line, n, &json, NULL) < 0)
+        return 0;
+    json_array_foreach(json_object_get(json, "images"), i, image)
+        json_array_foreach(json_object_get(image, "files"), k, file)
+    {
+        const char *name = json_string_value(json_object_get(file, "path"));
+
+        if (!name || !landing_is_image(name))
+            continue;
+        (void)snprintf(path, sizeof path, "%s/%s", one->folder, name);
+        (void)one->config->io->ops->unlink(one->config->io, path);
+    }
+    json_decref(json);
+    return 0;
+}
+
+/* First it is compared, then the list of hashes goes, then the lines: cut off between any two, it is a dataset. */
+static int come_to_terms(struct one *one, const struct seal_state *state, struct ttf_err *err)
+{
+    int r = grown_agree(&one->records, err);
+
+    if (r == 0 && (state->other_here || grown_is_ahead(&one->records)))
+        r = seal_drop(one->config->io, one->folder, err);
+    if (r < 0 || !grown_is_ahead(&one->records))
+        return r;
+    one->changed = true;
+    r = grown_each(&one->records, one->records.bytes, take_back, one, err);
+    return r < 0 ? r : grown_cut(&one->records, err);
+}
+
+static int open_records(struct one *one, const struct seal_state *state, struct ttf_err *err)
 {
     int r = grown_open(&one->records, err);
 
-    if (r == 0)
-        r = grown_agree(&one->records, err);
+    if (r == 0 && !state->here)
+        r = come_to_terms(one, state, err);
     one->trust = LANDING_SIZE;
     if (r == 0)
-        r = grown_each(&one->records, take_record, one, err);
+        r = grown_each(&one->records, 0, take_record, one, err);
     one->trust = LANDING_HASH;
     return r;
 }
@@ -219,14 +273,18 @@ static int pull_events(struct one *one, struct ttf_err *err)
 {
     const char *line;
     size_t n;
+    struct ttf_io_stat st;
+    bool there = one->config->io->ops->stat(one->config->io, one->events.path, &st) == 0;
     int r = grown_open(&one->events, err);
 
     if (r == 0)
         r = grown_agree(&one->events, err);
     if (r == -EEXIST) { /* what happened is the box's to tell: from its beginning */
-        r = one->events.io->ops->truncate(one->events.io, one->events.file, 0);
+        r = 0;
         one->events.bytes = 0;
     }
+    if (r == 0 && grown_is_ahead(&one->events))
+        r = grown_cut(&one->events, err);
     while (r == 0) {
         r = grown_next(&one->events, one->events.bytes + (int64_t)one->lines_bytes, &line, &n, err);
         if (r <= 0)
@@ -242,7 +300,10 @@ static int pull_events(struct one *one, struct ttf_err *err)
     one->lines_bytes = 0;
     grown_close(&one->events);
     if (r == -ENOENT) { /* the box has none */
-        (void)one->config->io->ops->unlink(one->config->io, one->events.path);
+        if (!there)
+            (void)one->config->io->ops->unlink(one->config->io, one->events.path);
+        else
+            tell(one, "events.jsonl is missing on the box; what is here stays");
         r = 0;
     }
     return r;
@@ -332,27 +393,32 @@ static int pull_all(struct one *one, struct ttf_err *err)
 
     if (r == 0)
         r = seal_ask(one->wire, one->name, &state, err);
+    if (r == -EIO) { /* the box cannot read all of it itself; what it gives is taken */
+        state = (struct seal_state){0};
+        r = 0;
+    }
     if (r == 0) {
         one->slots_there = state.slots;
-        r = seal_open(one->config->io, one->folder, &state, err);
+        one->result->box_sealed = state.sealed;
+        r = seal_look(one->config->io, one->folder, &state, err);
     }
     if (r == 0)
-        r = open_records(one, err);
-    if (r == 0)
+        r = open_records(one, &state, err);
+    if (r == 0 && !state.here)
         r = pull_records(one, err);
-    if (r == 0)
+    if (r == 0 && !state.here)
         r = pull_events(one, err);
     for (unsigned i = 0; r == 0 && i < sizeof PEOPLE / sizeof *PEOPLE; i++)
         r = pull_people(one, PEOPLE[i], err);
     if (r == 0 && one->result->damaged == 0)
         r = seal_close(&one->landing, one->wire, &state, &one->result->sealed, err);
-    if (r == 0 && !one->result->sealed)
+    if (r == 0 && !one->result->sealed && (one->changed || state.other_here))
         r = ttf_sums_rebuild(one->config->io, one->folder, err);
     return r;
 }
 
 int one_pull(const struct ttf_pull_config *config, struct wire *wire, const char *name,
-             struct one_result *ret, struct ttf_err *err)
+             const struct one_skips *skips, struct one_result *ret, struct ttf_err *err)
 {
     struct one *one = calloc(1, sizeof *one);
     int r;
@@ -364,6 +430,7 @@ int one_pull(const struct ttf_pull_config *config, struct wire *wire, const char
     one->wire = wire;
     one->name = name;
     one->result = ret;
+    one->skips = skips;
     one->trust = LANDING_HASH;
     (void)snprintf(one->folder, sizeof one->folder, "%s/%s", config->dest, name);
     one->landing =

@@ -12,7 +12,17 @@
 struct one_result {
     int64_t slots, files, damaged;
     char first_damaged[256];
-    bool sealed; /* here now, with the box's digest */
+    bool sealed;     /* here now, with the box's digest */
+    bool box_sealed; /* there: nothing more will come */
+    char stuck[192]; /* the file at which the wire failed; empty: at none */
+};
+
+#define ONE_SKIPS_MAX 16
+
+/* Files at which the wire failed again and again: the box cannot read them, most likely. Counted as damaged. */
+struct one_skips {
+    unsigned n;
+    char paths[ONE_SKIPS_MAX][192];
 };
 
 /*
@@ -20,6 +30,7 @@ struct one_result {
  * failure. Errors of ttf_pull; damaged files are no error here, but counted.
  */
 TTF_MUST_USE int one_pull(const struct ttf_pull_config *config, struct wire *wire, const char *name,
-                          struct one_result *ret, struct ttf_err *err);
+                          const struct one_skips *skips, struct one_result *ret,
+                          struct ttf_err *err);
 
 #endif

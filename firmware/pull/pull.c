@@ -13,6 +13,7 @@
 #include "wire.h"
 
 #define LIST_MAX       ((size_t)16 << 20)
+#define SUMMARY_MAX    ((size_t)1 << 20)
 #define TRIES          5 /* in a row that bring nothing */
 /* More than a try takes that brings nothing: what is asked for at the beginning of each. */
 #define PROGRESS_BYTES 16384
@@ -48,10 +49,24 @@ static void say(const struct ttf_pull_config *config, const struct wire *wire, c
 
 /* ---- which ---- */
 
+struct item {
+    char name[65];
+    char *summary; /* as the box gave it before it was pulled last; NULL: it was not */
+    struct one_result last;
+    bool done; /* nothing more will come */
+};
+
 struct names {
-    char (*items)[65];
+    struct item *items;
     size_t n;
 };
+
+static void free_names(struct names *names)
+{
+    for (size_t i = 0; i < names->n; i++)
+        free(names->items[i].summary);
+    free(names->items);
+}
 
 /* The answer's names; those that no dataset has are a server's that means harm, and are passed over. */
 static int take_names(const json_t *list, struct names *ret)
@@ -67,7 +82,7 @@ static int take_names(const json_t *list, struct names *ret)
         const char *name = json_string_value(json_object_get(item, "name"));
 
         if (name && ttf_name_ok(name) && name[0] != '.')
-            (void)snprintf(ret->items[ret->n++], sizeof *ret->items, "%s", name);
+            (void)snprintf(ret->items[ret->n++].name, sizeof ret->items->name, "%s", name);
     }
     return 0;
 }
@@ -105,19 +120,32 @@ static int given_names(const struct ttf_pull_config *config, struct names *ret, 
 
         if (!ttf_name_ok(name) || name[0] == '.')
             return ttf_err_set(err, -EINVAL, name, "is no dataset's name");
-        (void)snprintf(ret->items[ret->n], sizeof *ret->items, "%s", name);
+        (void)snprintf(ret->items[ret->n].name, sizeof ret->items->name, "%s", name);
     }
     return 0;
 }
 
 /* ---- one after another ---- */
 
+/* The wire failed at a file. At the same one for the third time, without any other having come: it is left out. */
+static void note_stuck(const struct one_result *one, char last[192], unsigned *times,
+                       struct one_skips *skips)
+{
+    if (!*one->stuck || strcmp(one->stuck, last) != 0)
+        *times = 0;
+    (void)snprintf(last, 192, "%s", one->stuck);
+    if (*one->stuck && ++*times == 3 && skips->n < ONE_SKIPS_MAX)
+        (void)snprintf(skips->paths[skips->n++], sizeof skips->paths[0], "%s", one->stuck);
+}
+
 /* Until it is here as far as the box has it now: cut off, it goes on. */
 static int persist(const struct ttf_pull_config *config, struct wire *wire, const char *name,
                    struct one_result *ret, struct ttf_err *err)
 {
+    struct one_skips skips = {0};
+    char stuck[192] = "";
     int64_t files = 0, wait_ns = POLL_NS;
-    unsigned tries = 0;
+    unsigned tries = 0, times = 0;
 
     for (;;) {
         int64_t before = pull_wire_bytes(wire), files_before = files;
@@ -125,46 +153,117 @@ static int persist(const struct ttf_pull_config *config, struct wire *wire, cons
         int r;
 
         memset(err, 0, sizeof *err);
-        r = one_pull(config, wire, name, ret, err);
+        r = one_pull(config, wire, name, &skips, ret, err);
         files += ret->files;
         ret->files = files;
         if (!pull_wire_may_pass(r) || told_to_stop(config))
             return r;
-        if (ret->files > files_before || pull_wire_bytes(wire) > before + PROGRESS_BYTES) {
+        if (files > files_before || pull_wire_bytes(wire) > before + PROGRESS_BYTES) {
             tries = 0;
             wait_ns = POLL_NS;
         }
-        if (!config->follow && ++tries >= TRIES)
+        note_stuck(ret, stuck, &times, &skips);
+        if (++tries >= TRIES && !config->follow)
             return r;
         (void)ttf_err_text(err, text, sizeof text);
         say(config, wire, name, text);
         pause_ns(config, tries <= 1 ? POLL_NS / 5 : wait_ns);
-        wait_ns = 2 * wait_ns < WAIT_MOST ? 2 * wait_ns : WAIT_MOST;
+        if (tries > 1)
+            wait_ns = 2 * wait_ns < WAIT_MOST ? 2 * wait_ns : WAIT_MOST;
     }
 }
 
-/* All of them once. *ret_open: there are some that are not sealed. */
+/* One dataset, unless the box says just what it said before. */
+static int pull_item(const struct ttf_pull_config *config, struct wire *wire, struct item *item,
+                     struct ttf_err *err)
+{
+    char url[128], *summary = NULL;
+    size_t n;
+    int r;
+
+    (void)snprintf(url, sizeof url, "/datasets/%s", item->name);
+    if (pull_wire_get_text(wire, url, 0, -1, SUMMARY_MAX, &summary, &n, NULL) < 0)
+        summary = NULL;
+    if (summary && item->summary && strcmp(summary, item->summary) == 0) {
+        free(summary);
+        return 0;
+    }
+    r = persist(config, wire, item->name, &item->last, err);
+    free(item->summary);
+    item->summary = r == 0 ? summary : NULL;
+    if (r < 0)
+        free(summary);
+    item->done = r == 0 && item->last.box_sealed && (item->last.sealed || item->last.damaged > 0);
+    return r;
+}
+
+static void add_up(const struct item *item, bool pulled, struct ttf_pull_result *ret)
+{
+    const struct one_result *one = &item->last;
+
+    ret->slots += one->slots;
+    if (one->damaged > 0 && ret->damaged == 0)
+        (void)snprintf(ret->first_damaged, sizeof ret->first_damaged, "%s", one->first_damaged);
+    ret->damaged += one->damaged;
+    ret->datasets += pulled;
+    ret->sealed += one->sealed;
+}
+
+/* Does it end the whole, or is it this dataset's own trouble, behind which others may be well? */
+static bool ends_all(int error)
+{
+    return error == -ECANCELED || error == -ENOSPC || error == -ENOMEM || error == -EDQUOT ||
+           error == -EROFS || error == -EACCES || pull_wire_may_pass(error);
+}
+
+/* All of them once. *ret_open: of some, more may come. The first error, when all had their turn. */
 static int round_of_all(const struct ttf_pull_config *config, struct wire *wire,
-                        const struct names *names, struct ttf_pull_result *ret, bool *ret_open,
+                        struct names *names, struct ttf_pull_result *ret, bool *ret_open,
                         struct ttf_err *err)
 {
-    int64_t files = ret->files;
-    int r = 0;
+    struct ttf_pull_result sum = {.files = ret->files};
+    int first = 0;
 
-    *ret = (struct ttf_pull_result){.files = files};
     *ret_open = false;
-    for (size_t i = 0; r == 0 && i < names->n && !told_to_stop(config); i++) {
-        struct one_result one;
+    for (size_t i = 0; i < names->n && !ends_all(first) && !told_to_stop(config); i++) {
+        struct item *item = &names->items[i];
+        struct ttf_err why = {0};
+        char text[700];
+        int r;
 
-        r = persist(config, wire, names->items[i], &one, err);
-        ret->slots += one.slots;
-        ret->files += one.files;
-        if (one.damaged > 0 && ret->damaged == 0)
-            (void)snprintf(ret->first_damaged, sizeof ret->first_damaged, "%s", one.first_damaged);
-        ret->damaged += one.damaged;
-        ret->datasets += r == 0;
-        ret->sealed += one.sealed;
-        *ret_open |= !one.sealed;
+        if (item->done)
+            continue;
+        item->last.files = 0;
+        r = pull_item(config, wire, item, &why);
+        sum.files += item->last.files;
+        *ret_open |= !item->done;
+        if (r < 0 && !ends_all(r))
+            say(config, wire, item->name, ttf_err_text(&why, text, sizeof text));
+        if (r < 0 && (first == 0 || ends_all(r))) {
+            first = r;
+            *err = why;
+        }
+    }
+    for (size_t i = 0; i < names->n; i++)
+        add_up(&names->items[i], names->items[i].summary != NULL, &sum);
+    *ret = sum;
+    return first;
+}
+
+/* What there is to pull; a box that is followed may still be starting. */
+static int find_names(const struct ttf_pull_config *config, struct wire *wire, struct names *ret,
+                      struct ttf_err *err)
+{
+    int r;
+
+    if (config->names)
+        return given_names(config, ret, err);
+    while ((r = ask_names(wire, ret, err)) < 0 && config->follow && pull_wire_may_pass(r) &&
+           !told_to_stop(config)) {
+        char text[700];
+
+        say(config, wire, "the box", ttf_err_text(err, text, sizeof text));
+        pause_ns(config, 2 * POLL_NS);
     }
     return r;
 }
@@ -174,7 +273,7 @@ static int pull_with(const struct ttf_pull_config *config, struct wire *wire,
 {
     struct names names = {0};
     bool open = false;
-    int r = config->names ? given_names(config, &names, err) : ask_names(wire, &names, err);
+    int r = find_names(config, wire, &names, err);
 
     if (r == 0)
         r = ttf_io_mkdirs(config->io, config->dest, err);
@@ -184,7 +283,7 @@ static int pull_with(const struct ttf_pull_config *config, struct wire *wire,
             break;
         pause_ns(config, POLL_NS);
     }
-    free(names.items);
+    free_names(&names);
     if (r == -ECANCELED)
         r = 0;
     ret->stopped = told_to_stop(config);

@@ -7,13 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ttf/dataset/copy.h"
 #include "ttf/dataset/hash.h"
 #include "ttf/dataset/json_parse.h"
 
 #define SUMMARY_MAX ((size_t)1 << 20)
 #define SUMS_MAX    ((size_t)256 << 20)
 #define PREFIX      66 /* digits and two blanks */
+
+/* A number to show, whatever the box says. */
+static int64_t at_most(int64_t slots)
+{
+    if (slots < 0)
+        return 0;
+    return slots < INT32_MAX ? slots : INT32_MAX;
+}
 
 int seal_ask(struct wire *wire, const char *name, struct seal_state *ret, struct ttf_err *err)
 {
@@ -32,7 +39,7 @@ int seal_ask(struct wire *wire, const char *name, struct seal_state *ret, struct
     if (r < 0)
         return ttf_err_set(err, r == -EINVAL ? -EPROTO : r, url, "the box's answer is no JSON");
     *ret = (struct seal_state){
-        .slots = json_integer_value(json_object_get(json, "slots")),
+        .slots = at_most(json_integer_value(json_object_get(json, "slots"))),
         .sealed = json_is_true(json_object_get(json, "sealed")),
     };
     digest = json_string_value(json_object_get(json, "digest"));
@@ -44,7 +51,7 @@ int seal_ask(struct wire *wire, const char *name, struct seal_state *ret, struct
     return r;
 }
 
-int seal_open(struct ttf_io *io, const char *folder, struct seal_state *state, struct ttf_err *err)
+int seal_look(struct ttf_io *io, const char *folder, struct seal_state *state, struct ttf_err *err)
 {
     char path[4600], digest[65], *text = NULL;
     bool sealed;
@@ -64,7 +71,20 @@ int seal_open(struct ttf_io *io, const char *folder, struct seal_state *state, s
     if (r < 0)
         return r;
     state->here = state->sealed && strcmp(digest, state->digest) == 0;
-    return state->here ? 0 : ttf_sums_rebuild(io, folder, err);
+    state->other_here = !state->here;
+    return 0;
+}
+
+int seal_drop(struct ttf_io *io, const char *folder, struct ttf_err *err)
+{
+    char path[4600];
+    int r;
+
+    (void)snprintf(path, sizeof path, "%s/SHA256SUMS", folder);
+    r = io->ops->unlink(io, path);
+    if (r == 0 || r == -ENOENT)
+        r = io->ops->sync_dir(io, folder);
+    return r == 0 ? 0 : ttf_err_set(err, r, path, "cannot be taken away: %s", strerrordesc_np(-r));
 }
 
 /* What its line alone vouches for: the rest was checked against its record when it came. */
@@ -94,7 +114,7 @@ static int check_all(struct landing *landing, const char *text, size_t n, struct
         hex[64] = '\0';
         memcpy(path, text + PREFIX, length - PREFIX);
         path[length - PREFIX] = '\0';
-        if (!ttf_sha256_is_hex(hex) || !ttf_path_ok(path))
+        if (!ttf_sha256_is_hex(hex) || !landing_is_listed(path))
             return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS", "a line of the box's is none");
         r = landing_ensure(landing, path, -1, hex, trust_of(path), &came, err);
         if (r < 0)

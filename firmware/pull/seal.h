@@ -16,16 +16,20 @@ struct seal_state {
     int64_t slots;
     bool sealed;
     char digest[65]; /* of a sealed one */
-    bool here;       /* sealed here, with this digest: nothing it lists needs to be looked at */
+    bool here;       /* sealed here, with this digest */
+    bool other_here; /* sealed here, with another */
 };
 
 /* How the dataset stands on the box. */
 TTF_MUST_USE int seal_ask(struct wire *wire, const char *name, struct seal_state *ret,
                           struct ttf_err *err);
 
-/* A seal here that is not the box's is taken away, for what follows changes the dataset; state->here is set. */
-TTF_MUST_USE int seal_open(struct ttf_io *io, const char *folder, struct seal_state *state,
+/* Is it sealed here, too? state->here and other_here are set; nothing is changed. */
+TTF_MUST_USE int seal_look(struct ttf_io *io, const char *folder, struct seal_state *state,
                            struct ttf_err *err);
+
+/* Takes the list of hashes here away, before what it lists changes: without one, the records tell. */
+TTF_MUST_USE int seal_drop(struct ttf_io *io, const char *folder, struct ttf_err *err);
 
 /*
  * Checks and completes all that the box's seal lists, and puts it in place. *ret_sealed: false where the box has none (any

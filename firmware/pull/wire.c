@@ -163,7 +163,7 @@ static size_t on_data(char *data, size_t size, size_t n, void *ctx)
     struct wire *wire = ctx;
 
     n *= size;
-    if (status_of(wire) >= 300) {
+    if (status_of(wire) != 200 && status_of(wire) != 206) {
         size_t kept = n < SAID_MAX - 1 - wire->n_said ? n : SAID_MAX - 1 - wire->n_said;
 
         memcpy(wire->said + wire->n_said, data, kept);
@@ -180,7 +180,7 @@ static size_t on_data(char *data, size_t size, size_t n, void *ctx)
 /* What libcurl says of the wire. */
 static int wire_error(struct wire *wire, CURLcode code, const char *path, struct ttf_err *err)
 {
-    int r = -ECONNRESET;
+    int r = -EPROTO; /* no HTTP, no such scheme, ... */
 
     if (wire->sink_error < 0)
         return wire->sink_error; /* whoever took the bytes has said why */
@@ -194,6 +194,9 @@ static int wire_error(struct wire *wire, CURLcode code, const char *path, struct
         r = -EHOSTUNREACH;
     else if (code == CURLE_OUT_OF_MEMORY)
         r = -ENOMEM;
+    else if (code == CURLE_RECV_ERROR || code == CURLE_SEND_ERROR || code == CURLE_GOT_NOTHING ||
+             code == CURLE_PARTIAL_FILE)
+        r = -ECONNRESET;
     return ttf_err_set(err, r, path, "the box does not answer: %s", curl_easy_strerror(code));
 }
 
@@ -204,12 +207,17 @@ static int box_error(struct wire *wire, long status, const char *path, struct tt
     int r = -EIO;
 
     wire->said[wire->n_said] = '\0';
+    for (char *c = wire->said; *c; c++) /* it may be shown on a terminal */
+        if ((unsigned char)*c < ' ' || *c == 127)
+            *c = ' ';
     if (status == 416)
         return -ERANGE;
     if (status == 401)
         r = -EACCES;
     else if (status == 404)
         r = -ENOENT;
+    else if (status == 503)
+        r = -ETIMEDOUT; /* it will have time again */
     ttf_err_set(err, r, path, "the box says %ld: %.200s", status, text);
     if (status == 401)
         ttf_err_hint(err, "give the box's token by --token-file");

@@ -134,7 +134,8 @@ int ttf_lines_joined_create(const struct ttf_line_spec *specs, unsigned n,
     j->base.n = n;
     j->n_banks = n_banks;
     memcpy(j->base.spec, specs, n * sizeof(*specs));
-    memcpy(j->bank, banks, n_banks * sizeof(*banks));
+    for (unsigned i = 0; i < n_banks; i++)
+        j->bank[i] = banks[i];
     for (unsigned i = 0; i < n && r == 0; i++)
         if (!place(j, i))
             r = ttf_err_set(err, -EINVAL, specs[i].label, "no bank has this line");

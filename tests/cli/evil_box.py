@@ -22,7 +22,7 @@ def record(path, size):
 
 RECORDS = {
     "path": record("../../../escaped", 4), "absolute": record("/tmp/escaped", 4), "long": record("frames/main/000000.tif", 10),
-    "garbage": b"not a line\n" * 100, "noend": b"x" * 100, "name": b"", "size": record("frames/main/000000.tif", -5),
+    "garbage": b"not a line\n" * 100, "noend": b"x" * 100, "name": b"", "size": record("frames/main/000000.tif", -5), "notes": record("notes.jsonl", 4), "hidden": record(".envrc", 4),
 }
 
 

@@ -126,6 +126,56 @@ expect 0 "$TTFBOX" pull damaged --box "$BOX" --json
 is files 2
 same whole damaged/grass
 
+# --- what is rotten or gone on the box does not spoil what is here
+cp -r damaged good
+records=data/grass/records.jsonl
+printf X | dd of=$records bs=1 seek=$(($(stat -c %s $records) - 40)) conv=notrunc 2>/dev/null
+rm data/grass/SHA256SUMS
+expect 3 "$TTFBOX" pull good --box "$BOX"
+same whole good/grass
+cp -r whole/. data/grass/
+rm data/grass/events.jsonl data/grass/SHA256SUMS
+expect 0 "$TTFBOX" pull good --box "$BOX"
+said err 'events.jsonl is missing on the box'
+expect 0 "$TTFBOX" verify good/grass
+cmp -s good/grass/events.jsonl whole/events.jsonl || fail "the events here are gone"
+cp -r whole/. data/grass/
+# ... and what is rotten here is not taken for what the box lost.
+rm good/grass/SHA256SUMS
+printf X | dd of=good/grass/records.jsonl bs=1 seek=300 conv=notrunc 2>/dev/null
+cp good/grass/records.jsonl rotten
+expect 3 "$TTFBOX" pull good --box "$BOX"
+said err 'a line here is damaged'
+cmp -s rotten good/grass/records.jsonl || fail "lines here were cut off"
+
+# --- a slot that the box lost before its disk had it, and recorded otherwise later: its images here go, too
+mkdir -p lost
+cp -r whole lost/grass
+rm lost/grass/SHA256SUMS
+head -n 6 whole/records.jsonl >data/grass/records.jsonl
+last=$(tail -n 1 whole/records.jsonl | grep -c '"end"')
+[ "$last" = 1 ] || fail "the last line is no end"
+rm data/grass/SHA256SUMS data/grass/frames/main/00000[4-9].tif data/grass/raw/main/00000[4-9].dng
+expect 0 "$TTFBOX" pull lost --box "$BOX"
+expect 0 "$TTFBOX" verify lost/grass
+[ -z "$(find lost/grass -name '000009.*')" ] || fail "images of a slot that is no more are still here"
+cp -r whole/. data/grass/
+
+# --- one that cannot be read does not keep the others from coming
+mkdir data/broken
+echo '{"format":' >data/broken/dataset.json
+expect 2 "$TTFBOX" pull beside --box "$BOX" --only broken,grass
+same whole beside/grass
+rm -r data/broken
+
+# --- followed: what is damaged there is no reason to go on for ever, nor is a box that is gone one to ask without a pause
+printf X | dd of=data/grass/frames/main/000002.tif bs=1 seek=3000 conv=notrunc 2>/dev/null
+expect 3 timeout 60 "$TTFBOX" pull followed --box "$BOX" --follow
+cp -r whole/. data/grass/
+timeout -s INT 4 "$TTFBOX" pull followed --box http://127.0.0.1:1 --follow >out 2>err
+asked=$(grep -c 'does not answer' err)
+if [ "$asked" -lt 1 ] || [ "$asked" -gt 4 ]; then fail "a box that is gone was asked $asked times in 4 s"; fi
+
 # --- killed at random moments, and connections cut at random bytes
 background "$PYTHON" "$HERE/bad_wire.py" "${BOX#http://}" "$SEED"
 RANDOM=$SEED
@@ -161,8 +211,7 @@ drop
 unserve
 
 # --- while it is captured, until it is sealed
-plan live.yaml 'interval: 400ms' 'count: 15' 'lamps: {mode: continuous}' 'shots:' \
-    '  - {stream: main, channel: white, lamps: {left: 100%, right: 100%}, exposure: 10ms}' 'keep: both' 'mains: 50Hz'
+plan live.yaml 'interval: 400ms' 'count: 15' 'shot: {exposure: 10ms}' 'keep: both'
 rm -r data/grass
 serve data
 BOX=${URL%/api/v1}
@@ -181,13 +230,16 @@ expect 1 "$TTFBOX" pull live --box "$BOX"
 said err 'does not answer'
 
 # --- boxes that mean harm
-for case in path absolute long garbage noend name size; do
+for case in path absolute long garbage noend name size notes hidden; do
     background "$PYTHON" "$HERE/evil_box.py" $case
     timeout 60 "$TTFBOX" pull "evil-$case/in/here" --box "http://$WHERE" >out 2>err
     code=$?
     [ $code -le 3 ] || fail "$case: exit $code"
     for place in escaped /tmp/escaped "evil-$case/escaped" "evil-$case/in/escaped"; do
         [ ! -e "$place" ] || fail "$case: it wrote $place"
+    done
+    for place in notes.jsonl .envrc; do
+        [ ! -e "evil-$case/in/here/grass/$place" ] || fail "$case: it wrote $place"
     done
     [ $code = 3 ] || [ $case = name ] || [ $case = noend ] || fail "$case: exit $code instead of 3"
     [ -z "$(find "evil-$case" -size +100k)" ] || fail "$case: it took more than was said"

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -161,12 +162,37 @@ static void large_sizes_and_long_names_fit_a_header(void **state)
     (void)state;
     memset(long_path, 'a', 191);
     long_path[60] = long_path[120] = '/';
-    tar_header(&layout, &file, header);
+    assert_true(tar_header(&layout, &file, header));
     assert_int_equal(header[124], 0x80); /* base 256 */
     assert_int_equal(header[135], 20000000000 & 255);
     assert_memory_equal(header + 345, "grass/aaaa", 10);
     assert_int_equal(strlen((char *)header), 70); /* behind the last slash */
     assert_int_equal(header[345 + 126], 0);
+}
+
+static void a_path_that_no_tar_can_have_is_refused(void **state)
+{
+    static char long_path[192];
+    struct tar_layout layout;
+    struct tar_file file = {.path = long_path};
+    unsigned char header[TAR_BLOCK];
+    struct folder folder;
+    char whole[400];
+
+    (void)state;
+    memset(&layout, 0, sizeof layout);
+    memset(layout.dataset, 'd', 64);
+    memset(long_path, 'a', 191);
+    long_path[64] = long_path[129] = '/';
+    assert_false(tar_header(&layout, &file, header));
+    make(&folder);
+    (void)snprintf(whole, sizeof whole, "data/%s/%s", layout.dataset, long_path);
+    TEXT(whole, "x");
+    (void)snprintf(whole, sizeof whole, "data/%s/dataset.json", layout.dataset);
+    TEXT(whole, "{}");
+    (void)snprintf(whole, sizeof whole, "%s", layout.dataset);
+    assert_int_equal(tar_layout_make(&folder, whole, &layout), -ENAMETOOLONG);
+    folder_close(&folder);
 }
 
 #define IN_A_FOLDER(test) cmocka_unit_test_setup_teardown(test, scratch_make, scratch_remove)
@@ -178,6 +204,7 @@ int main(void)
         IN_A_FOLDER(it_holds_the_dataset_and_no_more),
         IN_A_FOLDER(a_sealed_one_has_the_same_tag_until_something_changes),
         IN_A_FOLDER(a_file_that_shrank_meanwhile_ends_it_with_an_error),
+        IN_A_FOLDER(a_path_that_no_tar_can_have_is_refused),
         cmocka_unit_test(large_sizes_and_long_names_fit_a_header),
     };
 

@@ -19,6 +19,9 @@ bool ttf_name_ok(const char *name);
 /* Names with '/' between, at most 191 bytes: a path that cannot lead out of the dataset. */
 bool ttf_path_ok(const char *path);
 
+/* Of the seal: not notes.jsonl, samples.json, report.json, SHA256SUMS, nor names no dataset has. */
+bool ttf_is_sealed_file(const char *path);
+
 /* Does the crc at the end of a line hold? line: without its line end. */
 bool ttf_line_holds(const char *line, size_t n);
 

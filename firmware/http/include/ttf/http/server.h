@@ -20,9 +20,6 @@ struct ttf_http_config {
     const char *token; /* NULL: there is none, and what needs one is refused */
     const char *const *
         names; /* under which the box is known, NULL-ended; addresses and "localhost" always are. NULL allowed */
-    /* What a person who runs the server should know, a sentence; from any thread. NULL allowed. */
-    void (*say)(void *ctx, const char *text);
-    void *say_ctx;
 };
 
 struct ttf_http_server;
