@@ -40,7 +40,7 @@ compile() { # SUITE
     find "$root/src" -mindepth 1 -maxdepth 1 ! -name build -exec rm -rf {} +
     git ls-files -z --cached --others --exclude-standard |
         while IFS= read -r -d '' file; do [ ! -f "$file" ] || printf '%s\0' "$file"; done |
-        tar -c --null -T - | tar -x -C "$root/src"
+        tar -c --null -T - | tar -x -C "$root/src" || return 1 # set -e is off in what || follows
     chroot "$root" sh -c "cd /src && cmake -G Ninja -S . -B build -DCMAKE_BUILD_TYPE=RelWithDebInfo -DTTFBOX_WERROR=ON \
         -DTTFBOX_LIBCAMERA=ON >build.log 2>&1 && ninja -C build -j $(nproc) >>build.log 2>&1" ||
         { echo "suites: $1 does not build:"; grep -E 'error|warning|FAILED|CMake' "$root/src/build.log" | head -n 40; return 1; }
