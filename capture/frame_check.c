@@ -3,13 +3,6 @@
 
 #include "exposure.h"
 
-bool ttf_frame_format_equal(const struct ttf_frame_format *a, const struct ttf_frame_format *b)
-{
-    return a->width == b->width && a->height == b->height && a->packing == b->packing &&
-           a->cfa == b->cfa && a->bits == b->bits && a->black_level == b->black_level &&
-           a->white_level == b->white_level;
-}
-
 const char *ttf_frame_refused(const struct ttf_frame *frame, const struct ttf_frame_format *format,
                               const struct ttf_exposure *granted)
 {

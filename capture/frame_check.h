@@ -3,8 +3,6 @@
 #ifndef TTF_CAPTURE_PRIVATE_FRAME_CHECK_H
 #define TTF_CAPTURE_PRIVATE_FRAME_CHECK_H
 
-#include <stdbool.h>
-
 #include "ttf/base/frame.h"
 
 /* Reasons for refusing a frame, as they stand in records. */
@@ -13,9 +11,6 @@
 #define TTF_REFUSED_FORMAT   "wrong format"
 #define TTF_REFUSED_SETTINGS "wrong settings"
 #define TTF_REFUSED_MISSING  "missing"
-
-/* True if all fields but the stride are equal: the same pixels. */
-bool ttf_frame_format_equal(const struct ttf_frame_format *a, const struct ttf_frame_format *b);
 
 /* Why it is refused, or NULL: it is good. TTF_REFUSED_SETTINGS comes last: the data are whole. */
 const char *ttf_frame_refused(const struct ttf_frame *frame, const struct ttf_frame_format *format,

@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "ttf/base/attr.h"
+#include "ttf/base/time.h"
 #include "ttf/hal/camera_backend.h"
 
 const char *ttf_camera_recovery_name(enum ttf_camera_recovery step)
@@ -84,6 +85,9 @@ int ttf_camera_submit(struct ttf_camera *camera, const struct ttf_camera_set *se
             (set->settings[i].exposure_ns == 0 && camera->caps.exposure_max_ns > 0))
             return ttf_err_set(err, -EINVAL, camera->ops->name,
                                "exposure %u of the set is not longer than nothing", i);
+    if (set->middle_ns > TTF_NS_NEVER / 2)
+        return ttf_err_set(err, -EINVAL, camera->ops->name,
+                           "the middle asked for is centuries ahead");
     if (!camera->streaming)
         return ttf_err_set(err, -EPIPE, camera->ops->name, "the camera is not streaming");
     if (camera->outstanding > 0)

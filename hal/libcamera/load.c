@@ -3,39 +3,19 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <limits.h>
-#include <poll.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "system.h"
-#include "ttf/base/time.h"
+#include "ttf/hal/descriptor.h"
 
 #define MODULE "ttfbox-libcamera.so"
-
-/* A wait is cut up so that one through which the machine slept is not late by its sleep. */
-#define WAIT_MAX_NS (500 * TTF_NS_PER_MS)
 
 static int module_wait(const struct lc_system *system, struct lc_handle *handle,
                        struct ttf_clock *clock, int64_t deadline_ns)
 {
-    struct pollfd waiting = {.fd = system->ops->descriptor(handle), .events = POLLIN};
-
-    for (;;) {
-        int64_t left = deadline_ns - ttf_clock_now_ns(clock);
-        struct timespec wait;
-        int n;
-
-        left = left < 0 ? 0 : left > WAIT_MAX_NS ? WAIT_MAX_NS : left;
-        wait = (struct timespec){.tv_nsec = (long)left};
-        n = ppoll(&waiting, 1, &wait, NULL);
-        if (n > 0)
-            return waiting.revents & (POLLERR | POLLHUP | POLLNVAL) ? -EIO : 0;
-        if (n < 0 && errno != EINTR)
-            return -errno;
-        if (ttf_clock_now_ns(clock) >= deadline_ns)
-            return -ETIMEDOUT;
-    }
+    return ttf_descriptor_wait(clock, system->ops->descriptor(handle), deadline_ns);
 }
 
 /* The folder of the running program, without a slash at its end. */

@@ -3,23 +3,18 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <poll.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
-#include <time.h>
 #include <unistd.h>
 
-#include "ttf/base/time.h"
+#include "ttf/hal/descriptor.h"
 
 /* The kernel's own bound for video nodes is 256 minors over four kinds. */
 #define NODES_MAX 64
-
-/* A wait is cut up so that one through which the machine slept is not late by its sleep. */
-#define WAIT_MAX_NS (500 * TTF_NS_PER_MS)
 
 static int kernel_list(void *ctx, unsigned i, char ret_path[64])
 {
@@ -104,24 +99,10 @@ static void kernel_serial(void *ctx, int fd, char ret[64])
 
 static int kernel_wait(void *ctx, int fd, struct ttf_clock *clock, int64_t deadline_ns)
 {
-    struct pollfd waiting = {.fd = fd, .events = POLLIN};
+    int r = ttf_descriptor_wait(clock, fd, deadline_ns);
 
     (void)ctx;
-    for (;;) {
-        int64_t left = deadline_ns - ttf_clock_now_ns(clock);
-        struct timespec wait;
-        int n;
-
-        left = left < 0 ? 0 : left > WAIT_MAX_NS ? WAIT_MAX_NS : left;
-        wait = (struct timespec){.tv_nsec = (long)left};
-        n = ppoll(&waiting, 1, &wait, NULL);
-        if (n > 0)
-            return waiting.revents & (POLLERR | POLLHUP | POLLNVAL) ? 1 : 0;
-        if (n < 0 && errno != EINTR)
-            return -errno;
-        if (ttf_clock_now_ns(clock) >= deadline_ns)
-            return -ETIMEDOUT;
-    }
+    return r == -EIO ? 1 : r;
 }
 
 const struct v4l2_sys v4l2_sys_kernel = {

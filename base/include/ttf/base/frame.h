@@ -9,6 +9,7 @@
 #ifndef TTF_BASE_FRAME_H
 #define TTF_BASE_FRAME_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -48,6 +49,15 @@ struct ttf_frame_format {
     uint16_t black_level; /* code of no light at all (all CFA positions alike) */
     uint16_t white_level; /* code at which the sensor saturates, > black_level */
 };
+
+/* True if all fields but the stride are equal: the same pixels. */
+static inline bool ttf_frame_format_equal(const struct ttf_frame_format *a,
+                                          const struct ttf_frame_format *b)
+{
+    return a->width == b->width && a->height == b->height && a->packing == b->packing &&
+           a->cfa == b->cfa && a->bits == b->bits && a->black_level == b->black_level &&
+           a->white_level == b->white_level;
+}
 
 /* Bytes that the samples of a row take (of NV12: of a row of either plane); 0 for no packing that is known. */
 static inline size_t ttf_row_bytes(enum ttf_packing packing, uint32_t width)

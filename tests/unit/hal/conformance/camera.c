@@ -104,6 +104,7 @@ static void wrong_sets_are_refused(void **state)
     if (ttf_camera_caps(camera)->exposure_max_ns > 0)
         assert_int_equal(submit(camera, 0, 1, 0), -EINVAL);
     assert_int_equal(submit(camera, -5, 1, 0), -EINVAL);
+    assert_int_equal(submit(camera, 10, 1, TTF_NS_NEVER - 1), -EINVAL);
 }
 
 static void without_a_set_nothing_comes(void **state)
