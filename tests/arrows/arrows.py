@@ -25,12 +25,13 @@ MAY_USE = {
     "config": {"base", "hal", "hal_sim", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth"},
     "http": {"base", "dataset"},
     "pull": {"base", "hal", "dataset"},
+    "view": {"base", "dataset"},
     "firmware": {"base", "hal", "hal_sim", "hal_gpiod", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth", "config",
-                 "http", "pull"},
+                 "http", "pull", "view"},
 }
 # Most specific folder first.
 FOLDERS = [("firmware/config", "config"), ("firmware/http", "http"),
-           ("firmware/pull", "pull"), ("hal/sim", "hal_sim"),
+           ("firmware/pull", "pull"), ("firmware/view", "view"), ("hal/sim", "hal_sim"),
            ("hal/gpiod", "hal_gpiod"), ("hal/v4l2", "hal_v4l2"),
            ("hal/libcamera", "hal_libcamera"), ("firmware", "firmware"),
            ("base", "base"), ("hal", "hal"), ("dataset", "dataset"), ("capture", "capture"),
