@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "charts.h"
 #include "datasets.h"
 #include "health.h"
 
@@ -15,6 +16,7 @@ static const struct ttf_http_route ROUTES[] = {
     {"GET", "/api/v1/datasets/{name}/records", TTF_HTTP_READ, datasets_records},
     {"GET", "/api/v1/datasets/{name}/files/{path}", TTF_HTTP_READ, datasets_file},
     {"GET", "/api/v1/datasets/{name}/tar", TTF_HTTP_READ, datasets_tar},
+    {"GET", "/api/v1/datasets/{name}/charts", TTF_HTTP_READ, charts_answer},
 };
 
 const struct ttf_http_route *ttf_http_route(size_t i)
