@@ -243,6 +243,10 @@ static unsigned status_of(int code)
         return MHD_HTTP_METHOD_NOT_ALLOWED;
     case EFBIG:
         return MHD_HTTP_CONTENT_TOO_LARGE;
+    case EBUSY:
+    case EEXIST:
+        return MHD_HTTP_CONFLICT;
+    case ENODEV:
     case ENOMEM:
     case EMFILE:
     case ENFILE:

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "box_answers.h"
 #include "charts.h"
 #include "datasets.h"
 #include "health.h"
@@ -17,6 +18,31 @@ static const struct ttf_http_route ROUTES[] = {
     {"GET", "/api/v1/datasets/{name}/files/{path}", TTF_HTTP_READ, datasets_file},
     {"GET", "/api/v1/datasets/{name}/tar", TTF_HTTP_READ, datasets_tar},
     {"GET", "/api/v1/datasets/{name}/charts", TTF_HTTP_READ, charts_answer},
+    {"POST", "/api/v1/datasets/{name}/notes", TTF_HTTP_CHANGE, box_none},
+    {"GET", "/", TTF_HTTP_OPEN, box_none},
+    {"GET", "/web/{path}", TTF_HTTP_OPEN, box_none},
+    {"POST", "/api/v1/session", TTF_HTTP_OPEN, box_none},
+    {"GET", "/api/v1/session", TTF_HTTP_OPEN, box_none},
+    {"DELETE", "/api/v1/session", TTF_HTTP_OPEN, box_none},
+    {"GET", "/api/v1/status", TTF_HTTP_READ, box_status},
+    {"GET", "/api/v1/events", TTF_HTTP_READ, box_none},
+    {"GET", "/api/v1/box", TTF_HTTP_READ, box_none},
+    {"GET", "/api/v1/boards", TTF_HTTP_READ, box_none},
+    {"GET", "/api/v1/boards/{name}", TTF_HTTP_READ, box_none},
+    {"GET", "/api/v1/boards/{name}/plans/{path}", TTF_HTTP_READ, box_none},
+    {"GET", "/api/v1/plans", TTF_HTTP_READ, box_none},
+    {"POST", "/api/v1/plans/check", TTF_HTTP_CHANGE, box_none},
+    {"GET", "/api/v1/plans/{name}", TTF_HTTP_READ, box_none},
+    {"PUT", "/api/v1/plans/{name}", TTF_HTTP_CHANGE, box_none},
+    {"DELETE", "/api/v1/plans/{name}", TTF_HTTP_CHANGE, box_none},
+    {"POST", "/api/v1/run", TTF_HTTP_CHANGE, box_none},
+    {"POST", "/api/v1/run/stop", TTF_HTTP_CHANGE, box_none},
+    {"POST", "/api/v1/run/pause", TTF_HTTP_CHANGE, box_none},
+    {"POST", "/api/v1/run/resume", TTF_HTTP_CHANGE, box_none},
+    {"POST", "/api/v1/run/change", TTF_HTTP_CHANGE, box_none},
+    {"GET", "/api/v1/run/asked/{name}", TTF_HTTP_READ, box_none},
+    {"GET", "/api/v1/latest", TTF_HTTP_READ, box_none},
+    {"GET", "/api/v1/live", TTF_HTTP_TOKEN, box_none},
 };
 
 const struct ttf_http_route *ttf_http_route(size_t i)

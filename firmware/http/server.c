@@ -50,7 +50,8 @@ static bool may(const struct socket *socket, const struct ttf_http_match *match,
 {
     const char *said;
 
-    if (match->route->access == TTF_HTTP_OPEN || socket->free_to_read)
+    if (match->route->access == TTF_HTTP_OPEN ||
+        (match->route->access == TTF_HTTP_READ && socket->free_to_read))
         return true;
     said = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Authorization");
     return access_token(said, socket->server->token);

@@ -26,18 +26,21 @@ MAY_USE = {
     "http": {"base", "dataset"},
     "pull": {"base", "hal", "dataset"},
     "firmware": {"base", "hal", "hal_sim", "hal_gpiod", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth", "config",
-                 "http", "pull"},
+                 "http", "pull", "usb", "usb_libusb"},
+    "usb": {"base", "hal"},
+    "usb_libusb": {"base", "hal", "usb"},
 }
 # Most specific folder first.
 FOLDERS = [("firmware/config", "config"), ("firmware/http", "http"),
-           ("firmware/pull", "pull"), ("hal/sim", "hal_sim"),
+           ("firmware/pull", "pull"), ("firmware/usb/libusb", "usb_libusb"), ("firmware/usb", "usb"), ("hal/sim", "hal_sim"),
            ("hal/gpiod", "hal_gpiod"), ("hal/v4l2", "hal_v4l2"),
            ("hal/libcamera", "hal_libcamera"), ("firmware", "firmware"),
            ("base", "base"), ("hal", "hal"), ("dataset", "dataset"), ("capture", "capture"),
            ("synth", "synth")]
 # Headers of a room that lie in another room's include folder.
 HEADER_ROOM = {"ttf/hal/sim.h": "hal_sim", "ttf/hal/gpiod.h": "hal_gpiod",
-               "ttf/hal/v4l2.h": "hal_v4l2", "ttf/hal/libcamera.h": "hal_libcamera"}
+               "ttf/hal/v4l2.h": "hal_v4l2", "ttf/hal/libcamera.h": "hal_libcamera",
+               "ttf/usb/libusb.h": "usb_libusb"}
 # hal as a whole owns sim.h's contract; only these may include it.
 CLOCK_FILES = re.compile(r"^hal/real/")
 TIME_CALLS = re.compile(r"\b(clock_gettime|gettimeofday|nanosleep|clock_nanosleep|usleep|sleep|"

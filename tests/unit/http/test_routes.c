@@ -33,7 +33,8 @@ static void a_path_names_its_route_and_parts(void **state)
 static void what_no_pattern_has_is_not_there(void **state)
 {
     static const char *const URLS[] = {"",
-                                       "/",
+                                       "/x",
+                                       "/web/",
                                        "/api/v1",
                                        "/api/v1/",
                                        "/api/v1/datasets/",
@@ -56,7 +57,7 @@ static void what_no_pattern_has_is_not_there(void **state)
     assert_int_equal(ttf_http_route_find("GET", url, &m), -ENOENT);
 }
 
-static void nothing_can_be_changed(void **state)
+static void a_dataset_cannot_be_changed(void **state)
 {
     static const char *const METHODS[] = {"POST", "PUT",     "DELETE", "PATCH",
                                           "get",  "OPTIONS", "TRACE",  NULL};
@@ -144,7 +145,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_path_names_its_route_and_parts),
         cmocka_unit_test(what_no_pattern_has_is_not_there),
-        cmocka_unit_test(nothing_can_be_changed),
+        cmocka_unit_test(a_dataset_cannot_be_changed),
         cmocka_unit_test(the_description_lists_the_table_and_nothing_else),
     };
 

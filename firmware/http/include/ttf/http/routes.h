@@ -8,7 +8,9 @@
 /* Who may. */
 enum ttf_http_access {
     TTF_HTTP_OPEN = 0, /* everybody who reaches the socket */
-    TTF_HTTP_READ      /* the token, but where the socket lets all read */
+    TTF_HTTP_READ,     /* the token, but where the socket lets all read */
+    TTF_HTTP_TOKEN,    /* the token, on every socket */
+    TTF_HTTP_CHANGE    /* the token, and that the request is no other page's */
 };
 
 #define TTF_HTTP_NAME_MAX 64  /* bytes of a dataset's name */
