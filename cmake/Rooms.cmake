@@ -18,7 +18,9 @@ set(TTF_MAY_USE_config "base;hal;hal_sim;hal_v4l2;hal_libcamera;dataset;capture;
 set(TTF_MAY_USE_http "base;dataset")
 set(TTF_MAY_USE_pull "base;hal;dataset")
 set(TTF_MAY_USE_view "base;dataset")
-set(TTF_MAY_USE_firmware "base;hal;hal_sim;hal_gpiod;hal_v4l2;hal_libcamera;dataset;capture;synth;config;http;pull;view")
+set(TTF_MAY_USE_usb "base;hal")
+set(TTF_MAY_USE_usb_libusb "base;hal;usb")
+set(TTF_MAY_USE_firmware "base;hal;hal_sim;hal_gpiod;hal_v4l2;hal_libcamera;dataset;capture;synth;config;http;pull;view;usb;usb_libusb")
 
 function(ttf_check_arrows name)
     foreach(used IN LISTS ARGN)

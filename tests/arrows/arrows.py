@@ -25,20 +25,23 @@ MAY_USE = {
     "config": {"base", "hal", "hal_sim", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth"},
     "http": {"base", "dataset"},
     "pull": {"base", "hal", "dataset"},
-    "view": {"base", "dataset"},
     "firmware": {"base", "hal", "hal_sim", "hal_gpiod", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth", "config",
-                 "http", "pull", "view"},
+                 "http", "pull", "view", "usb", "usb_libusb"},
+    "view": {"base", "dataset"},
+    "usb": {"base", "hal"},
+    "usb_libusb": {"base", "hal", "usb"},
 }
 # Most specific folder first.
 FOLDERS = [("firmware/config", "config"), ("firmware/http", "http"),
-           ("firmware/pull", "pull"), ("firmware/view", "view"), ("hal/sim", "hal_sim"),
+           ("firmware/pull", "pull"), ("firmware/view", "view"), ("firmware/usb/libusb", "usb_libusb"), ("firmware/usb", "usb"), ("hal/sim", "hal_sim"),
            ("hal/gpiod", "hal_gpiod"), ("hal/v4l2", "hal_v4l2"),
            ("hal/libcamera", "hal_libcamera"), ("firmware", "firmware"),
            ("base", "base"), ("hal", "hal"), ("dataset", "dataset"), ("capture", "capture"),
            ("synth", "synth")]
 # Headers of a room that lie in another room's include folder.
 HEADER_ROOM = {"ttf/hal/sim.h": "hal_sim", "ttf/hal/gpiod.h": "hal_gpiod",
-               "ttf/hal/v4l2.h": "hal_v4l2", "ttf/hal/libcamera.h": "hal_libcamera"}
+               "ttf/hal/v4l2.h": "hal_v4l2", "ttf/hal/libcamera.h": "hal_libcamera",
+               "ttf/usb/libusb.h": "usb_libusb"}
 # hal as a whole owns sim.h's contract; only these may include it.
 CLOCK_FILES = re.compile(r"^hal/real/")
 TIME_CALLS = re.compile(r"\b(clock_gettime|gettimeofday|nanosleep|clock_nanosleep|usleep|sleep|"

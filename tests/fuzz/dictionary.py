@@ -34,6 +34,9 @@ OTHER = {
                  0xc0, 0xc1, 0xc2, 0xc3, 0xc4, 0xd8, 0xd9, 0xda, 0xdb, 0xdd, 0xe0, 0xe1, 0xe2, 0xee)],
     "sums": [b"records.jsonl", b"frames/main/000000.tif", b"0" * 64 + b"  "],
     "request": [b"bytes=", b"Bearer ", b"/api/v1/datasets/", b"/files/", b"/records", b"/tar", b"../", b"[::1]:"],
+    # Heads of frames: stream 1, each type, the usual lengths.
+    "usb": [b"\x01\0" + bytes([t]) + b"\0" + bytes([n]) + b"\0\0\0" for t in range(2, 6) for n in (0, 4, 16)] +
+           [b"\0\0\x01\0\x10\0\0\0\x01\0\x20\0\0\0\x04\0", b"\0\0\x06\0\0\0\0\0", b"\x4d\0\0\0\0\0\0\0"],
     "store": [b"frames/main/", b".tmp", b"\0"], "records": [b"frames/main/"],
 }
 EXIF = [0x0112, 0x0132, 0x8769, 0x9003, 0x9004, 0x9011, 0x9291, 0x882a]

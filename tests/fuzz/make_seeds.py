@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the seeds of sums, events and store anew, into the folder given (tests/fuzz/seeds).
+"""Makes the seeds of sums, events, store and usb anew, into the folder given (tests/fuzz/seeds).
 
 They speak of the small dataset of store.c: three slots of one file each. Lines have neither seq nor
 crc of their own; the targets frame them (framing.h). The first byte is the mode of store.h.
 """
 import hashlib
 import os
+import struct
 import sys
 
 FRAME_RECORDS, FRAME_EVENTS, MEND_SUMS, ENDED = 1, 2, 4, 8
@@ -100,7 +101,37 @@ SEEDS = {
 }
 
 
+def usb_frame(stream, kind, payload=b""):
+    return struct.pack("<HBBI", stream, kind, 0, len(payload)) + payload
+
+
+def usb_take(*frames):
+    """Of fuzz_usb.c: a transfer that comes."""
+    data = b"".join(frames)
+    return b"\0" + struct.pack("<H", len(data)) + data
+
+
+HELLO = usb_frame(0, 1, struct.pack("<HHIQ", 1, 32, 256 << 10, 77))
+GIVE, OPEN = b"\1", b"\2"
+USB_SEEDS = {
+    "box": b"\1" + usb_take(HELLO) + GIVE + GIVE +
+           usb_take(usb_frame(1, 2), usb_frame(1, 3, b"GET / HTTP/1.1\r\n\r\n")) + b"\4\1\x40" + b"\3\1\x40" + GIVE +
+           usb_take(usb_frame(1, 4, struct.pack("<I", 64)), usb_frame(1, 5, struct.pack("<I", 0))) + GIVE + b"\5\1\0" + GIVE,
+    "host": b"\0" + GIVE + GIVE + usb_take(HELLO, usb_frame(0, 6, b"padding")) + OPEN + OPEN + b"\3\1\x20" + GIVE +
+            usb_take(usb_frame(1, 3, b"HTTP/1.1 200 OK\r\n\r\n"), usb_frame(2, 5, struct.pack("<I", 2))) + b"\4\1\x40" + GIVE +
+            usb_take(usb_frame(1, 5, struct.pack("<I", 1))) + GIVE,
+    "anew": b"\0" + usb_take(HELLO) + OPEN + usb_take(usb_frame(0, 1, struct.pack("<HHIQ", 1, 32, 256 << 10, 0))) + b"\6" +
+            usb_take(HELLO) + OPEN + GIVE,
+    "stale": b"\1" + usb_take(usb_frame(1, 3, HELLO)) + usb_take(HELLO[8:]) + usb_take(HELLO, usb_frame(1, 2), usb_frame(2, 2)) + GIVE,
+}
+
+
 def main():
+    folder = os.path.join(sys.argv[1], "usb")
+    os.makedirs(folder, exist_ok=True)
+    for name, data in USB_SEEDS.items():
+        with open(os.path.join(folder, name), "wb") as f:
+            f.write(data)
     for target, seeds in SEEDS.items():
         folder = os.path.join(sys.argv[1], target)
         os.makedirs(folder, exist_ok=True)
