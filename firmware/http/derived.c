@@ -3,7 +3,8 @@
 
 #include <stdlib.h>
 
-#include "charts.h"
+#include "history.h"
+#include "thumbs.h"
 
 struct derived *derived_create(void)
 {
@@ -11,8 +12,9 @@ struct derived *derived_create(void)
 
     if (!derived)
         return NULL;
-    derived->charts = charts_create();
-    if (derived->charts)
+    derived->history = history_create();
+    derived->thumbs = thumbs_create();
+    if (derived->history && derived->thumbs)
         return derived;
     derived_destroy(derived);
     return NULL;
@@ -22,6 +24,7 @@ void derived_destroy(struct derived *derived)
 {
     if (!derived)
         return;
-    charts_destroy(derived->charts);
+    thumbs_destroy(derived->thumbs);
+    history_destroy(derived->history);
     free(derived);
 }

@@ -3,10 +3,9 @@
 #ifndef HTTP_DERIVED_H
 #define HTTP_DERIVED_H
 
-struct charts;
-
 struct derived {
-    struct charts *charts;
+    struct history *history;
+    struct thumbs *thumbs;
 };
 
 /* NULL: no memory. */

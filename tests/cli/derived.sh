@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# What a server derives from datasets for a page: columns for charts.
+# What a server derives from datasets for a page: columns for charts, small pictures.
 . "$(dirname "$0")/cli.bash"
 . "$HERE/server.bash"
 
@@ -45,6 +45,30 @@ plan grass.yaml 'interval: 5s' 'count: 3' 'shot: {exposure: 10ms}'
 "$TTFBOX" capture grass.yaml "${TINY[@]}" -o data/grass -q || fail "no second capture"
 get "$URL/datasets/grass/charts" 200
 is slots 3
+
+# ---- small pictures ----
+mkdir -p data/grass/preview/main
+get "$URL/datasets/grass/thumbs/1" 200
+[ "$(head -c 3 out | od -An -tx1 | tr -d ' ')" = ffd8ff ] || fail "no JPEG"
+grep -qi '^content-type: image/jpeg' headers || fail "it does not say that it is a JPEG"
+cp out made.jpg
+tag=$(grep -i '^etag:' headers | tr -d '\r' | sed 's/^[^ ]* //')
+get "$URL/datasets/grass/thumbs/1" 304 -H "If-None-Match: $tag"
+get "$URL/datasets/grass/thumbs/1" 200
+cmp -s out made.jpg || fail "it is another picture the second time"
+get "$URL/datasets/grass/thumbs/000001" 200
+for wrong in 3 x -1 1.5 1x 99999999999999999999 1/2; do
+    get "$URL/datasets/grass/thumbs/$wrong" 404
+done
+printf 'the own' >data/grass/preview/main/000002.jpg
+get "$URL/datasets/grass/thumbs/2" 200
+[ "$(cat out)" = "the own" ] || fail "the dataset's own preview is passed over"
+plan raw.yaml 'interval: 5s' 'count: 2' 'shot: {exposure: 10ms}' 'keep: raw'
+"$TTFBOX" capture raw.yaml "${TINY[@]}" -o data/raw -q || fail "no capture of raw images"
+get "$URL/datasets/raw/thumbs/0" 200
+[ "$(head -c 3 out | od -An -tx1 | tr -d ' ')" = ffd8ff ] || fail "no JPEG of a raw image"
+rm data/raw/raw/main/000001.dng
+get "$URL/datasets/raw/thumbs/1" 404
 
 # 12,000 slots: at most 1,024 points, by parts, and no slot is lost on the way.
 "$PYTHON" "$HERE/many_slots.py" data/grass data/many 12000 || fail "they cannot be made"
