@@ -60,5 +60,6 @@ int cmd_synth_composite(struct cli *cli);
 int cmd_synth_quilt(struct cli *cli);
 int cmd_synth_rank(struct cli *cli);
 int cmd_verify(struct cli *cli);
+int cmd_view(struct cli *cli);
 
 #endif

@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <sys/types.h>
 
+#include "derived.h"
 #include "folder.h"
 #include "summaries.h"
 #include "ttf/dataset/io.h"
@@ -16,6 +17,7 @@ struct ttf_http_request {
     const struct folder *folder;
     struct ttf_io *io;
     struct summaries *summaries;
+    struct derived *derived;
     const struct ttf_http_match *match;
     struct ttf_err err; /* what a handler that fails leaves */
 };

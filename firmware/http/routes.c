@@ -6,8 +6,10 @@
 #include <string.h>
 
 #include "box_answers.h"
+#include "charts.h"
 #include "datasets.h"
 #include "health.h"
+#include "thumbs.h"
 
 static const struct ttf_http_route ROUTES[] = {
     {"GET", "/api/v1/health", TTF_HTTP_OPEN, health_answer},
@@ -16,6 +18,8 @@ static const struct ttf_http_route ROUTES[] = {
     {"GET", "/api/v1/datasets/{name}/records", TTF_HTTP_READ, datasets_records},
     {"GET", "/api/v1/datasets/{name}/files/{path}", TTF_HTTP_READ, datasets_file},
     {"GET", "/api/v1/datasets/{name}/tar", TTF_HTTP_READ, datasets_tar},
+    {"GET", "/api/v1/datasets/{name}/charts", TTF_HTTP_READ, charts_answer},
+    {"GET", "/api/v1/datasets/{name}/thumbs/{path}", TTF_HTTP_READ, thumbs_answer},
     {"POST", "/api/v1/datasets/{name}/notes", TTF_HTTP_CHANGE, box_none},
     {"GET", "/", TTF_HTTP_OPEN, box_none},
     {"GET", "/web/{path}", TTF_HTTP_OPEN, box_none},

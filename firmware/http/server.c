@@ -11,6 +11,7 @@
 
 #include "access.h"
 #include "answer.h"
+#include "derived.h"
 #include "folder.h"
 #include "request.h"
 #include "summaries.h"
@@ -35,6 +36,7 @@ struct ttf_http_server {
     struct folder folder;
     struct ttf_io *io;
     struct summaries *summaries;
+    struct derived *derived;
     char *token;
     char *names[NAMES_MAX + 1];
     struct socket sockets[SOCKETS_MAX];
@@ -92,6 +94,7 @@ static enum MHD_Result answer(const struct socket *socket, struct MHD_Connection
     struct ttf_http_request request = {.folder = &server->folder,
                                        .io = server->io,
                                        .summaries = server->summaries,
+                                       .derived = server->derived,
                                        .match = &match};
     enum MHD_Result ret = MHD_NO;
     int r = refuse(socket, connection, method, url, &match, &ret);
@@ -181,7 +184,8 @@ int ttf_http_server_create(const struct ttf_http_config *config, struct ttf_http
     server->io = config->io;
     r = folder_open(config->folder, &server->folder, err);
     server->summaries = summaries_create();
-    if (r == 0 && (copy_texts(server, config) < 0 || !server->summaries))
+    server->derived = derived_create();
+    if (r == 0 && (copy_texts(server, config) < 0 || !server->summaries || !server->derived))
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory");
     if (r < 0) {
         ttf_http_server_destroy(server);
@@ -225,6 +229,7 @@ void ttf_http_server_destroy(struct ttf_http_server *server)
         MHD_stop_daemon(server->sockets[i].daemon);
     folder_close(&server->folder);
     summaries_destroy(server->summaries);
+    derived_destroy(server->derived);
     for (unsigned i = 0; i < NAMES_MAX; i++)
         free(server->names[i]);
     free(server->token);

@@ -26,13 +26,14 @@ MAY_USE = {
     "http": {"base", "dataset"},
     "pull": {"base", "hal", "dataset"},
     "firmware": {"base", "hal", "hal_sim", "hal_gpiod", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth", "config",
-                 "http", "pull", "usb", "usb_libusb"},
+                 "http", "pull", "view", "usb", "usb_libusb"},
+    "view": {"base", "dataset"},
     "usb": {"base", "hal"},
     "usb_libusb": {"base", "hal", "usb"},
 }
 # Most specific folder first.
 FOLDERS = [("firmware/config", "config"), ("firmware/http", "http"),
-           ("firmware/pull", "pull"), ("firmware/usb/libusb", "usb_libusb"), ("firmware/usb", "usb"), ("hal/sim", "hal_sim"),
+           ("firmware/pull", "pull"), ("firmware/view", "view"), ("firmware/usb/libusb", "usb_libusb"), ("firmware/usb", "usb"), ("hal/sim", "hal_sim"),
            ("hal/gpiod", "hal_gpiod"), ("hal/v4l2", "hal_v4l2"),
            ("hal/libcamera", "hal_libcamera"), ("firmware", "firmware"),
            ("base", "base"), ("hal", "hal"), ("dataset", "dataset"), ("capture", "capture"),
