@@ -181,11 +181,12 @@ int jpeg_decode(const uint8_t *data, size_t n, const char *path, struct ttf_pixb
     return code;
 }
 
-/* Where compressed bytes go: a piece at a time to the handle. */
+/* Where compressed bytes go: a piece at a time to the handle, or into memory. */
 struct jpeg_target {
     struct jpeg_destination_mgr base; /* first */
-    struct ttf_io *io;
+    struct ttf_io *io;                /* NULL: into memory */
     int file;
+    uint8_t *bytes; /* by malloc */
     int64_t offset;
     int error;
     uint8_t piece[PIECE_BYTES];
@@ -199,11 +200,24 @@ static void target_begin(j_compress_ptr jpeg)
     target->base.free_in_buffer = sizeof(target->piece);
 }
 
+static int target_keep(struct jpeg_target *target, size_t n)
+{
+    uint8_t *grown = realloc(target->bytes, (size_t)target->offset + n + 1);
+
+    if (!grown)
+        return -ENOMEM;
+    memcpy(grown + target->offset, target->piece, n);
+    target->bytes = grown;
+    return 0;
+}
+
 static void target_put(j_compress_ptr jpeg, size_t n)
 {
     struct jpeg_target *target = (struct jpeg_target *)jpeg->dest;
 
-    target->error = ttf_io_pwrite_all(target->io, target->file, target->piece, n, target->offset);
+    target->error =
+        target->io ? ttf_io_pwrite_all(target->io, target->file, target->piece, n, target->offset)
+                   : target_keep(target, n);
     if (target->error)
         ERREXIT(jpeg, JERR_FILE_WRITE);
     target->offset += (int64_t)n;
@@ -260,31 +274,69 @@ static int guarded_encode(struct jpeg_writing *writing, const struct ttf_pixbuf 
     return 0;
 }
 
-int ttf_jpeg_write(struct ttf_io *io, int file, const struct ttf_pixbuf *pixels, int quality,
-                   struct ttf_err *err)
+static int check(const struct ttf_pixbuf *pixels, int quality, struct ttf_err *err)
 {
-    struct jpeg_writing *writing;
-    int code;
-
     if (pixels->format != TTF_SAMPLE_U8 || (pixels->samples != 1 && pixels->samples != 3) ||
         quality < 1 || quality > 100)
         return ttf_err_set(err, -EINVAL, NULL, "a JPEG holds 8-bit grey or RGB, quality 1 to 100");
     if (pixels->width > JPEG_MAX_DIMENSION || pixels->height > JPEG_MAX_DIMENSION)
         return ttf_err_set(err, -EFBIG, NULL, "a JPEG's sides are at most %ld pixels",
                            JPEG_MAX_DIMENSION);
-    writing = calloc(1, sizeof(*writing));
-    if (!writing)
-        return ttf_err_set(err, -ENOMEM, NULL, "no memory to write a JPEG");
+    return 0;
+}
+
+static int write_out(struct jpeg_writing *writing, const struct ttf_pixbuf *pixels, int quality,
+                     struct ttf_err *err)
+{
+    int code;
+
     writing->target.base.init_destination = target_begin;
     writing->target.base.empty_output_buffer = target_full;
     writing->target.base.term_destination = target_end;
-    writing->target.io = io;
-    writing->target.file = file;
     writing->jpeg.err = trap_init(&writing->trap);
     code = guarded_encode(writing, pixels, quality);
     jpeg_destroy_compress(&writing->jpeg);
     if (code)
         ttf_err_set(err, code, NULL, "writing a JPEG failed: %s", writing->trap.message);
+    return code;
+}
+
+int ttf_jpeg_write(struct ttf_io *io, int file, const struct ttf_pixbuf *pixels, int quality,
+                   struct ttf_err *err)
+{
+    struct jpeg_writing *writing;
+    int code = check(pixels, quality, err);
+
+    if (code)
+        return code;
+    writing = calloc(1, sizeof(*writing));
+    if (!writing)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory to write a JPEG");
+    writing->target.io = io;
+    writing->target.file = file;
+    code = write_out(writing, pixels, quality, err);
+    free(writing);
+    return code;
+}
+
+int ttf_jpeg_encode(const struct ttf_pixbuf *pixels, int quality, void **ret, size_t *ret_bytes,
+                    struct ttf_err *err)
+{
+    struct jpeg_writing *writing;
+    int code = check(pixels, quality, err);
+
+    if (code)
+        return code;
+    writing = calloc(1, sizeof(*writing));
+    if (!writing)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory to write a JPEG");
+    code = write_out(writing, pixels, quality, err);
+    if (code) {
+        free(writing->target.bytes);
+    } else {
+        *ret = writing->target.bytes;
+        *ret_bytes = (size_t)writing->target.offset;
+    }
     free(writing);
     return code;
 }

@@ -5,4 +5,4 @@ set(TTF_DATASET_TRADE
     import.c import_order.c import_pictures.c import_video.c
     jpeg.c npy.c png.c
     sequence_dataset.c sequence_frames.c sequence_image.c sequence_memory.c
-    video_child.c)
+    thumbnail.c video_child.c)

@@ -378,6 +378,36 @@ static const struct cli_command COMMANDS[] = {
                      {"ttfbox export grass --to png -o frames", "frames/frame.1001.png, ..."}},
     },
     {
+        .name = "view",
+        .args = "DATASET",
+        .summary = "make one HTML file to look at a dataset with, offline",
+        .text =
+            "The file holds the texture's frames and all it needs: it opens in any browser by a "
+            "double click, without a network. Time and exposure by sliders, on a plane or a "
+            "sphere; a click on a pixel plots its life, p(t) of each channel. It has at most 30 "
+            "MB: "
+            "frames are left out evenly and pictures made smaller as far as that needs, which the "
+            "file says. Pictures are exact (8-bit sRGB, PNG) where they fit, else JPEG.",
+        .min_args = 1,
+        .max_args = 1,
+        .run = cmd_view,
+        .options = {{OPT_OUTPUT, "the HTML file"},
+                    {OPT_BESIDE, NULL},
+                    {OPT_FRAMES, "at most N frames, up to 256 (default: 240)"},
+                    {OPT_WIDTH_MAX, "longest side of a picture, up to 2048 (default: what fits)"},
+                    {OPT_WHITE, "value of the brightest code (default: the brightest there is)"},
+                    {OPT_STREAM, NULL},
+                    {OPT_BRACKET, NULL},
+                    {OPT_WITH_EXCLUDED, NULL},
+                    {OPT_THREADS, NULL},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox view grass -o grass.html", "a time-lapse to look at"},
+                     {"ttfbox view grass --beside lawn -o both.html",
+                      "what was captured beside what was synthesized from it"}},
+    },
+    {
         .name = "synth quilt",
         .args = "INPUT",
         .summary = "synthesize a larger time-varying texture by quilting",

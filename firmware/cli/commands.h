@@ -62,5 +62,6 @@ int cmd_synth_rank(struct cli *cli);
 int cmd_usb(struct cli *cli);
 int cmd_usb_list(struct cli *cli);
 int cmd_verify(struct cli *cli);
+int cmd_view(struct cli *cli);
 
 #endif

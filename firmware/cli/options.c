@@ -79,6 +79,8 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
                        "shrink to at most this width, in linear light"},
     [OPT_COLUMNS] = {"columns", 0, "N", CLI_WHOLE, O(columns), 1, 100,
                      "columns of a contact sheet"},
+    [OPT_BESIDE] = {"beside", 0, "DATASET", CLI_TEXT, O(beside), 0, 0,
+                    "a second dataset shown beside it: what was synthesized from it"},
     [OPT_WHITE] = {"white", 0, "VALUE", CLI_DECIMAL, O(white), 1e-6, 1e6,
                    "value shown as full white (default: 1, a perfect diffuser)"},
     [OPT_NAME] = {"name", 0, "NAME", CLI_TEXT, O(name), 0, 0,

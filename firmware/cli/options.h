@@ -112,6 +112,7 @@ enum cli_option {
     OPT_ONLY,
     OPT_FOLLOW,
     OPT_LIST,
+    OPT_BESIDE,
     OPT_MAN,
     OPT_JSON,
     OPT_QUIET,
@@ -121,7 +122,7 @@ enum cli_option {
 /* Values as given; what was not given has the value the option's table names. */
 struct cli_options {
     const char *board, *scene, *output, *calibration, *plan, *shot, *to, *gaps, *order, *transfer;
-    const char *listen, *token_file, *box, *only;
+    const char *listen, *token_file, *box, *only, *beside;
     bool follow, list, usb;
     const char *bundle, *root, *script, *slots, *tag, *author;
     const char *compress, *sink, *stream, *title, *name, *metric;

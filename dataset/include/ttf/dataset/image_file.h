@@ -107,6 +107,10 @@ TTF_MUST_USE int ttf_png_write(struct ttf_io *io, int file, const struct ttf_pix
 TTF_MUST_USE int ttf_jpeg_write(struct ttf_io *io, int file, const struct ttf_pixbuf *pixels,
                                 int quality, struct ttf_err *err);
 
+/* The same into memory: *ret by malloc. */
+TTF_MUST_USE int ttf_jpeg_encode(const struct ttf_pixbuf *pixels, int quality, void **ret,
+                                 size_t *ret_bytes, struct ttf_err *err);
+
 /*
  * A time in a file's name: year, month, day, hour, minute and perhaps second, apart
  * from one another by at most one of "-_.:T " ("2020-05-28_18-20", "20050504T181349"),

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* growth.c: the lines that are new. */
+#include "ttf/dataset/growth.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "lines.h"
+#include "record_line.h"
+#include "ttf/dataset/json_parse.h"
+
+struct reading {
+    const char *path;
+    struct ttf_growth *growth;
+    ttf_growth_fn *fn;
+    void *ctx;
+    struct ttf_err *err;
+};
+
+/* Is it the file that was read so far, with all that was read still in it? */
+static int look(struct ttf_io *io, const char *path, int file, struct ttf_growth *growth)
+{
+    char mark[TTF_GROWTH_MARK];
+    struct ttf_io_stat st;
+    int64_t bytes = 0;
+    int r = io->ops->stat(io, path, &st);
+
+    if (r == 0)
+        r = io->ops->size(io, file, &bytes);
+    if (r < 0)
+        return r;
+    if (growth->bytes == 0) {
+        growth->inode = st.inode;
+        return 0;
+    }
+    if (st.inode != growth->inode || bytes < growth->bytes)
+        return -ESTALE;
+    bytes = ttf_io_pread_all(io, file, mark, growth->n_mark, growth->bytes - growth->n_mark);
+    if (bytes < 0)
+        return (int)bytes;
+    return bytes == growth->n_mark && memcmp(mark, growth->mark, growth->n_mark) == 0 ? 0 : -ESTALE;
+}
+
+/* The line was given: so far, with its newline. */
+static void passed(struct ttf_growth *growth, const char *text, size_t n)
+{
+    size_t kept = n < TTF_GROWTH_MARK - 1 ? n : TTF_GROWTH_MARK - 1;
+
+    memcpy(growth->mark, text + n - kept, kept);
+    growth->mark[kept] = '\n';
+    growth->n_mark = (unsigned)kept + 1;
+    growth->bytes += (int64_t)n + 1;
+}
+
+static int give(struct reading *s, const char *text, size_t n)
+{
+    struct ttf_growth_line line;
+    char where[300];
+    int r;
+
+    line.json = NULL;
+    r = ttf_line_holds(text, n) ? ttf_json_parse(text, n, &line.json, NULL) : -EINVAL;
+    if (r == -ENOMEM)
+        return ttf_err_set(s->err, r, s->path, "no memory");
+    line.type = r == 0 ? json_string_value(json_object_get(line.json, "type")) : NULL;
+    if (!line.type) {
+        json_decref(line.json);
+        s->growth->damaged++;
+        return 0;
+    }
+    (void)snprintf(where, sizeof where, "%s: byte %lld", s->path, (long long)s->growth->bytes);
+    line.where = where;
+    r = s->fn(s->ctx, &line, s->err);
+    json_decref(line.json);
+    s->growth->lines += r == 0;
+    return r;
+}
+
+static int read_lines(struct reading *s, struct ttf_lines *lines, int64_t end)
+{
+    const char *text;
+    bool terminated;
+    int64_t offset;
+    size_t n;
+    int r;
+
+    while ((r = ttf_lines_next(lines, &text, &n, &offset, &terminated)) > 0 && terminated) {
+        r = give(s, text, n);
+        if (r)
+            return r;
+        passed(s->growth, text, n);
+        if (s->growth->bytes >= end)
+            return 1;
+    }
+    return r < 0 ? ttf_err_set(s->err, r, s->path, "cannot be read: %s", strerrordesc_np(-r)) : 0;
+}
+
+int ttf_growth_read(struct ttf_io *io, const char *path, struct ttf_growth *growth,
+                    int64_t max_bytes, ttf_growth_fn *fn, void *ctx, struct ttf_err *err)
+{
+    struct reading s = {path, growth, fn, ctx, err};
+    struct ttf_lines lines;
+    int file = io->ops->open(io, path, TTF_IO_READ);
+    int r;
+
+    if (file < 0)
+        return ttf_err_set(err, file, path, "cannot be opened: %s", strerrordesc_np(-file));
+    r = look(io, path, file, growth);
+    if (r == -ESTALE)
+        ttf_err_set(err, r, path, "is not what it was when it was read last");
+    else if (r < 0)
+        ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
+    if (r == 0) {
+        ttf_lines_init(&lines, io, file);
+        lines.base = growth->bytes;
+        r = read_lines(&s, &lines, max_bytes > 0 ? growth->bytes + max_bytes : INT64_MAX);
+        ttf_lines_free(&lines);
+    }
+    io->ops->close(io, file);
+    return r;
+}
+
+static struct ttf_line as_line(const struct ttf_growth_line *line)
+{
+    return (struct ttf_line){.where = line->where, .type = line->type, .json = line->json};
+}
+
+int ttf_growth_slot(const struct ttf_growth_line *line, struct ttf_slot_record *ret,
+                    struct ttf_err *err)
+{
+    const struct ttf_line l = as_line(line);
+
+    return ttf_slot_get(&l, ret, err);
+}
+
+int ttf_growth_segment(const struct ttf_growth_line *line, struct ttf_segment *ret,
+                       struct ttf_err *err)
+{
+    const struct ttf_line l = as_line(line);
+
+    return ttf_segment_get(&l, ret, err);
+}

@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# What a server derives from datasets for a page: columns for charts, small pictures.
+. "$(dirname "$0")/cli.bash"
+. "$HERE/server.bash"
+
+mkdir data
+plan grass.yaml 'interval: 10s' 'count: 12' 'shot: {exposure: 10ms}'
+"$TTFBOX" capture grass.yaml "${TINY[@]}" -o data/grass -q || fail "no capture"
+serve data
+
+# ---- charts: a column for each thing that records say, over all slots ----
+get "$URL/datasets/grass/charts" 200
+"$PYTHON" - out data/grass <<'CHECK' || fail "the columns are not the records'"
+import json, math, sys
+charts = json.load(open(sys.argv[1]))
+records = [json.loads(line) for line in open(sys.argv[2] + "/records.jsonl")]
+slots = [r for r in records if r["type"] == "slot"]
+segment = next(r for r in records if r["type"] == "segment")
+assert charts["complete"] is True and charts["slots"] == 12 and charts["slots_per_point"] == 1, charts
+assert charts["index"] == [s["index"] for s in slots]
+assert charts["due_utc_ns"] == [segment["origin_utc_ns"] + s["due_ns"] - segment["origin_ns"] for s in slots]
+assert charts["results"]["captured"] == [1] * 12 and charts["results"]["missed"] == [0] * 12
+by = {(s["what"], s.get("name", s.get("stream"))): s for s in charts["series"]}
+mean = by[("mean_level", "main")]
+assert mean["min"] == mean["max"] == [s["images"][0]["mean_level"] for s in slots], mean
+error = by[("slot_error_s", None)]
+assert all(math.isclose(e, (s["middle_ns"] - s["due_ns"]) / 1e9, abs_tol=1e-12) for e, s in zip(error["mean"], slots))
+for name in {s["name"] for r in slots for s in r.get("sensors", [])}:
+    column = by[("sensor", name)]
+    assert column["max"] == [next(s["value"] for s in r["sensors"] if s["name"] == name) for r in slots], column
+CHECK
+tag=$(grep -i '^etag:' headers | tr -d '\r' | sed 's/^[^ ]* //')
+get "$URL/datasets/grass/charts" 304 -H "If-None-Match: $tag"
+
+# A dataset that grows is read on, not anew; one that was replaced is another.
+get "$URL/datasets/nowhere/charts" 404
+sed -i 's/count: 12/count: 15/' grass.yaml
+"$TTFBOX" capture grass.yaml "${TINY[@]}" -o data/grass -q || fail "it does not go on"
+get "$URL/datasets/grass/charts" 200 -H "If-None-Match: $tag"
+is slots 15
+is index.14 14
+rm -rf data/grass
+plan grass.yaml 'interval: 5s' 'count: 3' 'shot: {exposure: 10ms}'
+"$TTFBOX" capture grass.yaml "${TINY[@]}" -o data/grass -q || fail "no second capture"
+get "$URL/datasets/grass/charts" 200
+is slots 3
+
+# ---- small pictures ----
+mkdir -p data/grass/preview/main
+get "$URL/datasets/grass/thumbs/1" 200
+[ "$(head -c 3 out | od -An -tx1 | tr -d ' ')" = ffd8ff ] || fail "no JPEG"
+grep -qi '^content-type: image/jpeg' headers || fail "it does not say that it is a JPEG"
+cp out made.jpg
+tag=$(grep -i '^etag:' headers | tr -d '\r' | sed 's/^[^ ]* //')
+get "$URL/datasets/grass/thumbs/1" 304 -H "If-None-Match: $tag"
+get "$URL/datasets/grass/thumbs/1" 200
+cmp -s out made.jpg || fail "it is another picture the second time"
+get "$URL/datasets/grass/thumbs/000001" 200
+for wrong in 3 x -1 1.5 1x 99999999999999999999 1/2; do
+    get "$URL/datasets/grass/thumbs/$wrong" 404
+done
+printf 'the own' >data/grass/preview/main/000002.jpg
+get "$URL/datasets/grass/thumbs/2" 200
+[ "$(cat out)" = "the own" ] || fail "the dataset's own preview is passed over"
+plan raw.yaml 'interval: 5s' 'count: 2' 'shot: {exposure: 10ms}' 'keep: raw'
+"$TTFBOX" capture raw.yaml "${TINY[@]}" -o data/raw -q || fail "no capture of raw images"
+get "$URL/datasets/raw/thumbs/0" 200
+[ "$(head -c 3 out | od -An -tx1 | tr -d ' ')" = ffd8ff ] || fail "no JPEG of a raw image"
+rm data/raw/raw/main/000001.dng
+get "$URL/datasets/raw/thumbs/1" 404
+
+# 12,000 slots: at most 1,024 points, by parts, and no slot is lost on the way.
+"$PYTHON" "$HERE/many_slots.py" data/grass data/many 12000 || fail "they cannot be made"
+asked=0
+while :; do
+    get "$URL/datasets/many/charts" 200
+    asked=$((asked + 1))
+    [ "$(json complete)" = true ] && break
+    [ $asked -lt 50 ] || fail "it never comes to an end"
+done
+[ $asked -gt 1 ] || fail "12,000 records were read at one request"
+is slots 12000
+"$PYTHON" - out <<'CHECK' || fail "the points are wrong"
+import json, sys
+c = json.load(open(sys.argv[1]))
+assert 500 < len(c["index"]) <= 1024 and c["slots_per_point"] == 16, (len(c["index"]), c["slots_per_point"])
+assert sum(c["results"]["captured"]) == 12000
+spiked = next(s for s in c["series"] if s["what"] == "mean_level")
+assert max(spiked["max"]) == 0.875, max(spiked["max"])
+CHECK
+unserve

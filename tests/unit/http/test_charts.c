@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* test_charts.c: columns of thousands of slots in a thousand points, no spike hidden. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "chart_points.h"
+#include "chart_text.h"
+#include "ttf/base/time.h"
+
+static void add(struct chart_points *points, int64_t index, double level, int64_t late_ns)
+{
+    struct ttf_slot_record record;
+
+    ttf_slot_record_init(&record);
+    record.index = index;
+    record.due_ns = index * TTF_NS_PER_S;
+    record.middle_ns = record.due_ns + late_ns;
+    record.result = TTF_RESULT_CAPTURED;
+    assert_int_equal(ttf_slot_record_images(&record, 1), 0);
+    memcpy(record.images[0].stream, "main", 5);
+    record.images[0].mean_level = level;
+    record.n_sensors = 2;
+    record.sensors[0] = (struct ttf_slot_sensor){"box", "temp_mdegc", true, 20000 + index};
+    record.sensors[1] = (struct ttf_slot_sensor){"lid", "temp_mdegc", false, 0};
+    assert_int_equal(chart_points_add(points, &record), 0);
+    ttf_slot_record_free(&record);
+}
+
+static const struct chart_series *series(const struct chart_points *points, enum chart_what what)
+{
+    static const struct chart_series none;
+
+    for (unsigned i = 0; i < points->n_series; i++)
+        if (points->series[i].what == what)
+            return &points->series[i];
+    fail_msg("there is no such column");
+    return &none;
+}
+
+static void few_slots_are_points_of_their_own(void **state)
+{
+    struct chart_points points = {0};
+    const struct chart_series *mean;
+
+    (void)state;
+    for (int64_t i = 0; i < 100; i++)
+        add(&points, i, (double)i, 1000);
+    mean = series(&points, CHART_MEAN);
+    assert_int_equal(points.n, 100);
+    assert_int_equal(points.width, 1);
+    assert_true(mean->value[99].min == 99 && mean->value[99].max == 99);
+    assert_int_equal(points.n_series, 3); /* the sensor that was silent has none */
+    chart_points_free(&points);
+    assert_int_equal(points.n, 0);
+}
+
+static void a_spike_of_one_slot_among_a_hundred_thousand_shows(void **state)
+{
+    struct chart_points points = {0};
+    const struct chart_series *mean, *error;
+    double most = 0, least = 1, sum = 0;
+    int64_t slots = 0;
+
+    (void)state;
+    for (int64_t i = 0; i < 100000; i++)
+        add(&points, i, i == 77777 ? 0.9 : i == 33333 ? 0.1 : 0.5, i == 5 ? 40000000 : 0);
+    mean = series(&points, CHART_MEAN);
+    error = series(&points, CHART_ERROR);
+    assert_true(points.n <= CHART_POINTS && points.n > CHART_POINTS / 2);
+    assert_int_equal(points.width, 128);
+    for (unsigned i = 0; i < points.n; i++) {
+        most = fmax(most, mean->value[i].max);
+        least = fmin(least, mean->value[i].min);
+        sum += mean->value[i].sum;
+        slots += points.point[i].results[TTF_RESULT_CAPTURED];
+    }
+    assert_true(most == 0.9 && least == 0.1);
+    assert_true(fabs(sum - 50000) < 0.5);
+    assert_int_equal(slots, 100000);
+    assert_true(mean->value[77777 / 128].max == 0.9);
+    assert_true(fabs(error->value[0].max - 0.04) < 1e-12);
+    assert_int_equal(points.point[2].index, 256);
+    assert_int_equal(points.point[2].due_ns, 256 * TTF_NS_PER_S);
+    chart_points_free(&points);
+}
+
+static void holes_and_a_late_beginning_are_kept(void **state)
+{
+    struct chart_points points = {0};
+
+    (void)state;
+    add(&points, 5000, 0.5, 0);
+    add(&points, 1000005000, 0.5, 0); /* a jump as no plan has it */
+    assert_int_equal(points.base, 5000);
+    assert_int_equal(points.slots, 2);
+    assert_int_equal(points.point[0].index, 5000);
+    assert_true(points.n > 1 && points.n <= CHART_POINTS);
+    assert_int_equal(points.point[points.n - 1].index, 1000005000);
+    chart_points_free(&points);
+}
+
+static void lamps_add_up(void **state)
+{
+    struct chart_points points = {0};
+    struct ttf_slot_record record;
+    const struct chart_series *lamp;
+
+    (void)state;
+    for (int64_t i = 0; i < 10; i++) {
+        ttf_slot_record_init(&record);
+        record.index = i;
+        assert_int_equal(ttf_slot_record_images(&record, 1), 0);
+        assert_int_equal(ttf_image_shots(&record.images[0], 1), 0);
+        record.images[0].shots[0].start_ns = 0;
+        record.images[0].shots[0].end_ns = TTF_NS_PER_H;
+        record.images[0].shots[0].n_lamps = 1;
+        memcpy(record.images[0].shots[0].lamps[0].name, "left", 5);
+        record.images[0].shots[0].lamps[0].commanded_permille = i < 5 ? 1000 : 0;
+        assert_int_equal(chart_points_add(&points, &record), 0);
+        ttf_slot_record_free(&record);
+    }
+    lamp = series(&points, CHART_LAMP);
+    assert_true(fabs(lamp->value[4].max - 5) < 1e-9);
+    assert_true(fabs(lamp->value[9].max - 5) < 1e-9);
+    chart_points_free(&points);
+}
+
+static void columns_are_bounded(void **state)
+{
+    struct chart_points points = {0};
+    struct ttf_slot_record record;
+
+    (void)state;
+    for (int i = 0; i < 100; i++) {
+        ttf_slot_record_init(&record);
+        record.index = i;
+        record.n_sensors = 1;
+        record.sensors[0] = (struct ttf_slot_sensor){"", "light_permille", true, 1};
+        record.sensors[0].name[0] = (char)('0' + i / 10);
+        record.sensors[0].name[1] = (char)('0' + i % 10);
+        assert_int_equal(chart_points_add(&points, &record), 0);
+        ttf_slot_record_free(&record);
+    }
+    assert_int_equal(points.n_series, CHART_SERIES);
+    chart_points_free(&points);
+}
+
+static void times_are_those_of_the_segment_as_corrected(void **state)
+{
+    struct chart_points points = {0};
+    struct chart_segments segments = {0};
+    struct ttf_segment segment = {.segment = 0, .origin_ns = 0, .origin_utc_ns = TTF_NS_UNKNOWN};
+    char *text = NULL;
+    size_t bytes = 0;
+
+    (void)state;
+    add(&points, 3, 0.25, 0);
+    assert_int_equal(chart_segments_put(&segments, &segment), 0);
+    assert_int_equal(chart_text("grass", &points, &segments, true, &text, &bytes), 0);
+    assert_non_null(strstr(text, "\"due_utc_ns\":[null]"));
+    free(text);
+    segment.origin_utc_ns = 1790000000000000000;
+    assert_int_equal(chart_segments_put(&segments, &segment), 0);
+    assert_int_equal(chart_text("grass", &points, &segments, true, &text, &bytes), 0);
+    assert_int_equal(strlen(text), bytes);
+    assert_non_null(strstr(text, "\"index\":[3],\"due_utc_ns\":[1790000003000000000]"));
+    assert_non_null(strstr(text, "\"what\":\"mean_level\",\"stream\":\"main\",\"min\":[0.25]"));
+    free(text);
+    chart_segments_free(&segments);
+    chart_points_free(&points);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(few_slots_are_points_of_their_own),
+        cmocka_unit_test(a_spike_of_one_slot_among_a_hundred_thousand_shows),
+        cmocka_unit_test(holes_and_a_late_beginning_are_kept),
+        cmocka_unit_test(lamps_add_up),
+        cmocka_unit_test(columns_are_bounded),
+        cmocka_unit_test(times_are_those_of_the_segment_as_corrected),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
