@@ -9,6 +9,7 @@
 #include "charts.h"
 #include "datasets.h"
 #include "health.h"
+#include "previews.h"
 #include "thumbs.h"
 
 static const struct ttf_http_route ROUTES[] = {
@@ -20,6 +21,8 @@ static const struct ttf_http_route ROUTES[] = {
     {"GET", "/api/v1/datasets/{name}/tar", TTF_HTTP_READ, datasets_tar},
     {"GET", "/api/v1/datasets/{name}/charts", TTF_HTTP_READ, charts_answer},
     {"GET", "/api/v1/datasets/{name}/thumbs/{path}", TTF_HTTP_READ, thumbs_answer},
+    {"GET", "/api/v1/datasets/{name}/preview", TTF_HTTP_READ, previews_state},
+    {"GET", "/api/v1/datasets/{name}/preview/{path}", TTF_HTTP_READ, previews_frame},
     {"POST", "/api/v1/datasets/{name}/notes", TTF_HTTP_CHANGE, box_none},
     {"GET", "/", TTF_HTTP_OPEN, box_none},
     {"GET", "/web/{path}", TTF_HTTP_OPEN, box_none},
