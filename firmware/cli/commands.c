@@ -259,6 +259,40 @@ static const struct cli_command COMMANDS[] = {
                      {"curl -O http://127.0.0.1:8417/api/v1/datasets/grass/tar", "all of one"}},
     },
     {
+        .name = "usb list",
+        .args = "",
+        .summary = "say which boxes are plugged in",
+        .text = "Names each box at this machine's USB by its serial, with which 'ttfbox pull --box "
+                "usb:SERIAL' finds it, and says of each whether you may use it.",
+        .min_args = 0,
+        .max_args = 0,
+        .run = cmd_usb_list,
+        .options = {{OPT_JSON, NULL}, {OPT_END, NULL}},
+        .examples = {{"ttfbox usb list", NULL}},
+    },
+    {
+        .name = "usb",
+        .args = "",
+        .summary = "join a box's HTTP interface at USB to an address of this machine",
+        .text =
+            "A browser, curl and whatever else speaks HTTP reach the box there as over a network. "
+            "What comes is passed on as it is. Whoever can connect may read what the box has: only "
+            "addresses of this machine alone are taken, or unix:PATH, which is yours alone. A box "
+            "that is "
+            "unplugged is found again when it is back. 'ttfbox pull --usb' needs none of this.",
+        .min_args = 0,
+        .max_args = 0,
+        .run = cmd_usb,
+        .options = {{OPT_BOX, "usb (default: the one that is plugged in) or usb:SERIAL"},
+                    {OPT_LISTEN, "where (default: 127.0.0.1:8418)"},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox usb", "then http://127.0.0.1:8418 in a browser"},
+                     {"ttfbox usb --listen unix:box.sock", NULL},
+                     {"curl --unix-socket box.sock http://localhost/api/v1/datasets", NULL}},
+    },
+    {
         .name = "pull",
         .args = "[DEST]",
         .summary = "bring a box's datasets here, verified, also while they grow",
@@ -273,6 +307,7 @@ static const struct cli_command COMMANDS[] = {
         .max_args = 1,
         .run = cmd_pull,
         .options = {{OPT_BOX, NULL},
+                    {OPT_USB, NULL},
                     {OPT_ONLY, NULL},
                     {OPT_FOLLOW, NULL},
                     {OPT_LIST, NULL},
@@ -280,7 +315,9 @@ static const struct cli_command COMMANDS[] = {
                     {OPT_JSON, NULL},
                     {OPT_QUIET, NULL},
                     {OPT_END, NULL}},
-        .examples = {{"ttfbox pull datasets --box http://192.168.7.1:8417", NULL},
+        .examples = {{"ttfbox pull datasets --usb", "of the box that is plugged in"},
+                     {"ttfbox pull datasets --box usb:0007", "of several, that one"},
+                     {"ttfbox pull datasets --box http://192.168.7.1:8417", NULL},
                      {"ttfbox pull --box http://192.168.7.1:8417 --only grass --follow",
                       "until it is sealed"}},
     },
@@ -339,6 +376,36 @@ static const struct cli_command COMMANDS[] = {
         .examples = {{"ttfbox export grass -o grass.mp4", "a video"},
                      {"ttfbox export grass --to sheet -o sheet.png", "a contact sheet"},
                      {"ttfbox export grass --to png -o frames", "frames/frame.1001.png, ..."}},
+    },
+    {
+        .name = "view",
+        .args = "DATASET",
+        .summary = "make one HTML file to look at a dataset with, offline",
+        .text =
+            "The file holds the texture's frames and all it needs: it opens in any browser by a "
+            "double click, without a network. Time and exposure by sliders, on a plane or a "
+            "sphere; a click on a pixel plots its life, p(t) of each channel. It has at most 30 "
+            "MB: "
+            "frames are left out evenly and pictures made smaller as far as that needs, which the "
+            "file says. Pictures are exact (8-bit sRGB, PNG) where they fit, else JPEG.",
+        .min_args = 1,
+        .max_args = 1,
+        .run = cmd_view,
+        .options = {{OPT_OUTPUT, "the HTML file"},
+                    {OPT_BESIDE, NULL},
+                    {OPT_FRAMES, "at most N frames, up to 256 (default: 240)"},
+                    {OPT_WIDTH_MAX, "longest side of a picture, up to 2048 (default: what fits)"},
+                    {OPT_WHITE, "value of the brightest code (default: the brightest there is)"},
+                    {OPT_STREAM, NULL},
+                    {OPT_BRACKET, NULL},
+                    {OPT_WITH_EXCLUDED, NULL},
+                    {OPT_THREADS, NULL},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox view grass -o grass.html", "a time-lapse to look at"},
+                     {"ttfbox view grass --beside lawn -o both.html",
+                      "what was captured beside what was synthesized from it"}},
     },
     {
         .name = "synth quilt",

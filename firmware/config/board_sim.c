@@ -48,6 +48,8 @@ static const struct cfg_field OPTICS[] = {
     {"vignetting", cfg_double_ratio, S(vignetting), 0, 1, "light lost in the corner", 0, 0},
     {"perspective", cfg_double_ratio, S(perspective), 0, 0.3, "keystone, top against bottom", 0, 0},
     {"blur", cfg_double_px, S(blur_px), 0, 50, "sigma of the point spread, pixels", 0, 0},
+    {"detail", cfg_u32_px, S(detail_px), 0, 8192,
+     "longest side at which the sample is drawn; 0px: as fine as the frame sees it", 0, 0},
     {"margin", cfg_double_ratio, S(margin), 0, 0.4, "frame around the sample, each edge", 0, 0},
     {"margin_reflectance", cfg_double_ratio, S(margin_reflectance), 0, 1, "of that frame", 0, 0},
     {0}};

@@ -15,17 +15,26 @@ struct sim_image_model {
     struct sensor sensor;
     unsigned n_lamps;
     float colour[TTF_LAMPS_MAX][3]; /* strength included */
-    /* Per pixel of the frame: what each lamp gives there, and even light; vignetting in both. */
+    /*
+     * What each lamp gives in the frame, and even light; vignetting in both. Of each row every light_step-th pixel, and
+     * the one behind the last: between them a straight line is as good, for these are smooth and change over the whole frame.
+     */
     float *lamp_map[TTF_LAMPS_MAX];
     float *even_map;
+    uint32_t light_step, light_columns;
     /* Work space of one exposure. */
-    float *rgb;    /* the rendered sample */
-    float *planes; /* the frame's reflectance, 3 x height x width, before blur */
-    float *line;   /* a few rows */
+    float *rgb; /* the rendered sample */
+    /* The frame's reflectance before blur, the rows that one row's blur sees: row y at y % rows, 3 x rows x width. */
+    float *planes;
+    uint32_t rows, filled; /* of the frame, rows before this one have been there */
+    float *line;           /* a few rows */
     size_t line_stride;
 };
 
-#define LINES 4
+#define LINES 5
+
+/* So many steps across a frame keep a light map within 10^-5 of itself: it is a few parabolas. */
+#define LIGHT_STEPS 256u
 
 static float *floats(size_t n)
 {
@@ -35,19 +44,19 @@ static float *floats(size_t n)
 
 static int allocate(struct sim_image_model *m)
 {
-    const size_t n = (size_t)m->optics.width * m->optics.height;
+    const size_t lights = (size_t)m->light_columns * m->optics.height;
     const size_t src = (size_t)m->optics.src_width * m->optics.src_height;
 
     /* One line must hold a frame's row with the blur's border, or three rows' worth of the source. */
     m->line_stride = 3 * (size_t)m->optics.width + 2 * OPTICS_BLUR_RADIUS_MAX;
-    m->even_map = floats(n);
+    m->even_map = floats(lights);
     m->rgb = floats(src * 3);
-    m->planes = floats(n * 3);
+    m->planes = floats((size_t)m->rows * m->optics.width * 3);
     m->line = floats(m->line_stride * LINES);
     if (!m->even_map || !m->rgb || !m->planes || !m->line)
         return -ENOMEM;
     for (unsigned l = 0; l < m->n_lamps; l++) {
-        m->lamp_map[l] = floats(n);
+        m->lamp_map[l] = floats(lights);
         if (!m->lamp_map[l])
             return -ENOMEM;
     }
@@ -59,17 +68,18 @@ static void fill_light_maps(struct sim_image_model *m, const struct ttf_sim_conf
     const struct optics *o = &m->optics;
 
     for (uint32_t y = 0; y < o->height; y++) {
-        const size_t at = (size_t)y * o->width;
+        const size_t at = (size_t)y * m->light_columns;
         struct optics_row row;
 
         optics_row(o, y + 0.5, &row);
-        for (uint32_t x = 0; x < o->width; x++) {
-            const double u = row.u0 + (x + 0.5) * row.du;
-            const float vignette = optics_vignette(o, x + 0.5, y + 0.5);
+        for (uint32_t i = 0; i < m->light_columns; i++) {
+            const double x = (double)i * m->light_step + 0.5;
+            const double u = row.u0 + x * row.du;
+            const float vignette = optics_vignette(o, x, y + 0.5);
 
-            m->even_map[at + x] = vignette;
+            m->even_map[at + i] = vignette;
             for (unsigned l = 0; l < m->n_lamps; l++)
-                m->lamp_map[l][at + x] =
+                m->lamp_map[l][at + i] =
                     vignette * optics_lamp_fall_off(o, &config->lamps[l], u, row.v);
         }
     }
@@ -90,6 +100,9 @@ int sim_image_model_create(const struct ttf_sim_config *config, struct ttf_scene
     m->scene = scene;
     optics_init(&m->optics, config);
     m->n_lamps = config->n_lamps;
+    m->rows = 2 * (uint32_t)m->optics.blur_radius + 1;
+    m->light_step = config->width > LIGHT_STEPS ? config->width / LIGHT_STEPS : 1;
+    m->light_columns = (config->width + m->light_step - 1) / m->light_step + 1;
     for (unsigned l = 0; l < m->n_lamps; l++) {
         for (int c = 0; c < 3; c++)
             m->colour[l][c] = (float)(config->lamps[l].strength * config->lamps[l].colour[c]);
@@ -129,7 +142,7 @@ static float *plane_row(struct sim_image_model *m, unsigned channel, int64_t y)
     const int64_t h = m->optics.height;
 
     y = y < 0 ? 0 : y >= h ? h - 1 : y;
-    return m->planes + ((size_t)channel * (size_t)h + (size_t)y) * m->optics.width;
+    return m->planes + ((size_t)channel * m->rows + (size_t)y % m->rows) * m->optics.width;
 }
 
 /* Row y of one channel behind the lens's blur, into line[k]; returns where it begins. */
@@ -154,23 +167,42 @@ static const float *blurred(struct sim_image_model *m, unsigned channel, uint32_
     return dst;
 }
 
-/* The light of row y on pixels of channels c_even and c_odd. */
+/* Row y of a light map, pixel by pixel: in dst, or where it is if the map has every pixel. */
+static const float *map_row(const struct sim_image_model *m, const float *map, uint32_t y,
+                            float *dst)
+{
+    const float *at = map + (size_t)y * m->light_columns;
+    const uint32_t step = m->light_step, w = m->optics.width;
+
+    if (step == 1)
+        return at;
+    for (uint32_t x = 0; x < w; x += step, at++) {
+        const float slope = (at[1] - at[0]) / (float)step;
+
+        for (uint32_t k = 0; k < step && x + k < w; k++)
+            dst[x + k] = at[0] + slope * (float)k;
+    }
+    return dst;
+}
+
+/* The light of row y on pixels of channels c_even and c_odd. scratch: a row. */
 static void light_row(const struct sim_image_model *m, const struct sim_exposure_light *light,
-                      uint32_t y, unsigned c_even, unsigned c_odd, float *dst)
+                      uint32_t y, unsigned c_even, unsigned c_odd, float *scratch, float *dst)
 {
     const uint32_t w = m->optics.width;
-    const size_t at = (size_t)y * w;
     const float ambient = light->ambient_rows ? light->ambient_rows[y] : 0.0f;
+    const float *vignette = map_row(m, m->even_map, y, scratch);
 
     for (uint32_t x = 0; x < w; x++)
-        dst[x] = m->even_map[at + x] * ambient;
+        dst[x] = vignette[x] * ambient;
     for (unsigned l = 0; l < m->n_lamps && l < light->n_lamps; l++) {
         const float now = light->lamp_rows[l][y];
         const float even = now * m->colour[l][c_even], odd = now * m->colour[l][c_odd];
-        const float *map = m->lamp_map[l] + at;
+        const float *map;
 
         if (now == 0.0f)
             continue;
+        map = map_row(m, m->lamp_map[l], y, scratch);
         for (uint32_t x = 0; x + 1 < w; x += 2) {
             dst[x] += map[x] * even;
             dst[x + 1] += map[x + 1] * odd;
@@ -189,7 +221,7 @@ static void expose_row(struct sim_image_model *m, const struct sim_exposure_ligh
     const float *even = blurred(m, c_even, y, wide, m->line + 2 * m->line_stride);
     const float *odd = blurred(m, c_odd, y, wide, m->line + 3 * m->line_stride);
 
-    light_row(m, light, y, c_even, c_odd, electrons);
+    light_row(m, light, y, c_even, c_odd, m->line + 4 * m->line_stride, electrons);
     for (uint32_t x = 0; x < w; x++) {
         const bool is_odd = x & 1u;
 
@@ -211,27 +243,40 @@ static bool is_dark(const struct sim_image_model *m, const struct sim_exposure_l
     return true;
 }
 
+/* Brings the rows of the sample that row y's blur sees. */
+static void draw_rows(struct sim_image_model *m, uint32_t y)
+{
+    const struct optics *o = &m->optics;
+    const uint32_t last = y + (uint32_t)o->blur_radius;
+
+    for (; m->filled <= last && m->filled < o->height; m->filled++)
+        optics_resample_row(o, m->rgb, m->filled, m->line, plane_row(m, 0, m->filled),
+                            plane_row(m, 1, m->filled), plane_row(m, 2, m->filled));
+}
+
 int sim_image_expose(struct sim_image_model *m, int64_t elapsed_ns,
                      const struct sim_exposure_light *light, const struct ttf_exposure *granted,
                      double temp_degc, uint64_t noise_key, uint16_t *dst, struct ttf_err *err)
 {
     const struct optics *o = &m->optics;
+    const bool dark = is_dark(m, light);
     struct sensor_exposure e;
     int r;
 
     /* In the dark nothing is to be seen of the sample, so it need not be drawn. */
-    if (!is_dark(m, light)) {
+    if (!dark) {
         r = m->scene->ops->render(m->scene->priv, elapsed_ns, o->src_width, o->src_height, m->rgb,
                                   err);
         if (r < 0)
             return r;
-        for (uint32_t y = 0; y < o->height; y++)
-            optics_resample_row(o, m->rgb, y, m->line, plane_row(m, 0, y), plane_row(m, 1, y),
-                                plane_row(m, 2, y));
     }
+    m->filled = 0;
     sensor_expose(&m->sensor, granted, temp_degc, noise_key, &e);
-    for (uint32_t y = 0; y < o->height; y++)
+    for (uint32_t y = 0; y < o->height; y++) {
+        if (!dark)
+            draw_rows(m, y);
         expose_row(m, light, &e, y, dst + (size_t)y * o->width);
+    }
     return 0;
 }
 

@@ -33,6 +33,17 @@ static void init_blur(struct optics *o, double sigma)
         o->blur[k] = (float)(w[k] / sum);
 }
 
+/* No side of the sample's picture has more pixels than that; 0: as many as the frame sees. */
+static void fit_source(struct optics *o, uint32_t side_px)
+{
+    const uint32_t side = o->src_width > o->src_height ? o->src_width : o->src_height;
+
+    if (side_px == 0 || side <= side_px)
+        return;
+    o->src_width = (uint32_t)fmax(1.0, floor((double)o->src_width * side_px / side + 0.5));
+    o->src_height = (uint32_t)fmax(1.0, floor((double)o->src_height * side_px / side + 0.5));
+}
+
 void optics_init(struct optics *o, const struct ttf_sim_config *config)
 {
     double mx, my, p;
@@ -52,6 +63,7 @@ void optics_init(struct optics *o, const struct ttf_sim_config *config)
     p = o->keystone = config->perspective;
     o->src_width = (uint32_t)fmax(1.0, floor((o->x1 - o->x0) * (1.0 - p) + 1e-9));
     o->src_height = (uint32_t)fmax(1.0, floor((o->y1 - o->y0) * (1.0 - p) + 1e-9));
+    fit_source(o, config->detail_px);
     init_blur(o, config->blur_px);
 }
 

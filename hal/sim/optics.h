@@ -21,12 +21,13 @@
 struct optics {
     uint32_t width, height; /* of the frame */
     uint32_t src_width;     /* size at which the sample is to be rendered: the coarsest the */
-    uint32_t src_height;    /* frame sees anywhere, so resampling only ever magnifies */
-    double x0, x1, y0, y1;  /* the sample's rectangle in the frame before the keystone */
-    double keystone;        /* share by which the top edge is shorter than the bottom one */
-    double vignetting;      /* light lost in the frame's corner */
-    float margin;           /* reflectance around the sample */
-    int blur_radius;        /* taps on each side, 0: no blur */
+    uint32_t
+        src_height; /* frame sees anywhere, so resampling only ever magnifies; or coarser yet */
+    double x0, x1, y0, y1; /* the sample's rectangle in the frame before the keystone */
+    double keystone;       /* share by which the top edge is shorter than the bottom one */
+    double vignetting;     /* light lost in the frame's corner */
+    float margin;          /* reflectance around the sample */
+    int blur_radius;       /* taps on each side, 0: no blur */
     float blur[OPTICS_BLUR_RADIUS_MAX + 1]; /* weight at distance k */
 };
 

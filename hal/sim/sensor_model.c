@@ -6,17 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void init_response(struct sensor *s, double prnu)
+/* A pixel's own response, mean 1: drawn anew each time, for a large sensor's would be as large as two of its frames. */
+static float response(const struct sensor *s, uint32_t index)
 {
-    const uint64_t stream = noise_stream(s->seed, NOISE_PRNU, 0);
-    const size_t n = (size_t)s->width * s->height;
+    const uint32_t bits = (uint32_t)(noise_draw(s->prnu_stream, index) >> 32);
 
-    for (size_t i = 0; i < n; i++) {
-        const uint32_t bits = (uint32_t)(noise_draw(stream, i) >> 32);
-        const float z = s->noise ? noise_normal(&s->normal, bits) : 0.0f;
-
-        s->response[i] = fmaxf(0.0f, 1.0f + (float)prnu * z);
-    }
+    return fmaxf(0.0f, 1.0f + s->prnu * noise_normal(&s->normal, bits));
 }
 
 static int init_hot(struct sensor *s, const struct ttf_sim_config *config)
@@ -48,8 +43,6 @@ static int init_hot(struct sensor *s, const struct ttf_sim_config *config)
 
 int sensor_init(struct sensor *s, const struct ttf_sim_config *config)
 {
-    int r;
-
     memset(s, 0, sizeof(*s));
     s->width = config->width;
     s->height = config->height;
@@ -65,21 +58,14 @@ int sensor_init(struct sensor *s, const struct ttf_sim_config *config)
     s->dark_doubling_degc = config->dark_doubling_degc;
     s->seed = config->seed;
     noise_normal_init(&s->normal);
-    s->response = malloc((size_t)s->width * s->height * sizeof(*s->response));
-    if (!s->response)
-        return -ENOMEM;
-    init_response(s, config->prnu);
-    r = init_hot(s, config);
-    if (r < 0)
-        sensor_finish(s);
-    return r;
+    s->prnu = s->noise ? (float)config->prnu : 0.0f;
+    s->prnu_stream = noise_stream(s->seed, NOISE_PRNU, 0);
+    return init_hot(s, config);
 }
 
 void sensor_finish(struct sensor *s)
 {
-    free(s->response);
     free(s->hot);
-    s->response = NULL;
     s->hot = NULL;
 }
 
@@ -127,10 +113,10 @@ void sensor_read_row(const struct sensor *s, const struct sensor_exposure *e, ui
                      float *electrons, uint16_t *dst)
 {
     const uint32_t w = s->width, row = y * w;
-    const float *response = s->response + row;
 
     for (uint32_t x = 0; x < w; x++)
-        electrons[x] = electrons[x] * response[x] + e->dark_e;
+        electrons[x] =
+            (s->prnu > 0.0f ? electrons[x] * response(s, row + x) : electrons[x]) + e->dark_e;
     for (size_t i = first_hot(s, row); i < s->n_hot && s->hot[i].index < row + w; i++)
         electrons[s->hot[i].index - row] += s->hot[i].e_per_s * e->hot_s;
     if (!s->noise) {

@@ -35,7 +35,8 @@ struct sensor {
     double sensitivity_e, channel_gain[3];
     double dark_e_per_s, dark_doubling_degc;
     uint64_t seed;
-    float *response;        /* width x height, mean 1 */
+    float prnu; /* rms of a pixel's response about 1; 0: all alike */
+    uint64_t prnu_stream;
     struct sensor_hot *hot; /* by rising index */
     size_t n_hot;
     struct noise_normal normal;

@@ -68,7 +68,8 @@ done
 get "$URL/datasets" 421 -H 'Host: made-to-point-here.example'
 get "$URL/datasets" 405 -X POST
 grep -qi '^Allow: GET' headers || fail "it does not say what may be done"
-get "$URL/datasets" 413 -d 'a=b'
+get "$URL/datasets" 413 -X GET -d 'a=b'
+get "$URL/datasets" 405 -d 'a=b'
 get "$URL/datasets/grass" 405 -X DELETE
 [ -e data/grass/dataset.json ] || fail "it is gone"
 grep -qi "^Access-Control" headers && fail "pages from elsewhere may read"

@@ -263,10 +263,73 @@ static void a_lamps_colour_and_its_rows_reach_the_pixels(void **state)
     assert_int_equal(frame[(H - 10) * W + 11], 500);
 }
 
+/* The cos^4 law with so much lost in the corner, at (x, y) of a frame of w x h. */
+static double cos4(double lost, double x, double y, double w, double h)
+{
+    const double t = 1.0 / sqrt(1.0 - lost) - 1.0;
+    const double r2 = (pow(x - w / 2, 2) + pow(y - h / 2, 2)) / (w * w / 4 + h * h / 4);
+
+    return 1.0 / pow(1.0 + t * r2, 2);
+}
+
+/* A light map keeps only some pixels of a wide frame's row; what lies between is as right, to the last pixel. */
+static void vignetting_of_a_wide_frame_follows_the_law_in_every_pixel(void **state)
+{
+    enum {
+        WIDE = 4058,
+        HIGH = 16
+    };
+    struct ttf_sim_config config;
+    struct plain_scene s;
+    uint16_t *wide = calloc((size_t)WIDE * HIGH, sizeof(*wide));
+
+    assert_non_null(wide);
+    if (!wide)
+        return; /* cmocka is gone by now: for the analyser */
+    plain_config(WIDE, HIGH, &config);
+    config.vignetting = 0.4;
+    config.sensitivity_e = 60000;
+    plain_scene_init(&s, plain_white);
+    plain_expose(&config, &s, 1.0f, wide);
+    for (uint32_t y = 0; y < HIGH; y++)
+        for (uint32_t x = 0; x < WIDE; x++)
+            assert_float_equal(wide[y * WIDE + x], 60000 * cos4(0.4, x + 0.5, y + 0.5, WIDE, HIGH),
+                               1.0);
+    free(wide);
+}
+
+/* The size at which the sample was asked for. */
+static uint32_t asked_w, asked_h;
+
+static float slope(uint32_t x, uint32_t y, uint32_t w, uint32_t h, unsigned c)
+{
+    asked_w = w;
+    asked_h = h;
+    return ((float)x + 0.5f) / (float)w;
+}
+
+static void a_sample_drawn_coarser_is_magnified_to_the_frame(void **state)
+{
+    struct ttf_sim_config config;
+    struct plain_scene s;
+
+    plain_config(W, H, &config);
+    config.detail_px = 40;
+    plain_scene_init(&s, slope);
+    plain_expose(&config, &s, 1.0f, frame);
+    assert_int_equal(asked_w, 40);
+    assert_int_equal(asked_h, 30);
+    for (uint32_t y = 0; y < H; y++)
+        for (uint32_t x = 2; x + 2 < W; x++) /* the outermost pixels repeat the sample's edge */
+            assert_float_equal(at(x, y), 1000.0 * (x + 0.5) / W, 1.0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(without_distortion_a_pixel_of_the_frame_is_a_pixel_of_the_scene),
+        cmocka_unit_test(vignetting_of_a_wide_frame_follows_the_law_in_every_pixel),
+        cmocka_unit_test(a_sample_drawn_coarser_is_magnified_to_the_frame),
         cmocka_unit_test(a_margin_shifts_the_scene_by_whole_pairs_of_pixels),
         cmocka_unit_test(the_samples_edges_run_between_the_corners_the_model_names),
         cmocka_unit_test(the_samples_middle_lands_where_the_diagonals_cross),

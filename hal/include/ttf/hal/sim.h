@@ -150,8 +150,10 @@ struct ttf_sim_config {
     /* optics */
     double vignetting;  /* share of light lost in the corner, 0..1 */
     double perspective; /* keystone: relative difference of the scales at top and bottom, 0..0.3 */
-    double blur_px;     /* sigma of the point spread, pixels */
-    double margin;      /* share of the frame's side around the sample on each edge, 0..0.4 */
+    uint32_t
+        detail_px; /* longest side at which the sample is drawn, then magnified; 0: as the frame sees it */
+    double blur_px; /* sigma of the point spread, pixels */
+    double margin;  /* share of the frame's side around the sample on each edge, 0..0.4 */
     double margin_reflectance;
     /* sensor */
     uint32_t width, height; /* even, 16..8192 */
