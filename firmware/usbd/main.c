@@ -18,7 +18,7 @@
 #include "ttf/usb/bridge.h"
 #include "ttf/usb/functionfs.h"
 
-#define DEFAULT_FOLDER "/dev/ttfbox-usb"
+#define DEFAULT_FOLDER "/run/ttfbox-usb"
 #define DEFAULT_SERVER "/run/ttfbox/http.sock"
 
 struct usbd {

@@ -94,7 +94,7 @@ def kills(world):
     paths = [world.file("replies", 64 << 20, replies), world.file("noise", 64 << 20),
              world.file("small", 700)]
     world.all()
-    took, n = [], number("KILLS", 25)
+    took, n = [], number("KILLS", 20)
     for _ in range(n):
         readers = [Reader(world, path) for path in paths]
         for reader in readers:
@@ -126,7 +126,7 @@ def usbd_dies(world):
     world.dataset()
     path = world.file("noise", 64 << 20)
     world.all()
-    took, n = [], number("BOX_KILLS", 8)
+    took, n = [], number("BOX_KILLS", 5)
     for _ in range(n):
         reader = Reader(world, path)
         reader.start()
@@ -174,13 +174,13 @@ def daemon_dies(world):
 
 def unplugs(world):
     """The cable out and in at any moment of a pull: it goes on, and what it brings is the same to the bit."""
-    folder = world.dataset(slots=number("PULL_SLOTS", 40))
+    folder = world.dataset(6, 1200, 800)  # of pictures of 6 MB, so that most cuts are within one
     before = digest(folder)
     size = sum(os.path.getsize(os.path.join(base, name)) for base, _, names in os.walk(folder) for name in names)
     world.serve()
     world.cable()
     world.box()
-    total = number("UNPLUGS", 10)
+    total = number("UNPLUGS", 8)
     done, again, pulls = 0, 0, 0
     while done < total:
         pulls += 1
@@ -207,7 +207,7 @@ def unplugs(world):
             raise Failed(f"what was pulled is not the same: {out}")
         extra = result["bytes"] - size
         again = max(again, extra / max(1, here))
-        if extra > (1 << 20) * max(1, here) + (64 << 10):
+        if extra > (1 << 20) * max(1, here):
             raise Failed(f"{extra} bytes were sent again for {here} unplugs")
     say(f"unplugs: {done} in {pulls} pulls of {size / 1e6:.1f} MB, all the same to the bit; "
         f"sent again for each: {again / 1e3:.0f} kB at most, 1 MiB allowed")
@@ -371,6 +371,13 @@ def strangers(world):
         raise Failed("it is not said that another program has the box")
     if oct(os.stat(world.at("pc")).st_mode & 0o777) != "0o600":
         raise Failed("others may use the bridge's socket")
+    # The server's socket on a box is its group's, where ttfbox-usbd belongs to that.
+    os.mkdir(world.at("group"))
+    os.chmod(world.at("group"), 0o2770)
+    world.start("other", world.ttfbox, "serve", world.data, "--listen", "unix:" + world.at("group/http"),
+                ready=world.at("group/http"))
+    if oct(os.stat(world.at("group/http")).st_mode & 0o777) != "0o660":
+        raise Failed("the group may not use the server's socket")
     world.end("bridge")
     world.tell("unplug")
     if "no box is plugged in" not in refused("pull", world.at("no"), "--box", "cable:" + world.at("cable")):

@@ -132,15 +132,15 @@ class World:
 
     # ---- data
 
-    def dataset(self, slots=5):
-        """A tiny one, captured; its folder."""
+    def dataset(self, slots=5, width=96, height=64):
+        """One of so small pictures, captured; its folder."""
         plan = self.at("plan.yaml")
         with open(plan, "w", encoding="ascii") as file:
             file.write("interval: 1h\ncount: %d\nlamps: {mode: continuous}\nshots:\n  - {stream: main, channel: white, "
                        "lamps: {left: 100%%, right: 100%%}, exposure: 20ms}\nkeep: both\nmains: 50Hz\n" % slots)
         folder = os.path.join(self.data, "grass")
-        subprocess.run([self.ttfbox, "capture", plan, "--board", "sim-small", "--set", "sim.sensor.width=96px", "--set",
-                        "sim.sensor.height=64px", "-o", folder], check=True, stdout=subprocess.DEVNULL,
+        subprocess.run([self.ttfbox, "capture", plan, "--board", "sim-small", "--set", f"sim.sensor.width={width}px",
+                        "--set", f"sim.sensor.height={height}px", "-o", folder], check=True, stdout=subprocess.DEVNULL,
                        stderr=subprocess.DEVNULL)
         return folder
 
