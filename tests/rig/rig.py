@@ -79,6 +79,7 @@ def build(programs):
             folder, name = "/lib/ttfbox/", name + ".so"
         shutil.copy(out + folder + name, share)
     shutil.copy(ROOT + "/firmware/gadget/ttfbox-gadget", share)
+    shutil.copy(ROOT + "/boards/sim-small/board.yaml", share + "/sim-small.yaml")
     return share
 
 
