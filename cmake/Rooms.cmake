@@ -15,7 +15,7 @@ set(TTF_MAY_USE_capture "base;hal;dataset")
 set(TTF_MAY_USE_synth "base;dataset")
 # config knows the structs that it fills; it links no driver.
 set(TTF_MAY_USE_config "base;hal;hal_sim;hal_v4l2;hal_libcamera;dataset;capture;synth")
-set(TTF_MAY_USE_http "base;dataset")
+set(TTF_MAY_USE_http "base;hal;dataset")
 set(TTF_MAY_USE_pull "base;hal;dataset")
 set(TTF_MAY_USE_view "base;dataset")
 set(TTF_MAY_USE_usb "base;hal")

@@ -5,7 +5,7 @@
 
 ttf_build_packages="gcc g++ libc6-dev cmake ninja-build pkg-config git ca-certificates
  libtiff-dev libspng-dev libjpeg-dev liblcms2-dev libjansson-dev libyaml-dev nettle-dev
- zlib1g-dev libmicrohttpd-dev libcurl4-gnutls-dev libarchive-dev libgpiod-dev libcamera-dev libcmocka-dev python3-minimal libpython3-stdlib"
+ zlib1g-dev libmicrohttpd-dev libcurl4-gnutls-dev libusb-1.0-0-dev libarchive-dev libgpiod-dev libcamera-dev libcmocka-dev python3-minimal libpython3-stdlib"
 # Oracles and players that the tests hold our files against.
 ttf_test_packages="curl xxd ffmpeg libraw-bin libimage-exiftool-perl libtiff-tools rt-tests man-db groff"
 ttf_demo_packages="ffmpeg"

@@ -15,16 +15,10 @@
 #define LOOK_NS        (100 * TTF_NS_PER_MS) /* how soon Ctrl-C is seen */
 
 /* Until Ctrl-C. */
-static int stay(struct cli *cli)
+static void stay(struct ttf_clock *clock)
 {
-    struct ttf_clock *clock = ttf_clock_real_create();
-
-    if (!clock)
-        return ttf_err_set(&cli->err, -errno, "clock", "the machine's clock cannot be had");
     while (*cli_stop_flag() == 0)
         (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + LOOK_NS);
-    ttf_clock_destroy(clock);
-    return 0;
 }
 
 static void tell(struct cli *cli, const struct ttf_http_socket *socket, const char *token)
@@ -58,6 +52,9 @@ int cmd_serve(struct cli *cli)
     if (r < 0)
         return r;
     config.token = token;
+    config.clock = ttf_clock_real_create();
+    if (!config.clock)
+        return ttf_err_set(&cli->err, -errno, "clock", "the machine's clock cannot be had");
     if (gethostname(host, sizeof host - 1) == 0)
         config.names = names;
     (void)snprintf(local, sizeof local, "%s.local", host);
@@ -71,8 +68,9 @@ int cmd_serve(struct cli *cli)
     }
     if (r == 0) {
         tell(cli, &socket, token);
-        r = stay(cli);
+        stay(config.clock);
     }
     ttf_http_server_destroy(server);
+    ttf_clock_destroy(config.clock);
     return r;
 }

@@ -4,15 +4,18 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <nettle/base64.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "listeners.h"
 #include "range.h"
 #include "ttf/dataset/json_writer.h"
 
-#define PIECE 65536
+#define PIECE        65536
+#define EVENTS_PIECE 8192
 
 void answer_init(struct ttf_http_answer *answer)
 {
@@ -26,6 +29,7 @@ void answer_free(struct ttf_http_answer *answer)
         (void)close(answer->fd);
     if (answer->source.done)
         answer->source.done(answer->source.ctx);
+    listener_free(answer->listener);
     answer_init(answer);
 }
 
@@ -36,7 +40,32 @@ void answer_json(struct ttf_http_answer *answer, char *text, size_t bytes)
     answer->type = "application/json";
 }
 
+int answer_done(struct ttf_http_request *request, struct ttf_http_answer *answer)
+{
+    char *text = strdup("{\"ok\":true}");
+
+    if (!text)
+        return ttf_err_set(&request->err, -ENOMEM, NULL, "no memory");
+    answer_json(answer, text, strlen(text));
+    return 0;
+}
+
 /* ---- headers ---- */
+
+void answer_header(struct ttf_http_answer *answer, const char *name, const char *fmt, ...)
+{
+    va_list args;
+
+    if (answer->n_headers == ANSWER_HEADERS_MAX)
+        return;
+    answer->headers[answer->n_headers].name = name;
+    va_start(args, fmt);
+    /* NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): it is begun above */
+    (void)vsnprintf(answer->headers[answer->n_headers].value, sizeof answer->headers[0].value, fmt,
+                    args);
+    va_end(args);
+    answer->n_headers++;
+}
 
 static void put(struct MHD_Response *response, const char *name, const char *value)
 {
@@ -44,14 +73,19 @@ static void put(struct MHD_Response *response, const char *name, const char *val
 }
 
 /* What every answer has. */
-static void put_common(struct MHD_Response *response, const char *type)
+static void put_common(struct MHD_Response *response, const char *type, bool page)
 {
     put(response, "Content-Type", type);
     put(response, "Cache-Control", "private, no-cache");
     put(response, "X-Content-Type-Options", "nosniff");
     put(response, "Cross-Origin-Resource-Policy", "same-origin");
     put(response, "Referrer-Policy", "no-referrer");
-    put(response, "Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
+    put(response, "Content-Security-Policy",
+        page ? "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: "
+               "data:; "
+               "media-src 'self' blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+               "frame-ancestors 'none'"
+             : "default-src 'none'; frame-ancestors 'none'");
 }
 
 static unsigned nibble(char c)
@@ -89,6 +123,8 @@ static void put_entity(struct MHD_Response *response, const struct ttf_http_answ
         (void)snprintf(text, sizeof text, "attachment; filename=\"%s\"", answer->file_name);
         put(response, "Content-Disposition", text);
     }
+    for (unsigned i = 0; i < answer->n_headers; i++)
+        put(response, answer->headers[i].name, answer->headers[i].value);
 }
 
 /* ---- conditions ---- */
@@ -163,6 +199,9 @@ static struct MHD_Response *body(struct ttf_http_answer *answer, const struct ra
 
     if (answer->source.read)
         return stream_response(answer, part);
+    if (answer->fixed)
+        return MHD_create_response_from_buffer((size_t)answer->bytes, (void *)answer->fixed,
+                                               MHD_RESPMEM_PERSISTENT);
     if (answer->fd >= 0) {
         response = MHD_create_response_from_fd_at_offset64((uint64_t)part->bytes, answer->fd,
                                                            (uint64_t)part->first);
@@ -196,6 +235,22 @@ static enum MHD_Result queue(struct MHD_Connection *connection, unsigned status,
     return r;
 }
 
+/* An answer that goes on as long as somebody listens. */
+static enum MHD_Result send_events(struct MHD_Connection *connection,
+                                   struct ttf_http_answer *answer)
+{
+    struct MHD_Response *response;
+
+    listener_connect(answer->listener, connection);
+    response = MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, EVENTS_PIECE, listener_read,
+                                                 answer->listener, listener_free);
+    if (response) {
+        answer->listener = NULL;
+        put_common(response, answer->type, false);
+    }
+    return queue(connection, MHD_HTTP_OK, response);
+}
+
 enum MHD_Result answer_send(struct MHD_Connection *connection, bool parts,
                             struct ttf_http_answer *answer)
 {
@@ -205,6 +260,8 @@ enum MHD_Result answer_send(struct MHD_Connection *connection, bool parts,
     unsigned status = MHD_HTTP_OK;
     char text[80];
 
+    if (answer->listener)
+        return send_events(connection, answer);
     if (lists(none, answer->etag)) {
         response = empty();
         status = MHD_HTTP_NOT_MODIFIED;
@@ -218,10 +275,12 @@ enum MHD_Result answer_send(struct MHD_Connection *connection, bool parts,
                        part.first + part.bytes - 1, answer->bytes);
     }
     if (response) {
-        put_common(response, answer->type);
+        put_common(response, answer->type, answer->page);
         put_entity(response, answer);
         if (part.kind == RANGE_PART && status == MHD_HTTP_OK)
             status = MHD_HTTP_PARTIAL_CONTENT;
+        else if (answer->status && status == MHD_HTTP_OK)
+            status = answer->status;
         if (status == MHD_HTTP_PARTIAL_CONTENT || status == MHD_HTTP_RANGE_NOT_SATISFIABLE)
             put(response, "Content-Range", text);
     }
@@ -243,9 +302,16 @@ static unsigned status_of(int code)
         return MHD_HTTP_METHOD_NOT_ALLOWED;
     case EFBIG:
         return MHD_HTTP_CONTENT_TOO_LARGE;
+    case EPROTOTYPE:
+        return MHD_HTTP_UNSUPPORTED_MEDIA_TYPE;
+    case EUSERS:
+        return MHD_HTTP_TOO_MANY_REQUESTS;
+    case EXDEV:
+        return MHD_HTTP_MISDIRECTED_REQUEST;
     case EBUSY:
     case EEXIST:
         return MHD_HTTP_CONFLICT;
+    case EAGAIN:
     case ENODEV:
     case ENOMEM:
     case EMFILE:
@@ -256,17 +322,16 @@ static unsigned status_of(int code)
     }
 }
 
-enum MHD_Result answer_error(struct MHD_Connection *connection, unsigned status,
+enum MHD_Result answer_error(struct MHD_Connection *connection, const char *methods,
                              const struct ttf_err *err)
 {
+    unsigned status = status_of(err->code);
     struct MHD_Response *response = NULL;
     struct ttf_json json;
     const char *text;
     char *copy;
     size_t bytes;
 
-    if (status == 0)
-        status = status_of(err->code);
     ttf_json_init(&json, false);
     ttf_json_object(&json);
     ttf_json_kstring(&json, "error", *err->what ? err->what : strerrordesc_np(-err->code));
@@ -282,11 +347,13 @@ enum MHD_Result answer_error(struct MHD_Connection *connection, unsigned status,
     }
     ttf_json_free(&json);
     if (response) {
-        put_common(response, "application/json");
+        put_common(response, "application/json", false);
         if (status == MHD_HTTP_UNAUTHORIZED)
             put(response, "WWW-Authenticate", "Bearer realm=\"ttfbox\"");
-        if (status == MHD_HTTP_METHOD_NOT_ALLOWED)
-            put(response, "Allow", "GET, HEAD");
+        if (status == MHD_HTTP_TOO_MANY_REQUESTS)
+            put(response, "Retry-After", "5");
+        if (*methods)
+            put(response, "Allow", methods);
     }
     return queue(connection, status, response);
 }

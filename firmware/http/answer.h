@@ -16,8 +16,8 @@
 TTF_MUST_USE enum MHD_Result answer_send(struct MHD_Connection *connection, bool parts,
                                          struct ttf_http_answer *answer);
 
-/* Queues an error as JSON. status 0: the one that goes with err->code. */
-TTF_MUST_USE enum MHD_Result answer_error(struct MHD_Connection *connection, unsigned status,
+/* Queues an error as JSON, with the status that goes with its code. methods: what may be done, of -ENOTSUP. */
+TTF_MUST_USE enum MHD_Result answer_error(struct MHD_Connection *connection, const char *methods,
                                           const struct ttf_err *err);
 
 #endif

@@ -4,21 +4,157 @@
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-int box_none(struct ttf_http_request *request, struct ttf_http_answer *ret)
+#define OPS(request) ((request)->box->ops)
+
+int box_needed(struct ttf_http_request *request)
 {
-    (void)ret;
-    return ttf_err_set(&request->err, -ENODEV, NULL, "this server has no box");
+    return request->box ? 0 : ttf_err_set(&request->err, -ENODEV, NULL, "this server has no box");
+}
+
+int box_give(struct ttf_http_answer *answer, int r, char *json)
+{
+    if (r < 0)
+        return r;
+    answer_json(answer, json, strlen(json));
+    return 0;
+}
+
+static int give_yaml(struct ttf_http_answer *answer, int r, char *yaml)
+{
+    if (r < 0)
+        return r;
+    answer_json(answer, yaml, strlen(yaml));
+    answer->type = "application/yaml";
+    return 0;
+}
+
+/* A name that may be a file's. */
+static int named(struct ttf_http_request *request, const char *name)
+{
+    int r = box_needed(request);
+
+    if (r < 0)
+        return r;
+    return folder_is_name(name)
+               ? 0
+               : ttf_err_set(&request->err, -ENOENT, NULL, "there is nothing of this name here");
+}
+
+/* ---- reading ---- */
+
+static int status_of_none(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char *text = malloc(80);
+
+    if (!text)
+        return ttf_err_set(&request->err, -ENOMEM, NULL, "no memory");
+    (void)snprintf(text, 80, "{\"version\":\"%s\",\"state\":\"none\"}", TTFBOX_VERSION);
+    return box_give(ret, 0, text);
 }
 
 int box_status(struct ttf_http_request *request, struct ttf_http_answer *ret)
 {
-    char *text = malloc(80);
-    int n;
+    char *json = NULL;
 
-    if (!text)
-        return ttf_err_set(&request->err, -ENOMEM, NULL, "no memory");
-    n = snprintf(text, 80, "{\"version\":\"%s\",\"state\":\"none\"}", TTFBOX_VERSION);
-    answer_json(ret, text, (size_t)n);
-    return 0;
+    if (!request->box)
+        return status_of_none(request, ret);
+    return box_give(ret, OPS(request)->status(request->box, &json, &request->err), json);
+}
+
+int box_devices(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char *json = NULL;
+    int r = box_needed(request);
+
+    return r < 0 ? r
+                 : box_give(ret, OPS(request)->devices(request->box, &json, &request->err), json);
+}
+
+int box_boards(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char *json = NULL;
+    int r = box_needed(request);
+
+    return r < 0 ? r
+                 : box_give(ret, OPS(request)->boards(request->box, &json, &request->err), json);
+}
+
+static int give_board(struct ttf_http_request *request, const char *plan,
+                      struct ttf_http_answer *ret)
+{
+    char *yaml = NULL;
+    int r = named(request, request->match->name);
+
+    if (r == 0 && plan)
+        r = named(request, plan);
+    if (r < 0)
+        return r;
+    r = OPS(request)->board(request->box, request->match->name, plan, &yaml, &request->err);
+    return give_yaml(ret, r, yaml);
+}
+
+int box_board(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    return give_board(request, NULL, ret);
+}
+
+int box_board_plan(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    return give_board(request, request->match->path, ret);
+}
+
+/* ---- plans ---- */
+
+int box_plans(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char *json = NULL;
+    int r = box_needed(request);
+
+    return r < 0 ? r : box_give(ret, OPS(request)->plans(request->box, &json, &request->err), json);
+}
+
+int box_plan(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    const char *name = request->match->name;
+    char *yaml = NULL;
+    int r = named(request, name);
+
+    return r < 0
+               ? r
+               : give_yaml(ret, OPS(request)->plan(request->box, name, &yaml, &request->err), yaml);
+}
+
+int box_plan_check(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char *json = NULL;
+    int r = box_needed(request);
+
+    if (r < 0)
+        return r;
+    r = OPS(request)->plan_check(request->box, request->body, request->body_bytes, &json,
+                                 &request->err);
+    return box_give(ret, r, json);
+}
+
+int box_plan_put(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char *json = NULL;
+    int r = named(request, request->match->name);
+
+    if (r < 0)
+        return r;
+    r = OPS(request)->plan_put(request->box, request->match->name, request->body,
+                               request->body_bytes, &json, &request->err);
+    return box_give(ret, r, json);
+}
+
+int box_plan_delete(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    int r = named(request, request->match->name);
+
+    if (r == 0)
+        r = OPS(request)->plan_delete(request->box, request->match->name, &request->err);
+    return r < 0 ? r : answer_done(request, ret);
 }

@@ -5,9 +5,21 @@
 
 #include "request.h"
 
-/* -ENODEV: this server has no box. */
-int box_none(struct ttf_http_request *request, struct ttf_http_answer *ret);
-
 int box_status(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_devices(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_boards(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_board(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_board_plan(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_plans(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_plan(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_plan_check(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_plan_put(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_plan_delete(struct ttf_http_request *request, struct ttf_http_answer *ret);
+
+/* Ready for the door's functions: 0, or -ENODEV: this server has no box. */
+TTF_MUST_USE int box_needed(struct ttf_http_request *request);
+
+/* What a function of the door gave, with its code, as the answer: JSON. */
+int box_give(struct ttf_http_answer *answer, int r, char *json);
 
 #endif

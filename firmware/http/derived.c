@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "history.h"
+#include "pictures.h"
 #include "thumbs.h"
 
 struct derived *derived_create(void)
@@ -14,7 +15,8 @@ struct derived *derived_create(void)
         return NULL;
     derived->history = history_create();
     derived->thumbs = thumbs_create();
-    if (derived->history && derived->thumbs)
+    derived->pictures = pictures_create();
+    if (derived->history && derived->thumbs && derived->pictures)
         return derived;
     derived_destroy(derived);
     return NULL;
@@ -24,6 +26,7 @@ void derived_destroy(struct derived *derived)
 {
     if (!derived)
         return;
+    pictures_destroy(derived->pictures);
     thumbs_destroy(derived->thumbs);
     history_destroy(derived->history);
     free(derived);

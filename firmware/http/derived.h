@@ -6,6 +6,7 @@
 struct derived {
     struct history *history;
     struct thumbs *thumbs;
+    struct pictures *pictures;
 };
 
 /* NULL: no memory. */

@@ -4,23 +4,39 @@
 #define HTTP_REQUEST_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <sys/types.h>
 
 #include "derived.h"
 #include "folder.h"
 #include "summaries.h"
+#include "ttf/base/attr.h"
 #include "ttf/dataset/io.h"
+#include "ttf/http/box.h"
 #include "ttf/http/routes.h"
+
+struct MHD_Connection;
 
 struct ttf_http_request {
     const struct folder *folder;
     struct ttf_io *io;
     struct summaries *summaries;
+    struct ttf_http_box *box;       /* NULL: there is none */
+    struct ttf_http_events *events; /* NULL: there are none */
     struct derived *derived;
     const struct ttf_http_match *match;
+    struct MHD_Connection *connection; /* of request_header and request_query alone */
+    const char *token;                 /* NULL: there is none */
+    bool may_read, may_change;         /* whoever asks, whatever this route is */
+    const char *body;                  /* a zero behind it; "" without one */
+    size_t body_bytes;
     struct ttf_err err; /* what a handler that fails leaves */
 };
+
+/* A header; a parameter of the URL's query. NULL: not said. */
+const char *request_header(const struct ttf_http_request *request, const char *name);
+const char *request_query(const struct ttf_http_request *request, const char *name);
 
 /* Bytes that are made as they are sent. */
 struct answer_source {
@@ -29,17 +45,28 @@ struct answer_source {
     void *ctx;
 };
 
-/* Exactly one of text, fd, source; all of it belongs to the answer. */
+#define ANSWER_HEADERS_MAX 4
+
+/* At most one of text, fixed, fd, source, listener; all of it but what fixed points at belongs to the answer. */
 struct ttf_http_answer {
-    char *text; /* by malloc */
-    int fd;     /* -1: none */
+    unsigned status;   /* 0: 200 */
+    char *text;        /* by malloc */
+    const void *fixed; /* stays as long as the program */
+    int fd;            /* -1: none */
     struct answer_source source;
-    int64_t bytes;      /* of the whole entity */
-    const char *type;   /* static */
-    bool ranges;        /* parts may be asked for */
-    char etag[80];      /* without quotes; empty: none */
-    char sha256[65];    /* hex, of the whole entity as recorded; empty: not known */
-    char file_name[80]; /* to be saved under; empty: to be shown */
+    struct event_listener *listener; /* an event stream's; never ends by itself */
+    int64_t bytes;                   /* of the whole entity */
+    const char *type;                /* static */
+    bool page;                       /* the page's own scripts may run in it */
+    bool ranges;                     /* parts may be asked for */
+    char etag[80];                   /* without quotes; empty: none */
+    char sha256[65];                 /* hex, of the whole entity as recorded; empty: not known */
+    char file_name[80];              /* to be saved under; empty: to be shown */
+    unsigned n_headers;              /* further ones */
+    struct {
+        const char *name; /* static */
+        char value[256];
+    } headers[ANSWER_HEADERS_MAX];
 };
 
 /* An empty answer. */
@@ -48,5 +75,12 @@ void answer_free(struct ttf_http_answer *answer);
 
 /* text, by malloc, which the answer takes. */
 void answer_json(struct ttf_http_answer *answer, char *text, size_t bytes);
+
+/* A further header. */
+void answer_header(struct ttf_http_answer *answer, const char *name, const char *fmt, ...)
+    TTF_PRINTF(3, 4);
+
+/* {"ok":true}. -ENOMEM. */
+TTF_MUST_USE int answer_done(struct ttf_http_request *request, struct ttf_http_answer *answer);
 
 #endif

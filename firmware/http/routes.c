@@ -3,48 +3,61 @@
 
 #include <errno.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "box_answers.h"
 #include "charts.h"
 #include "datasets.h"
 #include "health.h"
+#include "listeners.h"
+#include "run_answers.h"
+#include "session.h"
 #include "thumbs.h"
+#include "web.h"
 
 static const struct ttf_http_route ROUTES[] = {
-    {"GET", "/api/v1/health", TTF_HTTP_OPEN, health_answer},
-    {"GET", "/api/v1/datasets", TTF_HTTP_READ, datasets_list},
-    {"GET", "/api/v1/datasets/{name}", TTF_HTTP_READ, datasets_one},
-    {"GET", "/api/v1/datasets/{name}/records", TTF_HTTP_READ, datasets_records},
-    {"GET", "/api/v1/datasets/{name}/files/{path}", TTF_HTTP_READ, datasets_file},
-    {"GET", "/api/v1/datasets/{name}/tar", TTF_HTTP_READ, datasets_tar},
-    {"GET", "/api/v1/datasets/{name}/charts", TTF_HTTP_READ, charts_answer},
-    {"GET", "/api/v1/datasets/{name}/thumbs/{path}", TTF_HTTP_READ, thumbs_answer},
-    {"POST", "/api/v1/datasets/{name}/notes", TTF_HTTP_CHANGE, box_none},
-    {"GET", "/", TTF_HTTP_OPEN, box_none},
-    {"GET", "/web/{path}", TTF_HTTP_OPEN, box_none},
-    {"POST", "/api/v1/session", TTF_HTTP_OPEN, box_none},
-    {"GET", "/api/v1/session", TTF_HTTP_OPEN, box_none},
-    {"DELETE", "/api/v1/session", TTF_HTTP_OPEN, box_none},
-    {"GET", "/api/v1/status", TTF_HTTP_READ, box_status},
-    {"GET", "/api/v1/events", TTF_HTTP_READ, box_none},
-    {"GET", "/api/v1/box", TTF_HTTP_READ, box_none},
-    {"GET", "/api/v1/boards", TTF_HTTP_READ, box_none},
-    {"GET", "/api/v1/boards/{name}", TTF_HTTP_READ, box_none},
-    {"GET", "/api/v1/boards/{name}/plans/{path}", TTF_HTTP_READ, box_none},
-    {"GET", "/api/v1/plans", TTF_HTTP_READ, box_none},
-    {"POST", "/api/v1/plans/check", TTF_HTTP_CHANGE, box_none},
-    {"GET", "/api/v1/plans/{name}", TTF_HTTP_READ, box_none},
-    {"PUT", "/api/v1/plans/{name}", TTF_HTTP_CHANGE, box_none},
-    {"DELETE", "/api/v1/plans/{name}", TTF_HTTP_CHANGE, box_none},
-    {"POST", "/api/v1/run", TTF_HTTP_CHANGE, box_none},
-    {"POST", "/api/v1/run/stop", TTF_HTTP_CHANGE, box_none},
-    {"POST", "/api/v1/run/pause", TTF_HTTP_CHANGE, box_none},
-    {"POST", "/api/v1/run/resume", TTF_HTTP_CHANGE, box_none},
-    {"POST", "/api/v1/run/change", TTF_HTTP_CHANGE, box_none},
-    {"GET", "/api/v1/run/asked/{name}", TTF_HTTP_READ, box_none},
-    {"GET", "/api/v1/latest", TTF_HTTP_READ, box_none},
-    {"GET", "/api/v1/live", TTF_HTTP_TOKEN, box_none},
+    {"GET", "/", TTF_HTTP_OPEN, web_index, TTF_HTTP_NO_BODY, false},
+    {"GET", "/web/{path}", TTF_HTTP_OPEN, web_file_of_page, TTF_HTTP_NO_BODY, false},
+    {"GET", "/api/v1/health", TTF_HTTP_OPEN, health_answer, TTF_HTTP_NO_BODY, false},
+    {"POST", "/api/v1/session", TTF_HTTP_OPEN, session_begin, TTF_HTTP_JSON, false},
+    {"GET", "/api/v1/session", TTF_HTTP_OPEN, session_show, TTF_HTTP_NO_BODY, false},
+    {"DELETE", "/api/v1/session", TTF_HTTP_OPEN, session_end, TTF_HTTP_NO_BODY, false},
+    {"GET", "/api/v1/datasets", TTF_HTTP_READ, datasets_list, TTF_HTTP_NO_BODY, false},
+    {"GET", "/api/v1/datasets/{name}", TTF_HTTP_READ, datasets_one, TTF_HTTP_NO_BODY, false},
+    {"GET", "/api/v1/datasets/{name}/records", TTF_HTTP_READ, datasets_records, TTF_HTTP_NO_BODY,
+     false},
+    {"GET", "/api/v1/datasets/{name}/files/{path}", TTF_HTTP_READ, datasets_file, TTF_HTTP_NO_BODY,
+     false},
+    {"GET", "/api/v1/datasets/{name}/tar", TTF_HTTP_READ, datasets_tar, TTF_HTTP_NO_BODY, false},
+    {"GET", "/api/v1/datasets/{name}/charts", TTF_HTTP_READ, charts_answer, TTF_HTTP_NO_BODY, true},
+    {"GET", "/api/v1/datasets/{name}/thumbs/{path}", TTF_HTTP_READ, thumbs_answer, TTF_HTTP_NO_BODY,
+     true},
+    {"GET", "/api/v1/datasets/{name}/events", TTF_HTTP_READ, datasets_events, TTF_HTTP_NO_BODY,
+     false},
+    {"GET", "/api/v1/datasets/{name}/notes", TTF_HTTP_READ, datasets_notes, TTF_HTTP_NO_BODY,
+     false},
+    {"POST", "/api/v1/datasets/{name}/notes", TTF_HTTP_CHANGE, run_note, TTF_HTTP_JSON, true},
+    {"GET", "/api/v1/status", TTF_HTTP_READ, box_status, TTF_HTTP_NO_BODY, false},
+    {"GET", "/api/v1/events", TTF_HTTP_READ, events_answer, TTF_HTTP_NO_BODY, false},
+    {"GET", "/api/v1/box", TTF_HTTP_READ, box_devices, TTF_HTTP_NO_BODY, true},
+    {"GET", "/api/v1/boards", TTF_HTTP_READ, box_boards, TTF_HTTP_NO_BODY, false},
+    {"GET", "/api/v1/boards/{name}", TTF_HTTP_READ, box_board, TTF_HTTP_NO_BODY, false},
+    {"GET", "/api/v1/boards/{name}/plans/{path}", TTF_HTTP_READ, box_board_plan, TTF_HTTP_NO_BODY,
+     false},
+    {"GET", "/api/v1/plans", TTF_HTTP_READ, box_plans, TTF_HTTP_NO_BODY, false},
+    {"POST", "/api/v1/plans/check", TTF_HTTP_CHANGE, box_plan_check, TTF_HTTP_YAML, true},
+    {"GET", "/api/v1/plans/{name}", TTF_HTTP_READ, box_plan, TTF_HTTP_NO_BODY, false},
+    {"PUT", "/api/v1/plans/{name}", TTF_HTTP_CHANGE, box_plan_put, TTF_HTTP_YAML, true},
+    {"DELETE", "/api/v1/plans/{name}", TTF_HTTP_CHANGE, box_plan_delete, TTF_HTTP_NO_BODY, true},
+    {"POST", "/api/v1/run", TTF_HTTP_CHANGE, run_start, TTF_HTTP_JSON, true},
+    {"POST", "/api/v1/run/stop", TTF_HTTP_CHANGE, run_stop, TTF_HTTP_NO_BODY, true},
+    {"POST", "/api/v1/run/pause", TTF_HTTP_CHANGE, run_pause, TTF_HTTP_JSON_MAYBE, false},
+    {"POST", "/api/v1/run/resume", TTF_HTTP_CHANGE, run_resume, TTF_HTTP_NO_BODY, false},
+    {"POST", "/api/v1/run/change", TTF_HTTP_CHANGE, run_change, TTF_HTTP_JSON, false},
+    {"GET", "/api/v1/run/asked/{name}", TTF_HTTP_READ, run_asked, TTF_HTTP_NO_BODY, false},
+    {"GET", "/api/v1/latest", TTF_HTTP_READ, run_latest, TTF_HTTP_NO_BODY, true},
+    {"GET", "/api/v1/live", TTF_HTTP_TOKEN, run_live, TTF_HTTP_NO_BODY, true},
 };
 
 const struct ttf_http_route *ttf_http_route(size_t i)
@@ -102,4 +115,21 @@ int ttf_http_route_find(const char *method, const char *url, struct ttf_http_mat
         r = -ENOTSUP;
     }
     return r;
+}
+
+const char *ttf_http_route_methods(const char *url, char ret[64])
+{
+    size_t n = 0;
+
+    ret[0] = '\0';
+    for (size_t i = 0; i < sizeof ROUTES / sizeof *ROUTES; i++) {
+        struct ttf_http_match match = {0};
+
+        if (!matches(ROUTES[i].pattern, url, &match) || strstr(ret, ROUTES[i].method) || n > 40)
+            continue;
+        n +=
+            (size_t)snprintf(ret + n, 64 - n, "%s%s", n ? ", " : "",
+                             strcmp(ROUTES[i].method, "GET") == 0 ? "GET, HEAD" : ROUTES[i].method);
+    }
+    return ret;
 }

@@ -23,7 +23,7 @@ MAY_USE = {
     "capture": {"base", "hal", "dataset"},
     "synth": {"base", "dataset"},
     "config": {"base", "hal", "hal_sim", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth"},
-    "http": {"base", "dataset"},
+    "http": {"base", "hal", "dataset"},
     "pull": {"base", "hal", "dataset"},
     "firmware": {"base", "hal", "hal_sim", "hal_gpiod", "hal_v4l2", "hal_libcamera", "dataset", "capture", "synth", "config",
                  "http", "pull", "view", "usb", "usb_libusb"},

@@ -68,7 +68,8 @@ done
 get "$URL/datasets" 421 -H 'Host: made-to-point-here.example'
 get "$URL/datasets" 405 -X POST
 grep -qi '^Allow: GET' headers || fail "it does not say what may be done"
-get "$URL/datasets" 413 -d 'a=b'
+get "$URL/datasets" 413 -X GET -d 'a=b'
+get "$URL/datasets" 405 -d 'a=b'
 get "$URL/datasets/grass" 405 -X DELETE
 [ -e data/grass/dataset.json ] || fail "it is gone"
 grep -qi "^Access-Control" headers && fail "pages from elsewhere may read"
@@ -77,6 +78,16 @@ for header in "X-Content-Type-Options: nosniff" "Content-Security-Policy: defaul
     "Cross-Origin-Resource-Policy: same-origin"; do
     grep -qi "^$header" headers || fail "without $header"
 done
+
+# --- notes and events: nothing where nobody said anything, else the file's own bytes
+rm -f data/grass/notes.jsonl
+get "$URL/datasets/grass/notes" 200
+[ -s out ] && fail "notes that nobody made"
+expect 0 "$TTFBOX" note data/grass "watered" --slots 2-3
+get "$URL/datasets/grass/notes" 200
+cmp -s out data/grass/notes.jsonl || fail "the notes differ"
+get "$URL/datasets/grass/events" 200
+get "$URL/datasets/nobody/notes" 404
 
 # --- a damaged dataset does not hide the others
 mkdir data/broken

@@ -3,6 +3,7 @@
 #ifndef TTF_HTTP_ROUTES_H
 #define TTF_HTTP_ROUTES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* Who may. */
@@ -12,6 +13,16 @@ enum ttf_http_access {
     TTF_HTTP_TOKEN,    /* the token, on every socket */
     TTF_HTTP_CHANGE    /* the token, and that the request is no other page's */
 };
+
+/* What a request brings. */
+enum ttf_http_body {
+    TTF_HTTP_NO_BODY = 0,
+    TTF_HTTP_JSON,       /* application/json */
+    TTF_HTTP_JSON_MAYBE, /* the same, or nothing */
+    TTF_HTTP_YAML        /* application/yaml */
+};
+
+#define TTF_HTTP_BODY_MAX ((size_t)256 * 1024) /* bytes */
 
 #define TTF_HTTP_NAME_MAX 64  /* bytes of a dataset's name */
 #define TTF_HTTP_REST_MAX 192 /* bytes of a path inside it */
@@ -25,10 +36,16 @@ struct ttf_http_route {
         *pattern; /* "/api/v1/datasets/{name}/files/{path}": {name} one segment, {path} the rest */
     enum ttf_http_access access;
     int (*answer)(struct ttf_http_request *request, struct ttf_http_answer *ret);
+    enum ttf_http_body body;
+    bool
+        slow; /* takes more than a moment: answered by a thread that holds up no other connection */
 };
 
 /* The i-th, or NULL. */
 const struct ttf_http_route *ttf_http_route(size_t i);
+
+/* The methods of all routes with this path, as an Allow header has them: "GET, HEAD, POST". Returns ret. */
+const char *ttf_http_route_methods(const char *url, char ret[64]);
 
 /* What a path named. */
 struct ttf_http_match {

@@ -11,6 +11,9 @@
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
 #include "ttf/dataset/io.h"
+#include "ttf/hal/clock.h"
+#include "ttf/http/box.h"
+#include "ttf/http/events.h"
 
 #define TTF_HTTP_TOKEN_MIN 16 /* characters */
 
@@ -20,6 +23,9 @@ struct ttf_http_config {
     const char *token; /* NULL: there is none, and what needs one is refused */
     const char *const *
         names; /* under which the box is known, NULL-ended; addresses and "localhost" always are. NULL allowed */
+    struct ttf_clock *clock;        /* how often a wrong token may be tried; borrowed */
+    struct ttf_http_box *box;       /* borrowed; NULL: there is none */
+    struct ttf_http_events *events; /* borrowed; NULL: there are none. Of one server at a time */
 };
 
 struct ttf_http_server;
@@ -30,7 +36,7 @@ TTF_MUST_USE int ttf_http_server_create(const struct ttf_http_config *config,
 
 /*
  * Answers on a listening socket, which is the server's from now on, also on failure. free_to_read: whoever reaches it may
- * read; else the token is asked for. At most 4 sockets: -ENOSPC.
+ * read; else the token is asked for. At most 8 sockets: -ENOSPC.
  */
 TTF_MUST_USE int ttf_http_server_listen(struct ttf_http_server *server, int fd, bool free_to_read,
                                         struct ttf_err *err);

@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A request in libmicrohttpd's pieces: once when its headers are there, then its body as it comes, then once for an
+ * answer, and again when a slow answer has been made. A request with a body is judged before any of it is taken in; the
+ * connection ends then. One without is judged when it is whole, and the connection lives on.
+ */
+#include "call.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "access.h"
+#include "answer.h"
+
+struct call {
+    struct ttf_http_match match;
+    struct ttf_http_request request;
+    struct ttf_http_answer answer;
+    char *body;
+    size_t expected; /* bytes of it */
+    bool judged, ran;
+    int r; /* of the handler */
+};
+
+static const char *header(struct MHD_Connection *connection, const char *name)
+{
+    return MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
+}
+
+const char *request_header(const struct ttf_http_request *request, const char *name)
+{
+    return header(request->connection, name);
+}
+
+const char *request_query(const struct ttf_http_request *request, const char *name)
+{
+    return MHD_lookup_connection_value(request->connection, MHD_GET_ARGUMENT_KIND, name);
+}
+
+/* ---- who ---- */
+
+static const struct sockaddr *client_of(struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+
+    return info ? info->client_addr : NULL;
+}
+
+static int too_many(struct ttf_err *err)
+{
+    ttf_err_set(err, -EUSERS, NULL, "too many wrong tokens came from this address");
+    ttf_err_hint(err, "wait some seconds");
+    return -EUSERS;
+}
+
+/* May whoever asks do what this route does, and what else may they? */
+static int judge_access(const struct call_socket *socket, struct call *call,
+                        struct MHD_Connection *connection, struct ttf_err *err)
+{
+    const struct calls *calls = socket->calls;
+    struct access_said said = {.host = header(connection, "Host"),
+                               .authorization = header(connection, "Authorization"),
+                               .cookie = header(connection, "Cookie"),
+                               .origin = header(connection, "Origin"),
+                               .site = header(connection, "Sec-Fetch-Site"),
+                               .marker = header(connection, "X-Ttfbox")};
+    enum ttf_http_access needs = call->match.route->access;
+    enum access_verdict verdict;
+
+    if (said.authorization && !limits_allow(calls->limits, client_of(connection)))
+        return too_many(err);
+    if (said.authorization && !access_token(said.authorization, calls->token))
+        limits_wrong(calls->limits, client_of(connection));
+    call->request.may_read =
+        access_decide(TTF_HTTP_READ, socket->free_to_read, &said, calls->token) == ACCESS_YES;
+    call->request.may_change =
+        access_decide(TTF_HTTP_TOKEN, false, &said, calls->token) == ACCESS_YES;
+    verdict = access_decide(needs, socket->free_to_read, &said, calls->token);
+    if (verdict == ACCESS_NEEDS_TOKEN) {
+        ttf_err_set(err, -EACCES, NULL, "this needs the box's token");
+        ttf_err_hint(err, "send it as Authorization: Bearer TOKEN");
+    } else if (verdict == ACCESS_OTHER_PAGE) {
+        ttf_err_set(err, -EPERM, NULL, "this may come from another page than the box's own");
+        ttf_err_hint(err, "with a cookie, send X-Ttfbox: 1 from a page of this address");
+    }
+    return verdict == ACCESS_YES ? 0 : verdict == ACCESS_NEEDS_TOKEN ? -EACCES : -EPERM;
+}
+
+/* ---- what ---- */
+
+static bool is_type(const char *said, const char *type)
+{
+    size_t n = strlen(type);
+
+    return said && strncasecmp(said, type, n) == 0 &&
+           (said[n] == '\0' || said[n] == ';' || said[n] == ' ');
+}
+
+/* How long the body will be, or what is wrong with it. */
+static int64_t body_expected(struct MHD_Connection *connection, struct ttf_err *err)
+{
+    const char *length = header(connection, "Content-Length");
+    unsigned long long bytes;
+    char *end;
+
+    if (header(connection, "Transfer-Encoding"))
+        return ttf_err_set(err, -EFBIG, NULL, "a body has to say its length");
+    if (!length)
+        return 0;
+    errno = 0;
+    bytes = strtoull(length, &end, 10);
+    if (*length < '0' || *length > '9' || *end || errno != 0 || bytes > TTF_HTTP_BODY_MAX)
+        return ttf_err_set(err, -EFBIG, NULL, "a body has at most %zu bytes", TTF_HTTP_BODY_MAX);
+    return (int64_t)bytes;
+}
+
+static int judge_body(struct call *call, struct MHD_Connection *connection, struct ttf_err *err)
+{
+    const char *type = header(connection, "Content-Type");
+
+    switch (call->match.route->body) {
+    case TTF_HTTP_NO_BODY:
+        break;
+    case TTF_HTTP_JSON_MAYBE:
+        if (call->expected == 0)
+            return 0;
+        /* fall through */
+    case TTF_HTTP_JSON:
+        return is_type(type, "application/json")
+                   ? 0
+                   : ttf_err_set(err, -EPROTOTYPE, "Content-Type", "application/json is meant");
+    case TTF_HTTP_YAML:
+        return is_type(type, "application/yaml")
+                   ? 0
+                   : ttf_err_set(err, -EPROTOTYPE, "Content-Type", "application/yaml is meant");
+    }
+    return call->expected == 0 ? 0 : ttf_err_set(err, -EFBIG, NULL, "no body is expected here");
+}
+
+static int judge_place(const struct calls *calls, struct call *call, const char *host,
+                       const char *method, const char *url, struct ttf_err *err)
+{
+    int r;
+
+    if (!access_host(host, calls->names)) {
+        r = ttf_err_set(err, -EXDEV, "Host", "this is not a name of this box");
+        ttf_err_hint(err, "ask by its address or by its own name");
+        return r;
+    }
+    r = ttf_http_route_find(method, url, &call->match);
+    if (r == -ENOENT)
+        ttf_err_set(err, r, NULL, "there is nothing of this name here");
+    else if (r < 0)
+        ttf_err_set(err, r, NULL, "this cannot be done with it");
+    return r;
+}
+
+/* 0, or an error that is answered. */
+static int judge(const struct call_socket *socket, struct call *call,
+                 struct MHD_Connection *connection, const char *method, const char *url,
+                 struct ttf_err *err)
+{
+    int r = judge_place(socket->calls, call, header(connection, "Host"), method, url, err);
+
+    if (r == 0)
+        r = judge_access(socket, call, connection, err);
+    if (r == 0)
+        r = judge_body(call, connection, err);
+    call->judged = r == 0;
+    return r;
+}
+
+/* ---- from the headers to an answer ---- */
+
+static enum MHD_Result refuse(struct MHD_Connection *connection, const char *url,
+                              const struct ttf_err *err)
+{
+    char methods[64] = "";
+
+    if (err->code == -ENOTSUP)
+        (void)ttf_http_route_methods(url, methods);
+    return answer_error(connection, methods, err);
+}
+
+static struct call *begin(const struct calls *calls, struct MHD_Connection *connection)
+{
+    struct call *call = calloc(1, sizeof *call);
+
+    if (!call)
+        return NULL;
+    answer_init(&call->answer);
+    call->request = (struct ttf_http_request){.folder = &calls->folder,
+                                              .io = calls->io,
+                                              .summaries = calls->summaries,
+                                              .derived = calls->derived,
+                                              .box = calls->box,
+                                              .events = calls->events,
+                                              .match = &call->match,
+                                              .connection = connection,
+                                              .token = calls->token,
+                                              .body = ""};
+    return call;
+}
+
+/* The headers are there. */
+static enum MHD_Result on_headers(const struct call_socket *socket,
+                                  struct MHD_Connection *connection, const char *url,
+                                  const char *method, void **of_request)
+{
+    struct call *call = begin(socket->calls, connection);
+    struct ttf_err err = {0};
+    int64_t expected = body_expected(connection, &err);
+
+    if (!call)
+        return MHD_NO;
+    *of_request = call;
+    if (expected < 0)
+        return answer_error(connection, "", &err);
+    if (expected == 0)
+        return MHD_YES;
+    call->expected = (size_t)expected;
+    if (judge(socket, call, connection, method, url, &err) < 0)
+        return refuse(connection, url, &err);
+    call->body = malloc(call->expected + 1);
+    return call->body ? MHD_YES : MHD_NO;
+}
+
+static enum MHD_Result on_body(struct call *call, const char *data, size_t *bytes)
+{
+    size_t room = call->expected - call->request.body_bytes;
+
+    if (!call->body || *bytes > room)
+        return MHD_NO;
+    memcpy(call->body + call->request.body_bytes, data, *bytes);
+    call->request.body_bytes += *bytes;
+    call->body[call->request.body_bytes] = '\0';
+    call->request.body = call->body;
+    *bytes = 0;
+    return MHD_YES;
+}
+
+static void handle(struct call *call)
+{
+    call->r = call->match.route->answer(&call->request, &call->answer);
+    if (call->r < 0 && call->request.err.code == 0)
+        ttf_err_set(&call->request.err, call->r, NULL, "%s", strerrordesc_np(-call->r));
+    call->ran = true;
+}
+
+void call_run(struct call *call)
+{
+    struct MHD_Connection *connection = call->request.connection;
+
+    handle(call);
+    MHD_resume_connection(connection); /* from here on the call is the connection's again */
+}
+
+void call_cancel(struct call *call)
+{
+    struct MHD_Connection *connection = call->request.connection;
+
+    call->r = ttf_err_set(&call->request.err, -EAGAIN, NULL, "this server is about to end");
+    call->ran = true;
+    MHD_resume_connection(connection);
+}
+
+static enum MHD_Result send_it(struct call *call, struct MHD_Connection *connection,
+                               const struct calls *calls, const char *method)
+{
+    if (call->r == 0)
+        return answer_send(connection, strcmp(method, "GET") == 0, &call->answer);
+    /* A token in a body is a token too. */
+    if (call->r == -EACCES)
+        limits_wrong(calls->limits, client_of(connection));
+    return answer_error(connection, "", &call->request.err);
+}
+
+static bool brings_token(const struct call *call)
+{
+    return call->match.route->access == TTF_HTTP_OPEN && call->match.route->body == TTF_HTTP_JSON;
+}
+
+/* The whole request is there. */
+static enum MHD_Result on_whole(const struct call_socket *socket, struct call *call,
+                                struct MHD_Connection *connection, const char *url,
+                                const char *method)
+{
+    struct ttf_err err = {0};
+
+    if (call->ran)
+        return send_it(call, connection, socket->calls, method);
+    if (!call->judged && judge(socket, call, connection, method, url, &err) < 0)
+        return refuse(connection, url, &err);
+    if (brings_token(call) && !limits_allow(socket->calls->limits, client_of(connection))) {
+        (void)too_many(&err);
+        return refuse(connection, url, &err);
+    }
+    if (!call->match.route->slow) {
+        handle(call);
+        return send_it(call, connection, socket->calls, method);
+    }
+    MHD_suspend_connection(connection);
+    if (slow_put(socket->calls->slow, call) < 0)
+        call_cancel(call);
+    return MHD_YES;
+}
+
+enum MHD_Result call_on(void *ctx, struct MHD_Connection *connection, const char *url,
+                        const char *method, const char *version, const char *data,
+                        /* NOLINTNEXTLINE(readability-non-const-parameter): libmicrohttpd's */
+                        size_t *data_bytes, void **of_request)
+{
+    const struct call_socket *socket = ctx;
+
+    (void)version;
+    if (!*of_request)
+        return on_headers(socket, connection, url, method, of_request);
+    if (*data_bytes > 0)
+        return on_body(*of_request, data, data_bytes);
+    return on_whole(socket, *of_request, connection, url, method);
+}
+
+void call_done(void *ctx, struct MHD_Connection *connection, void **of_request,
+               enum MHD_RequestTerminationCode how)
+{
+    struct call *call = *of_request;
+
+    (void)ctx;
+    (void)connection;
+    (void)how;
+    if (!call)
+        return;
+    answer_free(&call->answer);
+    free(call->body);
+    free(call);
+    *of_request = NULL;
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* call.h: one request from its headers to its answer, and what all requests of a server share. Private to this room. */
+#ifndef HTTP_CALL_H
+#define HTTP_CALL_H
+
+#include <microhttpd.h>
+#include <stdbool.h>
+
+#include "limits.h"
+#include "request.h"
+#include "slow.h"
+#include "ttf/http/events.h"
+
+/* What requests share; nothing of it changes while a socket listens. */
+struct calls {
+    struct folder folder;
+    struct ttf_io *io;
+    struct summaries *summaries;
+    struct derived *derived;
+    struct slow *slow;
+    struct limits *limits;
+    struct ttf_http_box *box;
+    struct ttf_http_events *events;
+    const char *token;
+    const char *const *names;
+};
+
+struct call_socket {
+    const struct calls *calls;
+    bool free_to_read;
+};
+
+struct call;
+
+/* For libmicrohttpd; ctx is a struct call_socket. */
+enum MHD_Result call_on(void *ctx, struct MHD_Connection *connection, const char *url,
+                        const char *method, const char *version, const char *data,
+                        size_t *data_bytes, void **of_request);
+void call_done(void *ctx, struct MHD_Connection *connection, void **of_request,
+               enum MHD_RequestTerminationCode how);
+
+/* Runs a call's handler, and lets its connection go on; or, where nothing is answered any more, only the latter. */
+void call_run(struct call *call);
+void call_cancel(struct call *call);
+
+#endif

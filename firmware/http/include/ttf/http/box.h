@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * box.h: the box behind the interface, as a table of what can be asked of it. Whoever runs a box fills it; the server
+ * knows no more of a box than this.
+ *
+ * Functions are called from the server's threads, several at once. They return 0, or a negative errno with *err set, which becomes
+ * the answer's status: -EINVAL 400, -EPERM 403, -ENOENT 404, -EBUSY and -EEXIST 409, -ENODEV and -EAGAIN 503. Texts
+ * that they give are by malloc and the caller's. Shapes of JSON: openapi.yaml. None may wait for a slot, and none may hold what a slot waits for.
+ */
+#ifndef TTF_HTTP_BOX_H
+#define TTF_HTTP_BOX_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+#include "ttf/dataset/notes.h"
+
+struct ttf_http_box;
+
+enum ttf_http_ask_kind {
+    TTF_HTTP_ASK_STOP = 0,
+    TTF_HTTP_ASK_PAUSE,
+    TTF_HTTP_ASK_RESUME,
+    TTF_HTTP_ASK_COUNT,
+    TTF_HTTP_ASK_UNTIL,
+    TTF_HTTP_ASK_INTERVAL,
+    TTF_HTTP_ASK_KIND_COUNT
+};
+
+/* Something asked of the run under way. */
+struct ttf_http_ask {
+    enum ttf_http_ask_kind kind;
+    char reason[120]; /* PAUSE */
+    int64_t value;    /* COUNT: slots; UNTIL: UTC in ns; INTERVAL: ns */
+};
+
+#define TTF_HTTP_LAMPS_MAX 8
+
+/* What a picture from the camera is to be like. */
+struct ttf_http_view {
+    char camera[32];     /* empty: the first */
+    int64_t exposure_ns; /* 0: one that suits */
+    int64_t gain_milli;  /* 0: the least */
+    unsigned n_lamps;
+    struct {
+        char name[32];
+        unsigned level_permille;
+    } lamps[TTF_HTTP_LAMPS_MAX];
+    uint32_t x, y, width, height; /* width 0: all of it, shrunk to fit */
+};
+
+struct ttf_http_box_ops {
+    const char *name;
+    int (*status)(struct ttf_http_box *box, char **ret_json, struct ttf_err *err);
+    int (*devices)(struct ttf_http_box *box, char **ret_json, struct ttf_err *err); /* slow */
+    int (*boards)(struct ttf_http_box *box, char **ret_json, struct ttf_err *err);
+    /* plan: NULL: the board's own file */
+    int (*board)(struct ttf_http_box *box, const char *name, const char *plan, char **ret_yaml,
+                 struct ttf_err *err);
+    int (*plans)(struct ttf_http_box *box, char **ret_json, struct ttf_err *err);
+    int (*plan)(struct ttf_http_box *box, const char *name, char **ret_yaml, struct ttf_err *err);
+    /* slow; yaml has a zero behind it. put: -EINVAL, and nothing has changed, where it would not do */
+    int (*plan_check)(struct ttf_http_box *box, const char *yaml, size_t bytes, char **ret_json,
+                      struct ttf_err *err);
+    int (*plan_put)(struct ttf_http_box *box, const char *name, const char *yaml, size_t bytes,
+                    char **ret_json, struct ttf_err *err);
+    int (*plan_delete)(struct ttf_http_box *box, const char *name, struct ttf_err *err);
+    /* plan, dataset: empty: not said */
+    int (*start)(struct ttf_http_box *box, const char *plan, const char *dataset, char **ret_json,
+                 struct ttf_err *err);
+    int (*ask)(struct ttf_http_box *box, const struct ttf_http_ask *ask, char **ret_json,
+               struct ttf_err *err);
+    int (*asked)(struct ttf_http_box *box, int64_t number, char **ret_json, struct ttf_err *err);
+    /* slow: it is synced */
+    int (*note)(struct ttf_http_box *box, const char *dataset, const struct ttf_note *note,
+                struct ttf_err *err);
+    /* slow. A JPEG. -EBUSY: a run is under way */
+    int (*live)(struct ttf_http_box *box, const struct ttf_http_view *view, void **ret_jpeg,
+                size_t *ret_bytes, struct ttf_err *err);
+    /* The dataset of the run under way, or of the last one. -ENOENT: there was none */
+    int (*newest)(struct ttf_http_box *box, char ret_dataset[65], struct ttf_err *err);
+};
+
+/* Embedded first by whoever has a box. */
+struct ttf_http_box {
+    const struct ttf_http_box_ops *ops;
+};
+
+#endif
