@@ -5,7 +5,7 @@
 
 ttf_build_packages="gcc g++ libc6-dev cmake ninja-build pkg-config git ca-certificates
  libtiff-dev libspng-dev libjpeg-dev liblcms2-dev libjansson-dev libyaml-dev nettle-dev
- zlib1g-dev libmicrohttpd-dev libcurl4-gnutls-dev libarchive-dev libgpiod-dev libcamera-dev libcmocka-dev python3-minimal libpython3-stdlib"
+ zlib1g-dev libmicrohttpd-dev libcurl4-gnutls-dev libusb-1.0-0-dev libarchive-dev libgpiod-dev libcamera-dev libcmocka-dev python3-minimal libpython3-stdlib"
 # Oracles and players that the tests hold our files against.
 ttf_test_packages="curl xxd ffmpeg libraw-bin libimage-exiftool-perl libtiff-tools rt-tests man-db groff"
 ttf_demo_packages="ffmpeg"
@@ -48,6 +48,26 @@ ttf_install() {
         exit 1
     fi
     rm -f "$log"
+}
+
+# A browser and what drives it. Machines that have Node from elsewhere keep it: Debian's npm would take it away.
+ttf_install_web() {
+    local packages=(chromium) dir
+    command -v node >/dev/null || packages+=(nodejs)
+    command -v npm >/dev/null || packages+=(npm)
+    ttf_install "${packages[@]}"
+    dir=$PWD/tests/web
+    cmp -s "$dir/package-lock.json" "$dir/node_modules/.installed" && return 0
+    echo "dev: installing what drives the browser (npm)" >&2
+    local log
+    log=$(mktemp)
+    if ! npm ci --prefix "$dir" --ignore-scripts --no-audit --no-fund >"$log" 2>&1; then
+        tail -n 30 "$log" >&2
+        echo "dev: npm failed (whole log: $log)" >&2
+        exit 1
+    fi
+    rm -f "$log"
+    cp "$dir/package-lock.json" "$dir/node_modules/.installed"
 }
 
 # shellcheck disable=SC2086 # the lists are meant to be split

@@ -47,6 +47,8 @@ set(CPACK_COMPONENT_BOX_DESCRIPTION "services of a ttfbox capture box
 ttfboxd runs a plan unattended from boot to boot and goes on with it after a
 power cut; ttfbox-lampd is the lamp guardian, the only process that holds a
 box's lamp lines. Both are hardened services of unprivileged users.
+ttfbox-gadget makes the box a USB device with a network and an interface that
+ttfbox-usbd serves, so that a PC pulls datasets over the cable.
 
 Nothing is captured before /etc/ttfbox/ttfboxd.yaml is written and the
 services are enabled.")
@@ -66,7 +68,7 @@ set(notes ${PROJECT_BINARY_DIR}/package)
 file(MAKE_DIRECTORY ${notes})
 execute_process(COMMAND gzip -9nc ${CMAKE_CURRENT_LIST_DIR}/changelog
                 OUTPUT_FILE ${notes}/changelog.Debian.gz COMMAND_ERROR_IS_FATAL ANY)
-foreach(page IN ITEMS ttfboxd.8 ttfbox-lampd.8)
+foreach(page IN ITEMS ttfboxd.8 ttfbox-lampd.8 ttfbox-usbd.8 ttfbox-gadget.8)
     execute_process(COMMAND gzip -9nc ${PROJECT_SOURCE_DIR}/firmware/units/${page}
                     OUTPUT_FILE ${notes}/${page}.gz COMMAND_ERROR_IS_FATAL ANY)
     install(FILES ${notes}/${page}.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 COMPONENT box)

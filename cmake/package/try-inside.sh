@@ -24,8 +24,11 @@ held "installed with what they depend on"
 ttfbox --version
 ttfboxd --version
 ttfbox-lampd --version
-man -w ttfbox ttfbox-capture ttfboxd ttfbox-lampd
-getent passwd ttfbox ttfbox-lampd
+ttfbox-usbd --version
+ttfbox-gadget --help >/dev/null
+ttfbox usb list
+man -w ttfbox ttfbox-capture ttfbox-usb ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-gadget
+getent passwd ttfbox ttfbox-lampd ttfbox-usbd
 [ "$(stat -c '%U:%G %a' /run/ttfbox)" = "root:ttfbox 2775" ] || wrong "/run/ttfbox: $(stat -c '%U:%G %a' /run/ttfbox)"
 held "programs, pages, users and folders are there"
 
@@ -34,7 +37,7 @@ ttfbox board probe --board /tmp/pi.yaml >/tmp/pi.said 2>&1 || true
 grep -q 'finds no camera' /tmp/pi.said || wrong "$(cat /tmp/pi.said)"
 held "the module for libcamera is found, and libcamera answers"
 
-systemd-analyze verify ttfboxd.service ttfbox-lampd.service 2>/tmp/verify || wrong "$(cat /tmp/verify)"
+systemd-analyze verify ttfboxd.service ttfbox-lampd.service ttfbox-gadget.service ttfbox-usbd.service 2>/tmp/verify || wrong "$(cat /tmp/verify)"
 if grep ttfbox /tmp/verify; then wrong "systemd has something to say"; fi
 [ "$(systemctl is-enabled ttfboxd.service || true)" = disabled ] || wrong "ttfboxd is enabled by itself"
 [ "$(systemctl is-enabled ttfbox-lampd.service || true)" = disabled ] || wrong "ttfbox-lampd is enabled by itself"

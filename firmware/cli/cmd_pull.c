@@ -11,6 +11,7 @@
 #include "ttf/hal/clock.h"
 #include "ttf/http/token.h"
 #include "ttf/pull/pull.h"
+#include "usb_box.h"
 
 #define NAMES_MAX 64
 
@@ -144,7 +145,15 @@ int cmd_pull(struct cli *cli)
         .follow = cli->opt.follow,
     };
     char *only = cli->opt.only ? strdup(cli->opt.only) : NULL;
-    int r = cli_need(cli, cli->opt.box, "--box", "as --box http://192.168.7.1:8417");
+    struct usb_bridge *bridge = NULL;
+    int r = 0;
+
+    if (cli->opt.usb && config.box)
+        r = ttf_err_set(&cli->err, -EINVAL, "--usb", "and --box are one too many");
+    else if (cli->opt.usb)
+        config.box = "usb";
+    if (r == 0)
+        r = cli_need(cli, config.box, "--box", "as --box http://192.168.7.1:8417, or --usb");
 
     if (r == 0 && cli->opt.only)
         r = only ? take_names(cli, only, names)
@@ -160,8 +169,13 @@ int cmd_pull(struct cli *cli)
         if (!config.clock)
             r = ttf_err_set(&cli->err, -errno, "clock", "the machine's clock cannot be had");
     }
+    if (r == 0 && usb_box_is(config.box)) {
+        r = usb_bridge_begin(config.box, config.follow, config.clock, &bridge, &cli->err);
+        config.box = bridge ? usb_bridge_where(bridge) : NULL;
+    }
     if (r == 0)
         r = cli->opt.list ? list(cli, &config) : pull(cli, &config);
+    usb_bridge_end(bridge);
     ttf_clock_destroy(config.clock);
     free(only);
     return r;

@@ -259,6 +259,40 @@ static const struct cli_command COMMANDS[] = {
                      {"curl -O http://127.0.0.1:8417/api/v1/datasets/grass/tar", "all of one"}},
     },
     {
+        .name = "usb list",
+        .args = "",
+        .summary = "say which boxes are plugged in",
+        .text = "Names each box at this machine's USB by its serial, with which 'ttfbox pull --box "
+                "usb:SERIAL' finds it, and says of each whether you may use it.",
+        .min_args = 0,
+        .max_args = 0,
+        .run = cmd_usb_list,
+        .options = {{OPT_JSON, NULL}, {OPT_END, NULL}},
+        .examples = {{"ttfbox usb list", NULL}},
+    },
+    {
+        .name = "usb",
+        .args = "",
+        .summary = "join a box's HTTP interface at USB to an address of this machine",
+        .text =
+            "A browser, curl and whatever else speaks HTTP reach the box there as over a network. "
+            "What comes is passed on as it is. Whoever can connect may read what the box has: only "
+            "addresses of this machine alone are taken, or unix:PATH, which is yours alone. A box "
+            "that is "
+            "unplugged is found again when it is back. 'ttfbox pull --usb' needs none of this.",
+        .min_args = 0,
+        .max_args = 0,
+        .run = cmd_usb,
+        .options = {{OPT_BOX, "usb (default: the one that is plugged in) or usb:SERIAL"},
+                    {OPT_LISTEN, "where (default: 127.0.0.1:8418)"},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox usb", "then http://127.0.0.1:8418 in a browser"},
+                     {"ttfbox usb --listen unix:box.sock", NULL},
+                     {"curl --unix-socket box.sock http://localhost/api/v1/datasets", NULL}},
+    },
+    {
         .name = "pull",
         .args = "[DEST]",
         .summary = "bring a box's datasets here, verified, also while they grow",
@@ -273,6 +307,7 @@ static const struct cli_command COMMANDS[] = {
         .max_args = 1,
         .run = cmd_pull,
         .options = {{OPT_BOX, NULL},
+                    {OPT_USB, NULL},
                     {OPT_ONLY, NULL},
                     {OPT_FOLLOW, NULL},
                     {OPT_LIST, NULL},
@@ -280,7 +315,9 @@ static const struct cli_command COMMANDS[] = {
                     {OPT_JSON, NULL},
                     {OPT_QUIET, NULL},
                     {OPT_END, NULL}},
-        .examples = {{"ttfbox pull datasets --box http://192.168.7.1:8417", NULL},
+        .examples = {{"ttfbox pull datasets --usb", "of the box that is plugged in"},
+                     {"ttfbox pull datasets --box usb:0007", "of several, that one"},
+                     {"ttfbox pull datasets --box http://192.168.7.1:8417", NULL},
                      {"ttfbox pull --box http://192.168.7.1:8417 --only grass --follow",
                       "until it is sealed"}},
     },

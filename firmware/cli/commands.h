@@ -59,6 +59,8 @@ int cmd_serve(struct cli *cli);
 int cmd_synth_composite(struct cli *cli);
 int cmd_synth_quilt(struct cli *cli);
 int cmd_synth_rank(struct cli *cli);
+int cmd_usb(struct cli *cli);
+int cmd_usb_list(struct cli *cli);
 int cmd_verify(struct cli *cli);
 int cmd_view(struct cli *cli);
 

@@ -208,8 +208,11 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
          "(default: 127.0.0.1:8417)"},
     [OPT_TOKEN_FILE] = {"token-file", 0, "FILE", CLI_TEXT, O(token_file), 0, 0,
                         "the file with the token; made if it is not there"},
-    [OPT_BOX] = {"box", 0, "WHERE", CLI_TEXT, O(box), 0, 0,
-                 "the box: http://ADDRESS:PORT, or unix:PATH"},
+    [OPT_BOX] =
+        {"box", 0, "WHERE", CLI_TEXT, O(box), 0, 0,
+         "the box: http://ADDRESS:PORT, unix:PATH, usb (the one that is plugged in) or usb:SERIAL"},
+    [OPT_USB] = {"usb", 0, NULL, CLI_FLAG, O(usb), 0, 0,
+                 "the box at this machine's USB: --box usb"},
     [OPT_ONLY] = {"only", 0, "NAMES", CLI_TEXT, O(only), 0, 0,
                   "these datasets alone, several with commas (default: all)"},
     [OPT_FOLLOW] = {"follow", 0, NULL, CLI_FLAG, O(follow), 0, 0,

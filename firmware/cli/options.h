@@ -108,6 +108,7 @@ enum cli_option {
     OPT_LISTEN,
     OPT_TOKEN_FILE,
     OPT_BOX,
+    OPT_USB,
     OPT_ONLY,
     OPT_FOLLOW,
     OPT_LIST,
@@ -122,7 +123,7 @@ enum cli_option {
 struct cli_options {
     const char *board, *scene, *output, *calibration, *plan, *shot, *to, *gaps, *order, *transfer;
     const char *listen, *token_file, *box, *only, *beside;
-    bool follow, list;
+    bool follow, list, usb;
     const char *bundle, *root, *script, *slots, *tag, *author;
     const char *compress, *sink, *stream, *title, *name, *metric;
     bool json, quiet, per_frame, no_speed_check, as_given, with_excluded, check, man;

@@ -152,6 +152,34 @@ int datasets_file(struct ttf_http_request *request, struct ttf_http_answer *ret)
     return open_file(request, request->match->path, ret);
 }
 
+/* One that need not be there: nobody has said anything yet. */
+static int open_log(struct ttf_http_request *request, const char *path, struct ttf_http_answer *ret)
+{
+    char where[4096 + 80];
+    int r;
+
+    if (folder_dataset(request->folder, request->match->name, where, sizeof where) == -ENOENT)
+        return no_dataset(request);
+    r = open_file(request, path, ret);
+    if (r != -ENOENT)
+        return r;
+    request->err = (struct ttf_err){0};
+    ret->fixed = "";
+    ret->bytes = 0;
+    ret->type = type_of(path);
+    return 0;
+}
+
+int datasets_notes(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    return open_log(request, "notes.jsonl", ret);
+}
+
+int datasets_events(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    return open_log(request, "events.jsonl", ret);
+}
+
 /* ---- archives ---- */
 
 static ssize_t archive_read(void *ctx, int64_t offset, void *buf, size_t n)

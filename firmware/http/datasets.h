@@ -9,6 +9,8 @@ int datasets_list(struct ttf_http_request *request, struct ttf_http_answer *ret)
 int datasets_one(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int datasets_records(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int datasets_file(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int datasets_notes(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int datasets_events(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int datasets_tar(struct ttf_http_request *request, struct ttf_http_answer *ret);
 
 #endif

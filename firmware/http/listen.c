@@ -107,6 +107,18 @@ static bool answers(const union address *address)
     return there;
 }
 
+/* Of a folder that hands its group on (setgid) the group is meant to use what is in it: on a box, who carries USB. */
+static mode_t mode_of(const char *path)
+{
+    char folder[sizeof(((struct sockaddr_un *)0)->sun_path)];
+    const char *slash = strrchr(path, '/');
+    struct stat st;
+
+    (void)snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1,
+                   slash ? path : ".");
+    return stat(folder, &st) == 0 && st.st_mode & S_ISGID ? 0660 : 0600;
+}
+
 static int open_unix(const char *path, struct ttf_http_socket *ret)
 {
     union address address = {.local = {.sun_family = AF_UNIX}};
@@ -127,7 +139,7 @@ static int open_unix(const char *path, struct ttf_http_socket *ret)
     if (fd < 0)
         return -errno;
     /* The mode is set before anybody can connect: nobody listens yet. */
-    if (bind(fd, &address.any, sizeof address.local) < 0 || chmod(path, 0600) < 0 ||
+    if (bind(fd, &address.any, sizeof address.local) < 0 || chmod(path, mode_of(path)) < 0 ||
         listen(fd, WAITING) < 0) {
         r = -errno;
         (void)close(fd);

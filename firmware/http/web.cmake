@@ -1,16 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-# The files of a folder as C: cmake -DFOLDER=... -DOUTPUT=... -P web.cmake
+# The files of the page's folder as C, and below view/ the scripts that it shares with `ttfbox view`:
+# cmake -DFOLDER=... -DVIEW=... -DOUTPUT=... -P web.cmake
 file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*)
+foreach(file IN ITEMS surface.js flat.js plot.js panel.js parts.css)
+    list(APPEND files view/${file})
+endforeach()
 list(SORT files)
 set(text "/* Made from firmware/web by web.cmake. */\n#include \"web.h\"\n")
 set(table "")
 set(n 0)
 foreach(file IN LISTS files)
-    if(file MATCHES "(\\.md|CMakeLists\\.txt)$" OR file MATCHES "(^|/)\\.")
+    if(file MATCHES "(^README|CMakeLists\\.txt$)" OR file MATCHES "(^|/)\\.")
         continue()
     endif()
-    file(READ ${FOLDER}/${file} hex HEX)
-    file(SHA256 ${FOLDER}/${file} sha256)
+    set(path ${FOLDER}/${file})
+    if(file MATCHES "^view/(.*)$")
+        set(path ${VIEW}/${CMAKE_MATCH_1})
+    endif()
+    file(READ ${path} hex HEX)
+    file(SHA256 ${path} sha256)
     string(LENGTH "${hex}" digits)
     math(EXPR bytes "${digits} / 2")
     # A zero behind them: a file may be empty, an array may not.

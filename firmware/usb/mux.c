@@ -166,7 +166,6 @@ void ttf_mux_end(struct ttf_mux *mux, unsigned id, enum ttf_mux_reason reason)
         s->end_due = false;
         s->gone = true;
         s->gone_reason = reason;
-        usb_queue_drop(&s->out, s->out.n);
         usb_stream_return(s, s->in.n);
         usb_queue_drop(&s->in, s->in.n);
     }

@@ -46,7 +46,7 @@ static bool may_send(const struct usb_stream *s)
 
 static bool end_is_due(const struct usb_stream *s)
 {
-    return s->gone_due || (s->end_due && s->out.n == 0);
+    return (s->gone_due || s->end_due) && s->out.n == 0;
 }
 
 static bool has_something(const struct usb_stream *s)

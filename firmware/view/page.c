@@ -91,6 +91,7 @@ int page_head(struct view_file *file, const struct view_panel *panels, unsigned 
     view_file_escaped(file, title && *title ? title : "A time-varying texture");
     view_file_text(file, "</title>\n<style>\n");
     put_source(file, "view.css");
+    put_source(file, "parts.css");
     view_file_text(file, "</style>\n</head>\n<body>\n");
     put_source(file, "body.html");
     view_file_text(file, "<script type=\"application/json\" id=\"about\">");

@@ -79,6 +79,16 @@ for header in "X-Content-Type-Options: nosniff" "Content-Security-Policy: defaul
     grep -qi "^$header" headers || fail "without $header"
 done
 
+# --- notes and events: nothing where nobody said anything, else the file's own bytes
+rm -f data/grass/notes.jsonl
+get "$URL/datasets/grass/notes" 200
+[ -s out ] && fail "notes that nobody made"
+expect 0 "$TTFBOX" note data/grass "watered" --slots 2-3
+get "$URL/datasets/grass/notes" 200
+cmp -s out data/grass/notes.jsonl || fail "the notes differ"
+get "$URL/datasets/grass/events" 200
+get "$URL/datasets/nobody/notes" 404
+
 # --- a damaged dataset does not hide the others
 mkdir data/broken
 echo '{"format":' >data/broken/dataset.json

@@ -76,7 +76,7 @@
       element(svg, "line", { class: "grid", x1: LEFT, x2: W - RIGHT, y1: y(v), y2: y(v) });
       element(svg, "text", { x: LEFT - 6, y: y(v) + 4, "text-anchor": "end" }, String(+v.toPrecision(4)));
     }
-    for (const t of ticks(t0, t1, 5, TIME_STEPS)) {
+    for (const t of ticks(t0, t1, W < 480 ? 2.5 : 5, TIME_STEPS)) {
       element(svg, "line", { class: "grid", x1: x(t), x2: x(t), y1: TOP, y2: H - BOTTOM });
       element(svg, "text", { x: x(t), y: H - BOTTOM + 16, "text-anchor": x(t) > W - 60 ? "end" : x(t) < LEFT + 20 ? "start" : "middle" },
         timeText(t));

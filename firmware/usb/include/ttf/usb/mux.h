@@ -84,7 +84,8 @@ size_t ttf_mux_peek(const struct ttf_mux *mux, unsigned id, const uint8_t **ret)
 void ttf_mux_taken(struct ttf_mux *mux, unsigned id, size_t n);
 
 /*
- * We send no more: END behind what is written; another reason: at once, what is written and what came is thrown away.
+ * We send no more; what is written still goes, unless the peer is gone. With another reason than END what came, and comes, is
+ * thrown away.
  * Nothing happens to a stream that is not open or has ended so already.
  */
 void ttf_mux_end(struct ttf_mux *mux, unsigned id, enum ttf_mux_reason reason);

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* api.js: the box's interface (openapi.yaml). Errors carry what the box said: what, where, what to do. */
+
+export class ApiError extends Error {
+  constructor(status, body) {
+    super(body?.error || (status ? `the box answered ${status}` : "the box does not answer"));
+    Object.assign(this, { status, where: body?.where, hint: body?.hint });
+  }
+
+  /* All of it in one line. */
+  get text() {
+    return [this.where && `${this.where}: `, this.message, this.hint && ` (${this.hint})`].filter(Boolean).join("");
+  }
+}
+
+const V1 = "/api/v1";
+
+async function ask(path, options = {}, patience_ms = 20000) {
+  let answer;
+  try {
+    answer = await fetch(path.startsWith("/") ? path : `${V1}/${path}`, {
+      cache: "no-store", credentials: "same-origin", redirect: "error", signal: AbortSignal.timeout(patience_ms), ...options });
+  } catch (error) {
+    throw new ApiError(0, error.name === "AbortError" ? { error: "stopped" } : null);
+  }
+  if (!answer.ok) {
+    let body = null;
+    try {
+      body = await answer.json();
+    } catch { /* not ours to read */ }
+    throw new ApiError(answer.status, body);
+  }
+  return answer;
+}
+
+export const get = async (path, patience_ms) => (await ask(path, {}, patience_ms)).json();
+export const getText = async (path) => (await ask(path)).text();
+
+/* A picture, with what its headers say. */
+export async function getPicture(path, patience_ms = 60000) {
+  const answer = await ask(path, {}, patience_ms);
+  return { blob: await answer.blob(), dataset: answer.headers.get("X-Ttfbox-Dataset"),
+    index: answer.headers.get("X-Ttfbox-Index"), live: answer.headers.get("X-Ttfbox-Live") };
+}
+
+async function send(method, path, body, type = "application/json") {
+  const options = { method, headers: { "X-Ttfbox": "1" } };
+  if (body !== undefined) {
+    options.headers["Content-Type"] = type;
+    options.body = typeof body === "string" ? body : JSON.stringify(body);
+  }
+  return (await ask(path, options, 60000)).json();
+}
+
+export const post = (path, body) => send("POST", path, body);
+export const postPlan = (path, text) => send("POST", path, text, "application/yaml");
+export const putPlan = (name, text) => send("PUT", `plans/${encodeURIComponent(name)}`, text, "application/yaml");
+export const remove = (path) => send("DELETE", path);
+
+/* Lines of "events" or "notes"; what is no JSON, as after a crash, is passed over. */
+export async function getLines(dataset, log) {
+  const text = await getText(`datasets/${encodeURIComponent(dataset)}/${log}`);
+  return text.split("\n").filter(Boolean).flatMap((line) => {
+    try {
+      return [JSON.parse(line)];
+    } catch {
+      return [];
+    }
+  });
+}

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * box.js: what the box does, as it happens. Browsers hold six connections to a host, so of all pages
+ * that are open here one listens and tells the others.
+ *
+ * Events of a Box: "status" (box.status is new), "lost" (box.lost changed), and each of the box's own
+ * ("slot", "readings", "event", "alarm", "asked", "preview"), with their data as `detail`.
+ */
+import { get, post } from "./api.js";
+
+const KINDS = ["state", "slot", "readings", "event", "alarm", "asked", "preview", "missed"];
+const BEAT_MS = 2000, SILENT_MS = 5500, LOOK_MS = 5000, LOST_LOOK_MS = 2000;
+
+export class Box extends EventTarget {
+  constructor() {
+    super();
+    this.status = null;
+    this.received = 0; /* performance.now() of the status */
+    this.lost = false;
+    this.session = { box: true, read: true, change: false };
+    this.id = Math.random().toString(36).slice(2);
+    this.leading = false;
+    this.heard = performance.now();
+  }
+
+  async start() {
+    await this.ask_session();
+    this.channel = "BroadcastChannel" in globalThis ? new BroadcastChannel("ttfbox") : null;
+    if (this.channel) {
+      this.channel.onmessage = ({ data }) => this.told(data);
+      addEventListener("pagehide", () => this.leading && this.channel.postMessage({ what: "leave" }));
+      setInterval(() => this.beat(), BEAT_MS);
+      setTimeout(() => this.beat(), 300 + Math.random() * 400);
+      this.heard = performance.now() - SILENT_MS + 400; /* the first page waits no longer than it must */
+    } else {
+      this.lead();
+    }
+    document.addEventListener("visibilitychange", () => document.hidden || this.look());
+    await this.look();
+    this.again();
+  }
+
+  /* A token was given or taken back: everything again. */
+  async renew() {
+    await this.ask_session();
+    this.unlead();
+    this.heard = 0;
+    this.beat();
+    await this.look();
+  }
+
+  async ask_session() {
+    try {
+      this.session = await get("session");
+      this.dispatchEvent(new Event("session"));
+    } catch { /* look() says that it is lost */ }
+  }
+
+  again() {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(async () => {
+      if (!document.hidden || this.lost)
+        await this.look();
+      this.again();
+    }, this.lost ? LOST_LOOK_MS : LOOK_MS);
+  }
+
+  async look() {
+    try {
+      const status = await get("status", 4000);
+      this.status = status;
+      this.received = performance.now();
+      this.set_lost(false);
+      this.dispatchEvent(new Event("status"));
+    } catch (error) {
+      if (error.status === 401) {
+        this.set_lost(false);
+        if (this.session.read) {
+          this.session = { ...this.session, read: false, change: false };
+          this.dispatchEvent(new Event("session"));
+        }
+      } else if (!error.status) {
+        this.set_lost(true);
+      }
+    }
+  }
+
+  set_lost(lost) {
+    if (this.lost === lost)
+      return;
+    this.lost = lost;
+    if (!lost)
+      this.ask_session(); /* it may have been another box, or the same with another token */
+    this.dispatchEvent(new Event("lost"));
+    this.again();
+  }
+
+  /* ---- one listens ---- */
+
+  beat() {
+    if (this.leading)
+      this.channel.postMessage({ what: "lead", id: this.id });
+    else if (performance.now() - this.heard > SILENT_MS)
+      this.lead();
+  }
+
+  told(data) {
+    if (data.what === "lead") {
+      this.heard = performance.now();
+      if (this.leading && data.id < this.id)
+        this.unlead();
+    } else if (data.what === "leave") {
+      this.heard = performance.now() - SILENT_MS + Math.random() * 1000;
+    } else if (data.what === "event") {
+      this.happened(data.kind, data.detail);
+    }
+  }
+
+  lead() {
+    this.leading = true;
+    this.channel?.postMessage({ what: "lead", id: this.id });
+    if (!this.session.box || !this.session.read)
+      return;
+    this.source = new EventSource("/api/v1/events");
+    for (const kind of KINDS)
+      this.source.addEventListener(kind, ({ data }) => {
+        let detail = {};
+        try {
+          detail = JSON.parse(data);
+        } catch { /* an empty one */ }
+        this.channel?.postMessage({ what: "event", kind, detail });
+        this.happened(kind, detail);
+      });
+    let opened = false;
+    this.source.onopen = () => {
+      if (opened)
+        this.look(); /* it was away: what happened meanwhile is in the status */
+      opened = true;
+    };
+    this.source.onerror = () => {
+      this.look();
+      if (this.source?.readyState === EventSource.CLOSED) { /* refused: the browser does not try again by itself */
+        this.unlead();
+        this.heard = performance.now();
+      }
+    };
+  }
+
+  unlead() {
+    this.source?.close();
+    this.source = null;
+    this.leading = false;
+  }
+
+  happened(kind, detail) {
+    if (kind === "slot" && this.status?.run) {
+      const { run } = this.status;
+      Object.assign(run, { last: detail, next: detail.next, done: Math.max(run.done || 0, detail.index + 1), slots: detail.total || run.slots });
+      this.received = performance.now();
+      this.status.state = this.status.state === "arming" ? "capturing" : this.status.state;
+    }
+    if (kind === "readings" && this.status)
+      this.status.readings = detail;
+    if (kind === "state" || kind === "missed" || kind === "slot" || kind === "alarm")
+      this.look_soon();
+    if (kind === "slot" || kind === "readings")
+      this.dispatchEvent(new Event("status"));
+    this.dispatchEvent(new CustomEvent(kind, { detail }));
+  }
+
+  /* Slots may come several times a second; the status need not. */
+  look_soon() {
+    this.soon ??= setTimeout(() => {
+      this.soon = null;
+      this.look();
+    }, 400);
+  }
+
+  /* ---- what is asked of it ---- */
+
+  /* Until the box says what came of it. Throws what it could not do. */
+  async order(path, body) {
+    const asked = await post(path, body);
+    const { number } = asked;
+    if (asked.answered || number === undefined)
+      return asked;
+    return new Promise((resolve, reject) => {
+      const done = ({ detail }) => {
+        if (detail.number !== number || detail.answered === false)
+          return;
+        stop();
+        if (detail.error)
+          reject(new Error(detail.error));
+        else
+          resolve(detail);
+      };
+      const poll = setInterval(() => get(`run/asked/${number}`).then((d) => done({ detail: d })).catch(() => {}), 2000);
+      const stop = () => {
+        clearInterval(poll);
+        this.removeEventListener("asked", done);
+      };
+      this.addEventListener("asked", done);
+    });
+  }
+
+  /* Nanoseconds until the next slot, now; undefined where none is to come. */
+  next_in_ns() {
+    const next = this.status?.run?.next;
+    return next?.in_ns === undefined ? undefined : next.in_ns - (performance.now() - this.received) * 1e6;
+  }
+
+  ends_in_ns() {
+    const ns = this.status?.run?.ends_in_ns;
+    return ns === undefined ? undefined : ns - (performance.now() - this.received) * 1e6;
+  }
+}

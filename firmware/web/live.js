@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* live.js: single pictures from the camera, one after another; exposure, focus, region. */
+import { h, fill, say } from "./dom.js";
+import { get, getPicture } from "./api.js";
+import { advice, drawHistogram, histogram, marked, sharpness } from "./aids.js";
+import { Picker, keep, picked } from "./picker.js";
+
+const LOUPE = 160; /* pixels of the camera, shown as they are */
+
+function settings_form(about, again) {
+  const camera = h("select", { onchange: again }, (about.cameras || []).map((c) => h("option", { value: c.name }, `${c.name} (${c.width} x ${c.height})`)));
+  const exposure = h("input", { type: "number", min: 0.001, step: "any", placeholder: "by itself", value: picked().exposure_ms || "", onchange: again });
+  const gain = h("input", { type: "number", min: 0.1, step: "any", placeholder: "1", value: picked().gain || "", onchange: again });
+  const lamps = (about.lamps || []).map((lamp) => ({ lamp,
+    input: h("input", { type: "range", min: 0, max: 1000, step: lamp.steps > 1 ? Math.max(1, Math.round(1000 / lamp.steps)) : 1000, value: 0, onchange: again, "aria-label": `Lamp ${lamp.name}` }) }));
+  const form = h("div", { class: "stack" },
+    (about.cameras || []).length > 1 && h("label", { class: "field" }, "Camera", camera),
+    h("div", { class: "fields" }, h("label", { class: "field" }, "Exposure, ms", exposure), h("label", { class: "field" }, "Gain", gain)),
+    lamps.map(({ lamp, input }) => h("label", {}, `Lamp ${lamp.name}`, input)));
+  return { form, chosen: () => ({ exposure_ms: Number(exposure.value) || 0, gain: Number(gain.value) || 0 }), camera: () => (about.cameras || []).find((c) => c.name === camera.value) || about.cameras?.[0],
+    query() {
+      const q = new URLSearchParams();
+      if (camera.value)
+        q.set("camera", camera.value);
+      if (exposure.value > 0)
+        q.set("exposure_ns", Math.round(exposure.value * 1e6));
+      if (gain.value > 0)
+        q.set("gain_milli", Math.round(gain.value * 1000));
+      const lit = lamps.filter(({ input }) => input.value > 0).map(({ lamp, input }) => `${lamp.name}:${input.value}`);
+      if (lit.length)
+        q.set("lamps", lit.join(","));
+      return q;
+    } };
+}
+
+async function pixels_of(blob) {
+  const bitmap = await createImageBitmap(blob), canvas = new OffscreenCanvas(bitmap.width, bitmap.height), context = canvas.getContext("2d", { willReadFrequently: true });
+  context.drawImage(bitmap, 0, 0);
+  bitmap.close();
+  return context.getImageData(0, 0, canvas.width, canvas.height);
+}
+
+export function live(main, box) {
+  let ended = false, running = false, timer = 0, pixels = null, settings = null, picker = null, loupe_at = null, best = 0, about = null;
+  const view = h("canvas", { role: "img", "aria-label": "Live view: no picture yet" });
+  const overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  overlay.setAttribute("role", "img");
+  const viewer = h("div", { class: "viewer" }, view), said = h("p", { role: "status" }, "…"), exposure_said = h("p", { role: "status" });
+  const bars = h("canvas", { class: "histogram", role: "img", "aria-label": "Histogram" });
+  const meter = h("p", { class: "meter" }, "–"), meter_best = h("p", { class: "quiet" }, ""), loupe = h("canvas", { class: "loupe", role: "img", "aria-label": "Loupe" });
+  const clipping = check("Mark what is clipped or black", true), peaking = check("Mark sharp edges", false);
+  const play = h("button", { class: "main", "aria-pressed": "false", onclick: toggle }, "Start live view"), once = h("button", { onclick: shoot }, "One picture");
+  const side = h("div", { class: "stack" }), picks = h("div", { class: "stack" });
+
+  function check(text, on) {
+    const input = h("input", { type: "checkbox", checked: on, onchange: () => draw() });
+    return { input, label: h("label", {}, input, text) };
+  }
+
+  viewer.append(overlay);
+  fill(main, h("h1", {}, "Live view"), h("div", { class: "cards live" },
+    h("section", { class: "card picture-card", "aria-label": "Picture" }, viewer, h("div", { class: "row end" }, play, once, clipping.label, peaking.label), said),
+    h("section", { class: "card" }, h("h2", {}, "Exposure"), bars, exposure_said, side),
+    h("section", { class: "card" }, h("h2", {}, "Focus"), meter, meter_best,
+      h("button", { onclick: () => { best = 0; focus(); } }, "Begin anew"),
+      h("p", { class: "quiet" }, "The number is largest where focus is best; turn the ring until it grows no more. It is of the loupe's place: click the picture to move it, or with arrow keys."), loupe),
+    h("section", { class: "card" }, h("h2", {}, "Region and chart"), picks)));
+
+  function toggle() {
+    running = !running;
+    play.setAttribute("aria-pressed", String(running));
+    play.textContent = running ? "Stop live view" : "Start live view";
+    if (running)
+      shoot();
+  }
+
+  async function shoot() {
+    clearTimeout(timer);
+    try {
+      const query = settings.query(), got = await getPicture(`live?${query}`);
+      if (ended)
+        return;
+      pixels = await pixels_of(got.blob);
+      say(said, got.live === "latest" ? `A run is under way: this is its last picture, slot ${got.index}. The camera is left alone.` : "From the camera, now.");
+      draw();
+      if (got.live !== "latest")
+        await look_closely(query);
+    } catch (error) {
+      say(said, error.text || error.message);
+      if (error.status === 401)
+        running = false;
+    }
+    if (running && !ended)
+      timer = setTimeout(shoot, box.status?.run?.next ? 2000 : 150);
+  }
+
+  function scale() {
+    return (settings.camera()?.width || view.width) / view.width;
+  }
+
+  /* The loupe's place at the camera's own pixels. */
+  async function look_closely(query) {
+    const camera = settings.camera(), s = scale(), half = LOUPE / 2;
+    const x = Math.max(0, Math.min(camera.width - LOUPE, Math.round(loupe_at.x * s - half))), y = Math.max(0, Math.min(camera.height - LOUPE, Math.round(loupe_at.y * s - half)));
+    if (s <= 1.01 || camera.width < LOUPE || camera.height < LOUPE)
+      return; /* the picture is as large as the camera's already */
+    query.set("region", `${x},${y},${LOUPE},${LOUPE}`);
+    const got = await getPicture(`live?${query}`);
+    if (!ended)
+      focus(await pixels_of(got.blob));
+  }
+
+  function draw() {
+    if (!pixels)
+      return;
+    view.width = pixels.width;
+    view.height = pixels.height;
+    loupe_at ??= { x: pixels.width / 2, y: pixels.height / 2 };
+    view.getContext("2d").putImageData(clipping.input.checked || peaking.input.checked
+      ? marked(pixels, { clipping: clipping.input.checked, peaking: peaking.input.checked }) : pixels, 0, 0);
+    const figures = histogram(pixels), style = getComputedStyle(document.documentElement);
+    drawHistogram(bars, figures, ["--red", "--green", "--blue"].map((name) => style.getPropertyValue(name)));
+    say(exposure_said, advice(figures));
+    bars.setAttribute("aria-label", `Histogram: ${advice(figures)}`);
+    view.setAttribute("aria-label", `Live view, ${pixels.width} x ${pixels.height}: ${advice(figures)}`);
+    focus();
+  }
+
+  /* Of the loupe's own pixels, or of the same place in the picture. */
+  function focus(close) {
+    if (!pixels)
+      return;
+    const size = Math.min(LOUPE, pixels.width, pixels.height);
+    const x = Math.max(0, Math.min(pixels.width - size, Math.round(loupe_at.x - size / 2))), y = Math.max(0, Math.min(pixels.height - size, Math.round(loupe_at.y - size / 2)));
+    const value = close ? sharpness(close) : sharpness(pixels, x, y, size, size);
+    best = Math.max(best, value);
+    say(meter, value.toFixed(1));
+    say(meter_best, `${Math.round(100 * value / (best || 1))} % of the best so far, ${best.toFixed(1)}`);
+    loupe.width = loupe.height = size;
+    if (close)
+      loupe.getContext("2d").putImageData(close, 0, 0);
+    else
+      loupe.getContext("2d").putImageData(pixels, -x, -y, x, y, size, size);
+    loupe.setAttribute("aria-label", `Loupe at ${Math.round(loupe_at.x * scale())}, ${Math.round(loupe_at.y * scale())}: sharpness ${value.toFixed(1)}`);
+  }
+
+  overlay.setAttribute("tabindex", "0");
+  overlay.addEventListener("click", (e) => {
+    if (picker?.mode || !pixels)
+      return;
+    const b = overlay.getBoundingClientRect();
+    loupe_at = { x: (e.clientX - b.left) / b.width * pixels.width, y: (e.clientY - b.top) / b.height * pixels.height };
+    best = 0;
+    focus();
+  });
+  overlay.addEventListener("keydown", (e) => {
+    const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[e.key];
+    if (!by || !pixels)
+      return;
+    e.preventDefault();
+    const step = e.shiftKey ? 40 : 8;
+    loupe_at = { x: Math.max(0, Math.min(pixels.width, loupe_at.x + by[0] * step)), y: Math.max(0, Math.min(pixels.height, loupe_at.y + by[1] * step)) };
+    best = 0;
+    focus();
+  });
+
+  get("box").then((got) => {
+    if (ended)
+      return;
+    about = got;
+    settings = settings_form(about, () => {
+      keep(settings.chosen()); /* the plan begins with it */
+      if (!running)
+        shoot();
+    });
+    fill(side, settings.form);
+    const camera = settings.camera();
+    if (camera)
+      picker = new Picker(overlay, picks, camera);
+    if (box.session.change)
+      shoot();
+    else
+      say(said, "Live view needs the token.");
+  }).catch((error) => say(said, error.text || error.message));
+
+  return () => {
+    ended = true;
+    clearTimeout(timer);
+  };
+}

@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* now.js: the first thing seen: state, countdown, the last picture; what the run has cost and will take. */
+import { h, fill, facts, say, ask } from "./dom.js";
+import { getPicture, post } from "./api.js";
+import { bytes, countdown, count, reading, span, when } from "./words.js";
+import { results, stateWords } from "./state.js";
+
+export function now(main, box) {
+  const clock = h("p", { class: "countdown", id: "countdown" }), under = h("p", {}), bar = h("progress", { "aria-label": "Slots done" });
+  const run_facts = h("div"), disk = h("div"), readings = h("div"), alarms = h("div"), said = h("p", { class: "bad", role: "alert" });
+  const buttons = h("div", { class: "row end" }), happened = h("ul", { class: "notes" });
+  const img = h("img", { alt: "The last picture", hidden: true }), none = h("p", {}, "No picture yet"), caption = h("figcaption", {}, "");
+  const happenings = h("section", { class: "card", hidden: true }, h("h2", {}, "While this page is open"), happened);
+
+  fill(main, h("h1", { class: "visually-hidden" }, "Now"), h("div", { class: "cards now" },
+    h("section", { class: "card", "aria-label": "State" }, clock, under, bar, said, alarms, buttons),
+    h("section", { class: "card picture-card" }, h("h2", {}, "Last picture"), h("figure", {}, h("div", { class: "picture" }, img, none), caption)),
+    h("section", { class: "card" }, h("h2", {}, "Run"), run_facts),
+    h("section", { class: "card" }, h("h2", {}, "Box"), disk, readings), happenings));
+
+  /* ---- the countdown, as often as it changes ---- */
+
+  function tick() {
+    const { status, lost } = box, next = box.next_in_ns();
+    const word = lost ? "Connection lost" : next === undefined || ["stopped", "idle", "retrying", "stopping", "arming"].includes(status?.state)
+      ? stateWords(status, lost).text : null;
+    clock.classList.toggle("word", word !== null);
+    say(clock, word ?? (next <= 0 ? "now" : countdown(next)));
+    if (!status)
+      return;
+    const { run } = status, parts = [];
+    if (lost)
+      parts.push("What is shown is from before.");
+    else if (status.why)
+      parts.push(status.why);
+    else if (word === null)
+      parts.push(`until slot ${run.next.index}${run.slots ? ` of ${run.slots}` : ""}`);
+    if (!lost && status.retry_in_ns !== undefined)
+      parts.push(`looked at again in ${countdown(status.retry_in_ns - (performance.now() - box.received) * 1e6)}`);
+    say(under, parts.join("; "));
+  }
+
+  /* ---- everything else, when the status is new ---- */
+
+  function refresh() {
+    const { status } = box;
+    if (!status)
+      return;
+    const { run } = status, ends = box.ends_in_ns();
+    bar.hidden = run?.slots === undefined;
+    if (run?.slots !== undefined) {
+      bar.max = run.slots;
+      bar.value = run.done || 0;
+    }
+    fill(run_facts, run ? facts([
+      ["Dataset", h("a", { href: `#/data/${run.dataset}` }, run.dataset)],
+      run.plan && ["Plan", run.plan],
+      run.interval_ns && ["Interval", span(run.interval_ns)],
+      ["Slots", run.slots === undefined ? "not yet known" : `${(run.done || 0).toLocaleString()} of ${run.slots.toLocaleString()}`],
+      run.results && ["Results", results(run.results)],
+      ends !== undefined && ends > 0 && ["Time left", `${span(ends)}, until ${when(Date.now() * 1e6 + ends)}`],
+      run.last && ["Last slot", `${run.last.index}: ${run.last.result}${run.last.why ? `, ${run.last.why}` : ""}` +
+        `${run.last.error_ns !== undefined ? `, ${signed(run.last.error_ns)} off its time` : ""}`],
+      run.sealed && ["Sealed", "yes"],
+    ]) : h("p", {}, "Nothing was run since this box was started. ", h("a", { href: "#/plan" }, "Make a plan"), "."));
+    fill(disk, facts([
+      status.disk && ["Disk", `${bytes(status.disk.free_bytes)} free of ${bytes(status.disk.total_bytes)}`],
+      status.disk && run?.slot_bytes && ["Room for", count(Math.floor(status.disk.free_bytes / run.slot_bytes), "more slot") +
+        (run.slots && (run.slots - (run.done || 0)) * run.slot_bytes > status.disk.free_bytes ? ": not enough for this run" : "")],
+      status.board && ["Board", status.board],
+      status.time && ["Clock", clock_words(status.time)],
+      ["Software", status.version],
+    ]));
+    const { lamps = [], sensors = [] } = status.readings || {};
+    fill(readings, lamps.length + sensors.length ? [h("h3", {}, `At slot ${status.readings.index}`), facts([
+      ...lamps.map((l) => [l.name, `${(l.measured_permille ?? l.commanded_permille) / 10} %`]),
+      ...sensors.map((s) => [s.name, s.ok === false ? "gives nothing" : reading(s.kind, s.value)])])] : []);
+    const list = (status.alarms || []).map((a) => h("li", {}, `${a.utc_ns ? `${when(a.utc_ns)}: ` : ""}${a.text}`));
+    fill(alarms, list.length ? [h("h2", { class: "bad" }, "A person is needed"), h("ul", { class: "alarms" }, list)] : []);
+    draw_buttons(status);
+    tick();
+  }
+
+  function signed(ns) {
+    return `${ns < 0 ? "−" : "+"}${span(ns)}`;
+  }
+
+  /* The box's clock beside this machine's. */
+  function clock_words(time) {
+    const trust = { none: "set by nobody", rtc: "kept by its battery", ntp: "from the network", host: "from a host" }[time.trust] || time.trust;
+    if (time.utc_ns === undefined)
+      return trust;
+    const off_s = time.utc_ns / 1e9 - Date.now() / 1000;
+    return Math.abs(off_s) > 10 && !box.status.simulated ? `${trust}; ${span(off_s * 1e9)} ${off_s < 0 ? "behind" : "ahead of"} this device's` : trust;
+  }
+
+  /* ---- what may be asked of it ---- */
+
+  async function order(path, body) {
+    say(said, "");
+    try {
+      await box.order(path, body);
+      await box.look();
+    } catch (error) {
+      say(said, error.text || error.message);
+    }
+  }
+
+  async function stop() {
+    const slots = box.status?.run?.slots;
+    if (await ask("Stop this run?", h("p", {}, `It ends within a slot, loses no frame, and stays stopped until somebody goes on with it${slots ? ` (${slots} slots were planned)` : ""}.`),
+      [{ name: "stop", text: "Stop it", kind: "danger" }, { name: "", text: "Let it run" }]) === "stop")
+      await order("run/stop");
+  }
+
+  async function go_on() {
+    say(said, "");
+    try {
+      await post("run", {});
+      await box.look();
+    } catch (error) {
+      say(said, error.text || error.message);
+    }
+  }
+
+  let drawn = "";
+  function draw_buttons(status) {
+    const { state, run } = status, may = box.session.change, key = `${state} ${may} ${!!run}`;
+    if (key === drawn)
+      return; /* a button in somebody's fingers stays where it is */
+    drawn = key;
+    const running = ["capturing", "arming", "waiting"].includes(state);
+    fill(buttons,
+      running && h("button", { disabled: !may, onclick: () => order("run/pause", { reason: "asked for on the page" }) }, "Pause"),
+      state === "paused" && h("button", { class: "main", disabled: !may, onclick: () => order("run/resume") }, "Resume"),
+      (running || state === "paused" || state === "retrying") && h("button", { class: "danger", disabled: !may, onclick: stop }, "Stop"),
+      state === "stopped" && run && h("button", { class: "main", disabled: !may, onclick: go_on }, "Go on"),
+      (state === "idle" || state === "stopped") && h("a", { class: "button", href: "#/plan" }, "New plan"),
+      !may && h("p", { class: "quiet" }, "To change something, enter the token."));
+  }
+
+  /* ---- the picture ---- */
+
+  let shown = null, asked = false, wanted = false;
+  async function picture() {
+    if (asked) {
+      wanted = true;
+      return;
+    }
+    asked = true;
+    try {
+      const got = await getPicture("latest");
+      if (shown)
+        URL.revokeObjectURL(shown);
+      shown = URL.createObjectURL(got.blob);
+      img.src = shown;
+      img.alt = `The last picture: slot ${got.index} of ${got.dataset}`;
+      img.hidden = false;
+      none.hidden = true;
+      say(caption, `${got.dataset}, slot ${got.index}`);
+    } catch (error) {
+      if (error.status === 404) {
+        img.hidden = true;
+        none.hidden = false;
+      } else if (error.status) {
+        say(caption, error.text);
+      }
+    }
+    asked = false;
+    if (wanted) {
+      wanted = false;
+      setTimeout(picture, 500);
+    }
+  }
+
+  function tell(text) {
+    happenings.hidden = false;
+    happened.prepend(h("li", {}, h("small", {}, new Date().toLocaleTimeString()), " ", text));
+    while (happened.children.length > 30)
+      happened.lastChild.remove();
+  }
+
+  const listeners = {
+    status: refresh, lost: () => { tick(); if (!box.lost) picture(); }, session: () => { drawn = ""; refresh(); },
+    slot: ({ detail }) => {
+      if (detail.result === "captured" || detail.result === "partial")
+        picture();
+      else
+        tell(`Slot ${detail.index}: ${detail.result}${detail.why ? `, ${detail.why}` : ""}`);
+    },
+    event: ({ detail }) => tell(detail.text),
+    alarm: ({ detail }) => tell(`Alarm: ${detail.text}`),
+  };
+  for (const [kind, listener] of Object.entries(listeners))
+    box.addEventListener(kind, listener);
+  const timer = setInterval(tick, 200);
+  refresh();
+  tick();
+  picture();
+  return () => {
+    clearInterval(timer);
+    for (const [kind, listener] of Object.entries(listeners))
+      box.removeEventListener(kind, listener);
+    if (shown)
+      URL.revokeObjectURL(shown);
+  };
+}

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* plan.js: from a sample to a run: what, how often, under which light; checked by the box as one types. */
+import { h, fill, say, ask } from "./dom.js";
+import { get, getText, post, postPlan, putPlan, remove } from "./api.js";
+import { PRESETS, UNITS, nameOf, planText } from "./presets.js";
+import { picked } from "./picker.js";
+import { planVerdict } from "./verdict.js";
+import { span } from "./words.js";
+
+function quantity(label, [n, unit], units, again) {
+  const number = h("input", { type: "number", min: 0, step: "any", value: n, required: true, oninput: again, "aria-label": label });
+  const choice = h("select", { onchange: again, "aria-label": `${label}, unit` }, units.map((u) => h("option", { selected: u === unit }, u)));
+  return { element: h("div", { class: "field" }, h("span", { "aria-hidden": "true" }, label), h("div", { class: "pair" }, number, choice)),
+    get: () => [Number(number.value), choice.value],
+    set([value, u]) {
+      number.value = value;
+      choice.value = u;
+    } };
+}
+
+function select(label, options, again) {
+  const e = h("select", { onchange: again }, options.map(([value, text]) => h("option", { value }, text)));
+  return { element: h("label", { class: "field" }, label, e), e };
+}
+
+export function plan(main, box) {
+  let ended = false, timer = 0, by_hand = false, check_number = 0, about = null, ok = false;
+  const verdict = h("div", { role: "status" }), text = h("textarea", { rows: 18, spellcheck: "false", oninput: () => { by_hand = true; say(hand, "Changed by hand: the form above no longer changes it."); later(); } });
+  const hand = h("p", { class: "quiet" }), said = h("p", { class: "bad", role: "alert" }), list = h("div");
+
+  /* ---- the form ---- */
+
+  const changed = () => { write(); later(); };
+  const preset = h("div", { class: "presets" }, PRESETS.map((p, i) => h("label", {},
+    h("input", { type: "radio", name: "preset", value: p.id, checked: i === 0, onchange: () => choose(p) }), h("span", {}, p.title),
+    h("small", {}, `every ${span(p.interval[0] * UNITS[p.interval[1]])} for ${span(p.duration[0] * UNITS[p.duration[1]])}. ${p.text}`))));
+  const title = h("input", { required: true, maxlength: 120, size: 28, oninput: () => { name.value = nameOf(title.value); changed(); } });
+  const name = h("input", { required: true, pattern: "[A-Za-z0-9_\\-][A-Za-z0-9._\\-]{0,63}", maxlength: 64, size: 22, oninput: changed });
+  const interval = quantity("A picture every", [10, "min"], ["ms", "s", "min", "h"], changed);
+  const duration = quantity("For", [7, "d"], ["s", "min", "h", "d"], changed);
+  const start = h("input", { type: "datetime-local", onchange: changed });
+  const mode = select("Lamps burn", [["capture-only", "only for the pictures"], ["continuous", "all the time"], ["photoperiod", "as day and night"], ["none", "not at all"]], () => { shown(); changed(); });
+  const settle = quantity("Settle before a picture", [20, "s"], ["s", "min"], changed);
+  const day = quantity("Day of", [16, "h"], ["min", "h"], changed), period = quantity("in every", [24, "h"], ["min", "h", "d"], changed);
+  const exposure = h("input", { type: "number", min: 0.001, step: "any", value: 20, oninput: changed }), gain = h("input", { type: "number", min: 0.1, step: "any", value: 1, oninput: changed });
+  const mains = select("Mains", [["50Hz", "50 Hz"], ["60Hz", "60 Hz"], ["none", "none"]], changed);
+  const keep = select("Keep", [["default", "as the box thinks best"], ["developed", "developed pictures"], ["raw", "raw frames"], ["both", "both"]], changed);
+  const region = h("input", { type: "checkbox", onchange: changed }), reference = h("input", { type: "checkbox", onchange: changed });
+  const lamps_box = h("div", { class: "fields" }), camera_box = h("div", { hidden: true });
+  let lamps = [], camera = null;
+
+  function choose(p) {
+    by_hand = false;
+    say(hand, "");
+    title.value = p.id === "own" ? "Untitled" : p.title;
+    name.value = `${nameOf(title.value)}-${new Date().toISOString().slice(0, 10)}`;
+    interval.set(p.interval);
+    duration.set(p.duration);
+    mode.e.value = p.mode;
+    if (p.settle)
+      settle.set(p.settle);
+    mains.e.value = p.mains || "50Hz";
+    keep.e.value = p.keep || "default";
+    shown();
+    changed();
+  }
+
+  function shown() {
+    const lit = mode.e.value !== "none";
+    lamps_box.hidden = !lit;
+    settle.element.hidden = !lit || mode.e.value === "continuous";
+    day.element.hidden = period.element.hidden = mode.e.value !== "photoperiod";
+  }
+
+  function choice() {
+    const p = PRESETS.find((x) => x.id === main.querySelector('[name="preset"]:checked')?.value), marks = picked();
+    return { title: title.value, interval: interval.get(), duration: duration.get(), start: start.value ? new Date(start.value).toISOString().replace(/\.\d+Z/, "Z") : null,
+      mode: mode.e.value, settle: settle.element.hidden ? null : settle.get(), day: day.get(), period: period.get(), channel: p?.channel,
+      camera: camera?.value, lamps: Object.fromEntries(lamps.map(({ lamp, input }) => [lamp.name, Number(input.value)])),
+      exposure_ms: Number(exposure.value), gain: Number(gain.value), mains: mains.e.value, keep: keep.e.value,
+      region: region.checked ? marks.region : null, reference: reference.checked ? marks.reference : null };
+  }
+
+  function write() {
+    if (!by_hand)
+      text.value = planText(choice());
+  }
+
+  /* ---- what the box says of it ---- */
+
+  function later() {
+    clearTimeout(timer);
+    timer = setTimeout(check, 350);
+  }
+
+  async function check() {
+    const number = ++check_number;
+    try {
+      const got = await postPlan("plans/check", text.value);
+      if (ended || number !== check_number)
+        return;
+      ok = got.ok;
+      fill(verdict, planVerdict(got));
+    } catch (error) {
+      if (ended || number !== check_number)
+        return;
+      ok = false;
+      fill(verdict, h("p", { class: "finding-error" }, error.text || error.message));
+    }
+    for (const b of actions)
+      b.disabled = !ok || !box.session.change;
+  }
+
+  const busy = () => ["capturing", "arming", "paused", "stopping", "retrying"].includes(box.status?.state);
+
+  async function save(then_start) {
+    say(said, "");
+    try {
+      if (!form.reportValidity())
+        return;
+      await putPlan(name.value, text.value);
+      if (then_start) {
+        if (busy()) {
+          say(said, "Another run is under way: stop it first. The plan is saved.");
+        } else {
+          await post("run", { plan: name.value, dataset: name.value });
+          location.hash = "#/";
+          return;
+        }
+      }
+      await plans();
+    } catch (error) {
+      say(said, error.text || error.message);
+    }
+  }
+
+  const actions = [h("button", { type: "button", class: "main", disabled: true, id: "save-start", onclick: () => save(true) }, "Save and start"),
+    h("button", { type: "button", disabled: true, onclick: () => save(false) }, "Save only")];
+
+  /* ---- plans that are there ---- */
+
+  async function plans() {
+    const { plans: there } = await get("plans");
+    if (ended)
+      return;
+    fill(list, there.length === 0 ? h("p", {}, "None yet.") : h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Plans that are there" },
+      h("table", {}, h("thead", {}, h("tr", {}, ["Plan", "Slots", "Every", ""].map((t) => h("th", { scope: "col" }, t || h("span", { class: "visually-hidden" }, "What to do"))))),
+        h("tbody", {}, there.map((p) => h("tr", {}, h("td", {}, p.name, p.title && h("div", { class: "quiet" }, p.title), p.error && h("div", { class: "bad" }, p.error)),
+          h("td", {}, p.slots?.toLocaleString() || ""), h("td", {}, p.interval_ns ? span(p.interval_ns) : ""),
+          h("td", {}, h("div", { class: "row" }, h("button", { onclick: () => load(`plans/${p.name}`, p.name) }, "Open"),
+            h("button", { disabled: !box.session.change || !!p.error, onclick: () => begin(p) }, "Start"),
+            !p.configured && h("button", { class: "danger", disabled: !box.session.change, onclick: () => drop(p) }, "Delete")))))))));
+  }
+
+  async function load(path, called) {
+    text.value = await getText(path.startsWith("/") ? path : `/api/v1/${path}`);
+    by_hand = true;
+    name.value = called;
+    say(hand, `This is ${called}, as it lies on the box. Choose a sample above to begin anew.`);
+    check();
+    text.focus();
+  }
+
+  async function begin(p) {
+    say(said, "");
+    try {
+      await post("run", { plan: p.name });
+      location.hash = "#/";
+    } catch (error) {
+      say(said, error.text || error.message);
+    }
+  }
+
+  async function drop(p) {
+    if (await ask(`Delete the plan ${p.name}?`, h("p", {}, "Datasets that were made by it stay as they are."), [{ name: "yes", text: "Delete it", kind: "danger" }, { name: "", text: "Keep it" }]) === "yes") {
+      await remove(`plans/${p.name}`).catch((error) => say(said, error.text));
+      await plans();
+    }
+  }
+
+  /* ---- the page ---- */
+
+  const step = (n, head, ...content) => h("fieldset", {}, h("legend", {}, `${n}. ${head}`), content);
+  const form = h("form", { onsubmit: (e) => e.preventDefault() },
+    step(1, "What is photographed?", preset),
+    step(2, "How often, how long?", h("div", { class: "fields" }, interval.element, duration.element,
+      h("label", { class: "field" }, "Begin (empty: at once)", start), h("label", { class: "field" }, "Title", title), h("label", { class: "field" }, "Name of plan and dataset", name))),
+    step(3, "Under which light?", h("div", { class: "stack" }, h("div", { class: "fields" }, mode.element, settle.element, day.element, period.element), lamps_box,
+      h("div", { class: "fields" }, camera_box, h("label", { class: "field" }, "Exposure, ms", exposure), h("label", { class: "field" }, "Gain", gain), mains.element))),
+    step(4, "What is kept?", h("div", { class: "fields" }, keep.element, h("label", {}, region, "only the region"), h("label", {}, reference, "watch the reference patch")),
+      h("p", { class: "quiet" }, "Region and patch are drawn in ", h("a", { href: "#/live" }, "live view"), ".")),
+    h("details", {}, h("summary", {}, "The plan, as the box reads it"), h("label", { class: "field" }, h("span", { class: "visually-hidden" }, "The plan's text"), text), hand));
+
+  fill(main, h("h1", {}, "Plan a run"), h("div", { class: "cards planning" },
+    h("section", { class: "card form-card", "aria-label": "New plan" }, form),
+    h("section", { class: "card" }, h("h2", {}, "What it takes"), verdict, h("div", { class: "row end" }, actions), said,
+      !box.session.change && h("p", { class: "quiet" }, "To save or start one, enter the token.")),
+    h("section", { class: "card" }, h("h2", {}, "Plans on this box"), list)));
+
+  const marks = picked();
+  if (marks.exposure_ms > 0) /* as it was set in live view */
+    exposure.value = marks.exposure_ms;
+  if (marks.gain > 0)
+    gain.value = marks.gain;
+  region.checked = !!marks.region;
+  region.disabled = !marks.region;
+  reference.checked = !!marks.reference;
+  reference.disabled = !marks.reference;
+
+  get("box").then((got) => {
+    if (ended)
+      return;
+    about = got;
+    lamps = (about.lamps || []).map((lamp) => ({ lamp, input: h("input", { type: "number", min: 0, max: 100, step: lamp.steps === 1 ? 100 : 1, value: 100, oninput: changed }) }));
+    fill(lamps_box, lamps.map(({ lamp, input }) => h("label", { class: "field" }, `Lamp ${lamp.name}, %`, input)));
+    if ((about.cameras || []).length > 1 || about.cameras?.[0]?.name !== "main") {
+      camera = h("select", { onchange: changed }, (about.cameras || []).map((c) => h("option", {}, c.name)));
+      camera_box.hidden = false;
+      fill(camera_box, h("label", { class: "field" }, "Camera", camera));
+    }
+    choose(PRESETS[0]);
+  }).catch((error) => say(said, error.text || error.message));
+  plans().catch((error) => fill(list, h("p", { class: "bad" }, error.text || error.message)));
+
+  return () => {
+    ended = true;
+    clearTimeout(timer);
+  };
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* preview.js: what the box synthesized so far, beside what was captured, moment by moment. Nothing where there is no preview. */
+import { h, fill, say } from "./dom.js";
+import { get } from "./api.js";
+import { count, when } from "./words.js";
+
+export function preview(parent, box, name) {
+  let ended = false, frames = [], timer = 0;
+  const captured = h("img", { alt: "" }), grown = h("img", { alt: "" }), caption = h("p", { class: "quiet", role: "status" }), about = h("p", { class: "quiet" });
+  const slider = h("input", { type: "range", class: "scrub", min: 0, max: 0, step: 1, value: 0, "aria-label": "Moment of the preview", oninput: show });
+  const play = h("button", { "aria-pressed": "false", onclick: toggle }, "Play");
+  fill(parent, h("h2", {}, "Preview of a synthesis"), h("div", { class: "big" },
+    h("figure", {}, h("div", { class: "picture" }, captured), h("figcaption", {}, "Captured")),
+    h("figure", {}, h("div", { class: "picture" }, grown), h("figcaption", {}, "Synthesized from it"))),
+  h("div", { class: "row" }, play, slider), caption, about);
+
+  function show() {
+    const frame = frames[Number(slider.value)];
+    captured.src = `/api/v1/datasets/${name}/thumbs/${frame.slot}`;
+    grown.src = `/api/v1/datasets/${name}/preview/${frame.path}`;
+    captured.alt = `Captured, slot ${frame.slot}`;
+    grown.alt = `Synthesized, as at slot ${frame.slot}`;
+    slider.setAttribute("aria-valuetext", `slot ${frame.slot}`);
+    say(caption, `Slot ${frame.slot}`);
+  }
+
+  function toggle() {
+    const on = play.getAttribute("aria-pressed") !== "true";
+    play.setAttribute("aria-pressed", String(on));
+    play.textContent = on ? "Pause" : "Play";
+    clearInterval(timer);
+    if (on)
+      timer = setInterval(() => {
+        if (captured.complete && grown.complete) {
+          slider.value = (Number(slider.value) + 1) % frames.length;
+          show();
+        }
+      }, 160);
+  }
+
+  async function refresh() {
+    let state;
+    try {
+      state = await get(`datasets/${name}/preview`);
+    } catch {
+      return; /* no preview is offered here */
+    }
+    if (ended)
+      return;
+    frames = state.frames || [];
+    parent.hidden = frames.length === 0 && state.state !== "failed";
+    if (state.state === "failed")
+      say(about, `The last try failed: ${state.why}. It is tried again when there are more pictures.`);
+    else if (frames.length)
+      say(about, `From ${count(state.images, "picture")}, ${state.width} x ${state.height} pixels, each standing for ${state.shrunk_by} x ${state.shrunk_by} of the captured ones; made ${when(state.made_utc_ns)}.`);
+    if (!frames.length)
+      return;
+    const was = Number(slider.max);
+    slider.max = frames.length - 1;
+    if (was === 0)
+      slider.value = frames.length - 1;
+    show();
+  }
+
+  const newer = ({ detail }) => detail.dataset === name && refresh();
+  box.addEventListener("preview", newer);
+  refresh();
+  return () => {
+    ended = true;
+    clearInterval(timer);
+    box.removeEventListener("preview", newer);
+  };
+}

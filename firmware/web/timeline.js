@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* timeline.js: a strip of small pictures and a slider over all slots. */
+import { h, fill, say } from "./dom.js";
+import { when } from "./words.js";
+
+const STRIP = 10;
+
+export function timeline(parent, name) {
+  let index = [], due = [], ended = false, asked = 0, retry = 0;
+  const img = h("img", { alt: "", hidden: true }), none = h("p", {}, "No picture yet"), caption = h("figcaption", { role: "status" });
+  const slider = h("input", { type: "range", class: "scrub", min: 0, max: 0, value: 0, step: 1, "aria-label": "Slot", oninput: () => pick(Number(slider.value)) });
+  const strip = h("div", { class: "strip", role: "group", "aria-label": "Pictures spread over the whole time" });
+  const play = h("button", { "aria-pressed": "false", onclick: toggle }, "Play"), full = h("a", {}, "");
+  fill(parent, h("h2", {}, "Timeline"), strip, h("div", { class: "row" }, play, h("label", { class: "visually-hidden", for: "scrub" }, "Slot"), slider),
+    h("figure", {}, h("div", { class: "picture" }, img, none), caption), full);
+  slider.id = "scrub";
+  img.addEventListener("error", () => { /* too many wait, or there is no picture of this slot */
+    img.hidden = true;
+    none.hidden = false;
+    say(none, "No picture of this slot");
+    if (retry++ < 3)
+      setTimeout(() => !ended && index.length && src(Number(slider.value)), 1100);
+  });
+  img.addEventListener("load", () => {
+    img.hidden = false;
+    none.hidden = true;
+    retry = 0;
+  });
+
+  const address = (i) => `/api/v1/datasets/${name}/thumbs/${index[i]}`;
+
+  function src(i) {
+    img.src = address(i);
+  }
+
+  function pick(i) {
+    const text = `Slot ${index[i].toLocaleString()}${due[i] ? `, ${when(due[i])}` : ""}`;
+    slider.value = i;
+    slider.setAttribute("aria-valuetext", text);
+    say(caption, text);
+    img.alt = text;
+    retry = 0;
+    /* One picture at a time: a slider that flies asks only for where it stops. */
+    asked ||= requestAnimationFrame(() => {
+      asked = 0;
+      src(Number(slider.value));
+    });
+    for (const b of strip.children)
+      b.setAttribute("aria-current", String(Number(b.dataset.at) === i));
+  }
+
+  let timer = 0;
+  function toggle() {
+    const on = play.getAttribute("aria-pressed") !== "true";
+    play.setAttribute("aria-pressed", String(on));
+    play.textContent = on ? "Pause" : "Play";
+    clearInterval(timer);
+    if (on)
+      timer = setInterval(() => img.complete && pick((Number(slider.value) + 1) % index.length), 150);
+  }
+
+  return {
+    slot: () => index[Number(slider.value)],
+    show(columns) {
+      const at_end = Number(slider.value) >= index.length - 1, grew = columns.index.length !== index.length;
+      ({ index, due_utc_ns: due } = columns);
+      slider.max = Math.max(0, index.length - 1);
+      slider.disabled = play.disabled = index.length < 2;
+      if (!index.length || !grew)
+        return;
+      const n = Math.min(STRIP, index.length);
+      fill(strip, Array.from({ length: n }, (_, k) => (n > 1 ? Math.round(k * (index.length - 1) / (n - 1)) : 0)).map((i) =>
+        h("button", { type: "button", "data-at": i, "aria-label": `Slot ${index[i]}`, onclick: () => pick(i) },
+          h("img", { src: address(i), alt: "", loading: "lazy" }), h("small", { "aria-hidden": "true" }, index[i]))));
+      pick(at_end ? index.length - 1 : Number(slider.value));
+    },
+    end() {
+      ended = true;
+      clearInterval(timer);
+      cancelAnimationFrame(asked);
+    },
+  };
+}

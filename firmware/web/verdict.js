@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* verdict.js: what the box says of a plan: figures, storage, what is wrong. */
+import { h, facts } from "./dom.js";
+import { bytes, count, span, when } from "./words.js";
+
+export function planVerdict({ ok, findings = [], figures }) {
+  const f = figures, fits = f?.slots_that_fit === undefined || f.slots_that_fit >= f.slots;
+  return [
+    h("p", { class: ok ? "good" : "bad" }, h("strong", {}, ok ? "This box can do it." : "This box cannot do it as it stands.")),
+    findings.length > 0 && h("ul", {}, findings.map((one) => h("li", { class: `finding-${one.level}` },
+      `${one.where ? `${one.where}: ` : ""}${one.text}${one.hint ? ` (${one.hint})` : ""}`))),
+    f && facts([
+      ["Pictures", f.slots.toLocaleString()],
+      ["Time", `${span(f.duration_ns)}, until ${when(Date.now() * 1e6 + f.duration_ns)} if begun now`],
+      ["Storage", `${bytes(f.bytes)}, ${bytes(f.slot_bytes)} a slot`],
+      f.disk_free_bytes !== undefined && ["On this disk", h("span", { class: fits ? "" : "bad" },
+        `${bytes(f.disk_free_bytes)} free${f.slots_that_fit !== undefined ? `, room for ${count(f.slots_that_fit, "slot")}` : ""}${fits ? "" : ": not enough"}`)],
+      f.slot_busy_ns !== undefined && ["A slot takes", `${span(f.slot_busy_ns)} of its ${span(f.interval_ns)}`],
+      f.memory_bytes !== undefined && ["Memory", bytes(f.memory_bytes)],
+      ...(f.lamps || []).map((l) => [`Lamp ${l.name}`, `on for ${span(l.on_ns)}, ${l.duty_permille / 10} % of the time`]),
+    ]),
+  ];
+}

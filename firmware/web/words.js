@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* words.js: numbers as people read them. */
+
+const S = 1e9;
+
+/* "04:12", "1:04:12", "3 d 04:12" */
+export function countdown(ns) {
+  const s = Math.max(0, Math.ceil(ns / S - 1e-6)), two = (v) => String(Math.floor(v)).padStart(2, "0");
+  if (s < 3600)
+    return `${Math.floor(s / 60)}:${two(s % 60)}`;
+  if (s < 86400)
+    return `${Math.floor(s / 3600)}:${two(s / 60 % 60)}:${two(s % 60)}`;
+  return `${Math.floor(s / 86400)} d ${two(s / 3600 % 24)}:${two(s / 60 % 60)}`;
+}
+
+/* "12 minutes", "3.5 hours", "6 days 23 hours" */
+export function span(ns) {
+  const s = Math.abs(ns) / S, some = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
+  if (s < 1)
+    return `${+(s * 1000).toPrecision(3)} ms`;
+  if (s < 60 || (s < 120 && s % 60 > 0.5))
+    return some(+s.toPrecision(3), "second");
+  if (s < 3600 || (s < 7200 && s % 3600 > 30))
+    return some(+(s / 60).toPrecision(3), "minute");
+  if (s < 86400 || (s < 172800 && s % 86400 > 1800))
+    return some(+(s / 3600).toPrecision(3), "hour");
+  const days = Math.floor(s / 86400), hours = Math.round(s / 3600 % 24);
+  return hours ? `${some(days, "day")} ${some(hours, "hour")}` : some(days, "day");
+}
+
+export function bytes(n) {
+  if (n === undefined || n === null)
+    return "?";
+  for (const [unit, size] of [["TB", 1e12], ["GB", 1e9], ["MB", 1e6], ["kB", 1e3]])
+    if (n >= size)
+      return `${+(n / size).toPrecision(3)} ${unit}`;
+  return `${n} B`;
+}
+
+/* An instant in this browser's zone. */
+export function when(utc_ns) {
+  if (utc_ns === undefined || utc_ns === null)
+    return "unknown";
+  return new Date(utc_ns / 1e6).toLocaleString([], { dateStyle: "medium", timeStyle: "medium" });
+}
+
+export function count(n, one, many) {
+  return `${n.toLocaleString()} ${n === 1 ? one : many || `${one}s`}`;
+}
+
+/* Units of sensors, by their kind. */
+export function reading(kind, value) {
+  const units = { temperature: [1000, "°C"], temp_mdegc: [1000, "°C"], humidity: [1000, "%"], humidity_mpct: [1000, "%"],
+    light: [10, "%"], light_permille: [10, "%"], pressure: [100, "hPa"], pressure_pa: [100, "hPa"] };
+  const [per, unit] = units[kind] || [1, ""];
+  return `${+(value / per).toFixed(2)} ${unit}`.trim();
+}

@@ -1,0 +1,94 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# What the kernel is told to be on the bus, byte by byte, as a folder; and what a PC is offered by DHCP.
+. "$(dirname "$0")/cli.bash"
+: "${GADGET:?the program ttfbox-gadget}"
+in=$WORK/kernel
+made=$in/config/usb_gadget/ttfbox
+
+expect 0 "$GADGET" --into "$in" --serial 0007 compose
+said out 'serial 0007, network 10.'
+# Every file with its bytes, every link with its place: nothing more, nothing less. The numbers: USB 2.0, table 9-8, and the ECN
+# of interface association descriptors; Microsoft OS Descriptors 1.0, "The OS String Descriptor" and "Extended Compat ID".
+(cd "$made" && find . -type f -printf '%P ' -exec sh -c 'tr "\n" ";" <"$1"' sh {} \; -printf '\n' -o -type l -printf '%P -> %l\n') |
+    sed "s|$made/||" | LC_ALL=C sort >is
+# The addresses as the program says them; which they may be comes below.
+box=$(sed -n 's/.*addresses \([^ ]*\) (box).*/\1/p' out)
+pc=$(sed -n 's/.* and \([^ ]*\) (PC).*/\1/p' out)
+LC_ALL=C sort >wanted <<END
+bDeviceClass 0xef;
+bDeviceProtocol 0x01;
+bDeviceSubClass 0x02;
+bcdDevice 0x0100;
+bcdUSB 0x0200;
+configs/c.1/MaxPower 500;
+configs/c.1/bmAttributes 0x80;
+configs/c.1/ffs.ttfbox -> functions/ffs.ttfbox
+configs/c.1/ncm.usb0 -> functions/ncm.usb0
+configs/c.1/strings/0x409/configuration streams and network;
+functions/ncm.usb0/dev_addr $box;
+functions/ncm.usb0/host_addr $pc;
+functions/ncm.usb0/os_desc/interface.ncm/compatible_id WINNCM;
+idProduct 0x0001;
+idVendor 0x1209;
+os_desc/b_vendor_code 0xcd;
+os_desc/c.1 -> configs/c.1
+os_desc/qw_sign MSFT100;
+os_desc/use 1;
+strings/0x409/manufacturer ttfbox;
+strings/0x409/product ttfbox capture box;
+strings/0x409/serialnumber 0007;
+END
+diff wanted is >differs || fail "the gadget is another: $(cat differs)"
+
+# --- addresses: of nobody else (locally administered), of one machine each, and those of the serial
+[[ $box =~ ^02(:[0-9a-f]{2}){5}$ && $pc =~ ^06(:[0-9a-f]{2}){5}$ ]] || fail "no hardware addresses: $box, $pc"
+cp out first
+expect 0 "$GADGET" --into "$WORK/again" --serial 0007 show
+cmp -s first out || fail "the same serial has other addresses"
+expect 0 "$GADGET" --into "$WORK/again" --serial 0008 show
+grep -q "$box" out && fail "two boxes have one address"
+
+# --- DHCP: an address, and no router, no names
+network=$(cat "$in/network/70-ttfbox-usb.network")
+for line in "MACAddress=$box" DHCPServer=yes EmitRouter=no EmitDNS=no EmitNTP=no LinkLocalAddressing=ipv6; do
+    grep -qx "$line" <<<"$network" || fail "the network lacks $line"
+done
+# A network of six addresses: the box has the first, the PC gets one of the others.
+address=$(sed -n 's/^Address=\(.*\)$/\1/p' <<<"$network")
+"$PYTHON" - "$address" <<'END' || fail "the box's address is $address"
+import ipaddress, sys
+box = ipaddress.ip_interface(sys.argv[1])
+assert box.is_private and box.network.prefixlen == 29 and box.ip == box.network[1]
+END
+
+# --- what the kernel, the PC's side and udev's rule call a box is one name
+grep -q 'ATTR{product}=="ttfbox capture box"' "$SOURCE/firmware/units/70-ttfbox-usb.rules" || fail "udev knows another name"
+grep -q 'ATTR{idVendor}=="1209", ATTR{idProduct}=="0001"' "$SOURCE/firmware/units/70-ttfbox-usb.rules" || fail "udev knows other numbers"
+grep -q '"ttfbox capture box"' "$SOURCE/firmware/usb/include/ttf/usb/identity.h" || fail "the PC's side knows another name"
+grep -qE 'TTF_USB_VENDOR +0x1209' "$SOURCE/firmware/usb/include/ttf/usb/identity.h" || fail "the PC's side knows another number"
+
+# --- bound to the controller that there is, and once; unbound; taken away
+expect 1 "$GADGET" --into "$in" bind
+said err 'no USB device controller'
+mkdir -p "$in/udc/fe980000.usb"
+expect 0 "$GADGET" --into "$in" bind
+[ "$(cat "$made/UDC")" = fe980000.usb ] || fail "it is bound to $(cat "$made/UDC")"
+expect 0 "$GADGET" --into "$in" bind
+expect 1 "$GADGET" --into "$in" compose
+said err 'there is a gadget already'
+[ "$(cat "$made/UDC")" = fe980000.usb ] || fail "a second compose took the first away"
+expect 0 "$GADGET" --into "$in" unbind
+[ -z "$(cat "$made/UDC")" ] || fail "it is bound still"
+expect 0 "$GADGET" --into "$in" remove
+if [ -e "$made" ] || [ -e "$in/network/70-ttfbox-usb.network" ]; then fail "something is left"; fi
+expect 0 "$GADGET" --into "$in" remove
+
+# --- a serial that would be something else on the bus, or in a path
+for serial in 'a b' '../x' "$(printf 'a\nb')" 'ä' 123456789012345678901234567890123; do
+    expect 2 "$GADGET" --into "$in" --serial "$serial" compose
+    [ ! -e "$made" ] || fail "serial '$serial' made something"
+done
+expect 2 "$GADGET" --into "$in" dance
+expect 2 "$GADGET" --nonsense compose
+expect 0 "$GADGET" --help

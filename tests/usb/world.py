@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A server, a box's ttfbox-usbd, a simulated cable and a PC's bridge, as processes that tests kill, pull and measure."""
+import hashlib
+import http.client
+import os
+import random
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+
+HEALTH = "/api/v1/health"
+
+
+class Failed(Exception):
+    pass
+
+
+class UnixConnection(http.client.HTTPConnection):
+    def __init__(self, path, timeout=30):
+        super().__init__("localhost", timeout=timeout)
+        self.path = path
+
+    def connect(self):
+        self.sock = socket.socket(socket.AF_UNIX)
+        self.sock.settimeout(self.timeout)
+        self.sock.connect(self.path)
+
+
+class World:
+    """Everything in one temporary folder; ended with the with statement."""
+
+    def __init__(self, programs, seed):
+        self.ttfbox, self.usbd, self.cable_program = programs
+        self.random = random.Random(seed)
+        self.folder = tempfile.mkdtemp(prefix="ttfbox-usb-")
+        self.data = self.at("data")
+        os.mkdir(self.data)
+        self.processes = {}
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for name in list(self.processes):
+            self.end(name)
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def at(self, name):
+        return os.path.join(self.folder, name)
+
+    # ---- processes
+
+    def start(self, name, *command, ready=None):
+        log = open(self.at(name + ".log"), "ab")
+        self.processes[name] = subprocess.Popen(command, stdout=log, stderr=log)
+        log.close()
+        if ready:
+            self.wait(lambda: self.listens(ready), f"{name} is not ready")
+
+    @staticmethod
+    def listens(path):
+        """A socket's name is there before somebody listens."""
+        for kind in (socket.SOCK_STREAM, socket.SOCK_SEQPACKET):
+            with socket.socket(socket.AF_UNIX, kind) as probe:
+                try:
+                    probe.connect(path)
+                    return True
+                except OSError:
+                    pass
+        return False
+
+    def kill(self, name, number=signal.SIGKILL):
+        process = self.processes.pop(name)
+        process.send_signal(number)
+        return process.wait(20)
+
+    def end(self, name):
+        process = self.processes[name]
+        self.kill(name, signal.SIGTERM if process.poll() is None else signal.SIGKILL)
+
+    def log(self, name):
+        with open(self.at(name + ".log"), encoding="utf-8", errors="replace") as file:
+            return file.read()
+
+    def wait(self, true, what, seconds=10.0):
+        until = time.monotonic() + seconds
+        while not true():
+            if time.monotonic() > until:
+                raise Failed(f"{what} after {seconds} s")
+            time.sleep(0.005)
+
+    def serve(self):
+        self.start("serve", self.ttfbox, "serve", self.data, "--listen", "unix:" + self.at("http"), ready=self.at("http"))
+
+    def cable(self):
+        self.start("cable", self.cable_program, self.at("cable"), str(self.random.randrange(1, 1 << 40)),
+                   ready=self.at("cable.control"))
+        self.control = socket.socket(socket.AF_UNIX)
+        self.control.connect(self.at("cable.control"))
+
+    def box(self):
+        """usbd, and its worker's process id later by worker()."""
+        self.start("usbd", self.usbd, "--cable", self.at("cable"), "--server", self.at("http"))
+        self.wait(lambda: "ready at" in self.log("usbd"), "usbd is not ready")
+
+    def worker(self):
+        pid = self.processes["usbd"].pid
+        with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
+            children = file.read().split()
+        return int(children[0]) if children else None
+
+    def bridge(self):
+        if os.path.exists(self.at("pc")):
+            os.unlink(self.at("pc"))
+        self.start("bridge", self.ttfbox, "usb", "--box", "cable:" + self.at("cable"), "--listen", "unix:" + self.at("pc"),
+                   ready=self.at("pc"))
+
+    def all(self):
+        self.serve()
+        self.cable()
+        self.box()
+        self.bridge()
+
+    def tell(self, command):
+        """The cable."""
+        self.control.sendall(command.encode() + b"\n")
+        if self.control.recv(16) != b"ok\n":
+            raise Failed(f"the cable does not know '{command}'")
+
+    # ---- data
+
+    def dataset(self, slots=5, width=96, height=64):
+        """One of so small pictures, captured; its folder."""
+        plan = self.at("plan.yaml")
+        with open(plan, "w", encoding="ascii") as file:
+            file.write("interval: 1h\ncount: %d\nlamps: {mode: continuous}\nshots:\n  - {stream: main, channel: white, "
+                       "lamps: {left: 100%%, right: 100%%}, exposure: 20ms}\nkeep: both\nmains: 50Hz\n" % slots)
+        folder = os.path.join(self.data, "grass")
+        subprocess.run([self.ttfbox, "capture", plan, "--board", "sim-small", "--set", f"sim.sensor.width={width}px",
+                        "--set", f"sim.sensor.height={height}px", "-o", folder], check=True, stdout=subprocess.DEVNULL,
+                       stderr=subprocess.DEVNULL)
+        return folder
+
+    def file(self, name, size, pattern=None):
+        """A file of the dataset 'grass', and its path by HTTP."""
+        data = self.random.randbytes(min(size, 1 << 20)) if pattern is None else pattern
+        with open(os.path.join(self.data, "grass", name), "wb") as file:
+            left = size
+            while left > 0:
+                file.write(data[:left])
+                left -= min(left, len(data))
+        return "/api/v1/datasets/grass/files/" + name
+
+    # ---- clients
+
+    def connect(self, timeout=30, direct=False):
+        return UnixConnection(self.at("http" if direct else "pc"), timeout)
+
+    def get(self, path, connection=None, headers=None):
+        c = connection or self.connect()
+        c.request("GET", path, headers=headers or {})
+        answer = c.getresponse()
+        body = answer.read()
+        if not connection:
+            c.close()
+        return answer.status, body
+
+    def is_healthy(self, seconds):
+        """The status, asked by a new client, right within so many seconds; how many it took."""
+        begun = time.monotonic()
+        c = self.connect(timeout=seconds)
+        try:
+            status, body = self.get(HEALTH, c)
+        except (OSError, http.client.HTTPException) as error:
+            raise Failed(f"no status after {time.monotonic() - begun:.3f} s: {error}\n{self.log('bridge')}\n"
+                         f"{self.log('usbd')}") from error
+        finally:
+            c.close()
+        if status != 200 or not body.startswith(b'{"ok":true'):
+            raise Failed(f"the status is {status}, {body[:200]!r}")
+        return time.monotonic() - begun
+
+
+def quantiles(values):
+    values = sorted(values)
+    return {"p50": values[len(values) // 2], "p99": values[min(len(values) - 1, int(len(values) * 0.99))], "max": values[-1]}
+
+
+def digest(folder):
+    """Of all files below, by name."""
+    sums = {}
+    for base, _, names in os.walk(folder):
+        for name in names:
+            path = os.path.join(base, name)
+            with open(path, "rb") as file:
+                sums[os.path.relpath(path, folder)] = hashlib.sha256(file.read()).hexdigest()
+    return sums
