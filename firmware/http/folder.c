@@ -58,8 +58,8 @@ static int open_beneath(int folder, const char *path, uint64_t flags)
     return (int)syscall(SYS_openat2, folder, path, &how, sizeof how);
 }
 
-int folder_file(const struct folder *folder, const char *dataset, const char *path,
-                struct stat *ret_stat)
+static int open_file(const struct folder *folder, const char *below, const char *dataset,
+                     const char *path, struct stat *ret_stat)
 {
     char whole[320];
     struct stat st;
@@ -67,7 +67,7 @@ int folder_file(const struct folder *folder, const char *dataset, const char *pa
 
     if (!folder_is_name(dataset) || !folder_is_path(path))
         return -ENOENT;
-    (void)snprintf(whole, sizeof whole, "%s/%s", dataset, path);
+    (void)snprintf(whole, sizeof whole, "%s%s/%s", below, dataset, path);
     /* Not to hang on a pipe that somebody put there. */
     fd = open_beneath(folder->fd, whole, O_RDONLY | O_NONBLOCK | O_NOCTTY);
     if (fd < 0)
@@ -80,6 +80,18 @@ int folder_file(const struct folder *folder, const char *dataset, const char *pa
     if (ret_stat)
         *ret_stat = st;
     return fd;
+}
+
+int folder_file(const struct folder *folder, const char *dataset, const char *path,
+                struct stat *ret_stat)
+{
+    return open_file(folder, "", dataset, path, ret_stat);
+}
+
+int folder_preview(const struct folder *folder, const char *dataset, const char *path,
+                   struct stat *ret_stat)
+{
+    return open_file(folder, ".preview/", dataset, path, ret_stat);
 }
 
 int folder_dataset(const struct folder *folder, const char *dataset, char *ret, size_t size)

@@ -33,6 +33,10 @@ bool folder_is_path(const char *path);
 TTF_MUST_USE int folder_file(const struct folder *folder, const char *dataset, const char *path,
                              struct stat *ret_stat);
 
+/* The same of what ttfbox-preview keeps beside a dataset: .preview/dataset/path of the data folder. */
+TTF_MUST_USE int folder_preview(const struct folder *folder, const char *dataset, const char *path,
+                                struct stat *ret_stat);
+
 /* The path of a dataset's folder for libraries; -ENOENT if there is no dataset.json in it. */
 TTF_MUST_USE int folder_dataset(const struct folder *folder, const char *dataset, char *ret,
                                 size_t size);

@@ -11,6 +11,7 @@
 #include "datasets.h"
 #include "health.h"
 #include "listeners.h"
+#include "previews.h"
 #include "run_answers.h"
 #include "session.h"
 #include "thumbs.h"
@@ -33,6 +34,10 @@ static const struct ttf_http_route ROUTES[] = {
     {"GET", "/api/v1/datasets/{name}/charts", TTF_HTTP_READ, charts_answer, TTF_HTTP_NO_BODY, true},
     {"GET", "/api/v1/datasets/{name}/thumbs/{path}", TTF_HTTP_READ, thumbs_answer, TTF_HTTP_NO_BODY,
      true},
+    {"GET", "/api/v1/datasets/{name}/preview", TTF_HTTP_READ, previews_state, TTF_HTTP_NO_BODY,
+     false},
+    {"GET", "/api/v1/datasets/{name}/preview/{path}", TTF_HTTP_READ, previews_frame,
+     TTF_HTTP_NO_BODY, false},
     {"GET", "/api/v1/datasets/{name}/events", TTF_HTTP_READ, datasets_events, TTF_HTTP_NO_BODY,
      false},
     {"GET", "/api/v1/datasets/{name}/notes", TTF_HTTP_READ, datasets_notes, TTF_HTTP_NO_BODY,

@@ -1,0 +1,157 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# ttfbox-preview: a preview that follows a dataset, killed at any moment, and nothing of the dataset touched.
+. "$(dirname "$0")/cli.bash"
+. "$HERE/server.bash"
+process=
+trap '[ -z "$process" ] || kill -9 $process 2>/dev/null; rm -rf "$WORK"' EXIT
+SMALL=(--board sim-small --set sim.sensor.width=96px --set sim.sensor.height=64px)
+
+plan grass.yaml 'interval: 10s' 'count: 240' 'shot: {exposure: 10ms}'
+"$TTFBOX" capture grass.yaml "${SMALL[@]}" -o whole -q >/dev/null || fail "no capture"
+capture() { # SLOTS: the dataset as it is after so many
+    "$PYTHON" "$HERE/grow.py" whole data/grass "$1" || fail "it does not grow"
+}
+refresh() { # [OPTIONS...]
+    expect 0 "$PREVIEW" --folder data --ttfbox "$TTFBOX" --room 1MB --time 2s --eager --once "$@"
+}
+state() { # KEY: of the state, as the server gives it
+    get "$URL/datasets/grass/preview" 200
+    json "$1"
+}
+frames_are_there() { # all that the state names, and each a JPEG
+    "$PYTHON" - data/.preview/grass <<'CHECK' || fail "the state names what is not there: $(cat data/.preview/grass/state.json)"
+import json, os, sys
+state = json.load(open(sys.argv[1] + "/state.json"))
+for frame in state["frames"]:
+    assert open(f"{sys.argv[1]}/{frame['path']}", "rb").read(2) == b"\xff\xd8", frame
+assert state["state"] == "failed" or len(state["frames"]) > 1, state
+CHECK
+}
+
+synthesizing() { # ids of syntheses that run in this folder
+    "$PYTHON" -c 'import os, sys
+for pid in filter(str.isdigit, os.listdir("/proc")):
+    try:
+        if os.readlink(f"/proc/{pid}/cwd") == sys.argv[1] and b"synth\0quilt" in open(f"/proc/{pid}/cmdline", "rb").read():
+            print(pid)
+    except OSError:
+        pass' "$WORK"
+}
+
+expect 2 "$PREVIEW"
+said err "--folder or --config is missing"
+expect 2 "$PREVIEW" --folder data --every soon
+expect 0 "$PREVIEW" --help
+said out "--memory"
+
+# ---- too few images: nothing yet ----
+mkdir data
+capture 5
+serve data
+refresh
+[ "$(state state)" = none ] || fail "a preview of five images"
+
+# ---- a preview; asked for by HTTP; the dataset is as it was ----
+capture 12
+before=$(cd data/grass && find . -type f -exec sha256sum {} + | sort)
+refresh
+frames_are_there
+[ "$(state state)" = ready ] || fail "no preview: $(cat err)"
+is images 12
+is frames.0.slot 0
+is frames.11.slot 11
+get "$URL/datasets/grass/preview/$(json frames.3.path)" 200
+[ "$(head -c 2 out | od -An -tx1 | tr -d ' ')" = ffd8 ] || fail "no JPEG"
+for wrong in state.json ../state.json ../../grass/dataset.json factors g1; do
+    get "$URL/datasets/grass/preview/$wrong" 404 --path-as-is
+done
+[ "$(cd data/grass && find . -type f -exec sha256sum {} + | sort)" = "$before" ] || fail "the dataset was touched"
+expect 0 "$TTFBOX" verify data/grass
+
+# ---- nothing new, nothing done; it grows, the preview follows, and only new frames are compressed ----
+made=$(state made_utc_ns)
+refresh
+[ "$(state made_utc_ns)" = "$made" ] || fail "made anew without need"
+[ -s data/.preview/grass/factors ] || fail "no factors are kept"
+capture 30
+refresh
+[ "$(state images)" = 30 ] || fail "it does not follow"
+is generation 2
+frames_are_there
+[ -e data/.preview/grass/g1 ] || fail "the generation before is gone at once"
+
+# ---- one at a time ----
+"$PREVIEW" --folder data --ttfbox "$TTFBOX" --room 1MB --every 100ms 2>log &
+process=$!
+for _ in $(seq 200); do [ "$("$PYTHON" -c 'import fcntl,sys
+try: fcntl.flock(open("data/.preview/lock"), fcntl.LOCK_SH | fcntl.LOCK_NB); print("free")
+except OSError: print("held")' 2>/dev/null)" = held ] && break; sleep 0.05; done
+expect 1 "$PREVIEW" --folder data --once
+said err "another process makes previews"
+
+# ---- it is the last in everything ----
+"$PYTHON" -c 'import os,sys
+pid = int(sys.argv[1])
+assert os.getpriority(os.PRIO_PROCESS, pid) == 19, os.getpriority(os.PRIO_PROCESS, pid)
+assert os.sched_getscheduler(pid) == os.SCHED_IDLE, os.sched_getscheduler(pid)' $process || fail "it is not the last in everything"
+grep -q "Max address space *[0-9]" "/proc/$process/limits" || fail "its memory is not limited"
+kill -9 $process
+wait $process 2>/dev/null
+
+# ---- it follows by itself; killed again and again, what is in force is whole, and no child goes on ----
+"$PREVIEW" --folder data --ttfbox "$TTFBOX" --room 1MB --every 100ms --eager 2>>log &
+process=$!
+capture 60
+for _ in $(seq 200); do
+    grep -q '"images":60' data/.preview/grass/state.json && break
+    sleep 0.05
+done
+frames_are_there
+[ "$(state images)" = 60 ] || fail "it does not follow by itself: $(cat log)"
+for i in $(seq 5); do
+    kill -9 $process
+    wait $process 2>/dev/null
+    frames_are_there
+    alone=$(synthesizing)
+    [ -z "$alone" ] || { sleep 1; alone=$(synthesizing); }
+    [ -z "$alone" ] || fail "the synthesis goes on alone: $alone"
+    capture $((60 + i * 12))
+    "$PREVIEW" --folder data --ttfbox "$TTFBOX" --room 1MB --every 100ms --eager 2>>log &
+    process=$!
+    sleep "0.$((i * 13 % 10))$((i * 7 % 10))"
+done
+for _ in $(seq 400); do
+    grep -q '"images":120' data/.preview/grass/state.json && break
+    sleep 0.05
+done
+frames_are_there
+[ "$(state images)" = 120 ] || fail "after the kills it does not go on: $(tail -5 log)"
+kill -TERM $process
+wait $process || fail "told to end it ended with $?"
+[ -e data/.preview/grass/making ] && fail "something half-made is left"
+ls data/.preview/grass/*.tmp 2>/dev/null && fail "a .tmp is left"
+
+# ---- a synthesis that fails: said, and what was there stays ----
+capture 200
+expect 0 "$PREVIEW" --folder data --ttfbox /bin/false --room 1MB --eager --once
+[ "$(state state)" = failed ] || fail "the failure is not said"
+is why "the synthesis ended with 1"
+frames_are_there
+refresh --ttfbox "$TTFBOX" # not tried again with the same images
+[ "$(state state)" = failed ] || fail "tried again although nothing is new"
+
+# ---- no room: nothing is done ----
+capture 240
+refresh --room 1000TB
+[ "$(state images)" = 120 ] || fail "it works where there is no room"
+
+# ---- another dataset of the same name has no preview yet ----
+rm -rf data/grass
+"$TTFBOX" capture grass.yaml "${SMALL[@]}" -o whole2 -q >/dev/null || fail "no second capture"
+"$PYTHON" "$HERE/grow.py" whole2 data/grass 12 || fail "it does not grow"
+refresh
+[ "$(state images)" = 12 ] || fail "the preview is of the dataset before"
+is generation 1
+expect 0 "$TTFBOX" verify data/grass
+unserve
