@@ -50,6 +50,26 @@ ttf_install() {
     rm -f "$log"
 }
 
+# A browser and what drives it. Machines that have Node from elsewhere keep it: Debian's npm would take it away.
+ttf_install_web() {
+    local packages=(chromium) dir
+    command -v node >/dev/null || packages+=(nodejs)
+    command -v npm >/dev/null || packages+=(npm)
+    ttf_install "${packages[@]}"
+    dir=$PWD/tests/web
+    cmp -s "$dir/package-lock.json" "$dir/node_modules/.installed" && return 0
+    echo "dev: installing what drives the browser (npm)" >&2
+    local log
+    log=$(mktemp)
+    if ! npm ci --prefix "$dir" --ignore-scripts --no-audit --no-fund >"$log" 2>&1; then
+        tail -n 30 "$log" >&2
+        echo "dev: npm failed (whole log: $log)" >&2
+        exit 1
+    fi
+    rm -f "$log"
+    cp "$dir/package-lock.json" "$dir/node_modules/.installed"
+}
+
 # shellcheck disable=SC2086 # the lists are meant to be split
 ttf_install_build() { ttf_install $ttf_build_packages; }
 # shellcheck disable=SC2086
