@@ -36,6 +36,7 @@ static void write_lines(int from, int to, char mark, const char *more)
     char *text = lines(from, to, mark), *whole = NULL;
 
     if (!text || asprintf(&whole, "%s%s", text, more) < 0) {
+        free(text);
         fail_msg("no memory");
         return;
     }
