@@ -51,9 +51,14 @@ export class Box extends EventTarget {
 
   async ask_session() {
     try {
-      this.session = await get("session");
+      this.session = await get("session", 4000);
       this.dispatchEvent(new Event("session"));
-    } catch { /* look() says that it is lost */ }
+      if (!this.session.read)
+        this.set_lost(false);
+    } catch (error) {
+      if (!error.status && !this.session.read)
+        this.set_lost(true); /* else look() says so */
+    }
   }
 
   again() {
@@ -66,6 +71,11 @@ export class Box extends EventTarget {
   }
 
   async look() {
+    if (!this.session.read) { /* it would be refused; whether that is still so can be asked */
+      await this.ask_session();
+      if (!this.session.read)
+        return;
+    }
     try {
       const status = await get("status", 4000);
       this.status = status;

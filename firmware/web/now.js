@@ -147,6 +147,8 @@ export function now(main, box) {
       wanted = true;
       return;
     }
+    if (!box.status?.run?.results?.captured && !box.status?.run?.last)
+      return; /* there is none to be asked for */
     asked = true;
     try {
       const got = await getPicture("latest");

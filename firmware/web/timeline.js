@@ -7,7 +7,7 @@ const STRIP = 10;
 
 export function timeline(parent, name) {
   let index = [], due = [], ended = false, asked = 0, retry = 0;
-  const img = h("img", { alt: "", hidden: true }), none = h("p", {}, "No picture yet"), caption = h("figcaption", { role: "status" });
+  const img = h("img", { alt: "", hidden: true }), none = h("p", {}, "No picture yet"), caption = h("figcaption", { "aria-live": "polite" });
   const slider = h("input", { type: "range", class: "scrub", min: 0, max: 0, value: 0, step: 1, "aria-label": "Slot", oninput: () => pick(Number(slider.value)) });
   const strip = h("div", { class: "strip", role: "group", "aria-label": "Pictures spread over the whole time" });
   const play = h("button", { "aria-pressed": "false", onclick: toggle }, "Play"), full = h("a", {}, "");
