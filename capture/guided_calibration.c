@@ -152,8 +152,8 @@ static int with_devices(struct guide *g, const struct ttf_guided_config *config,
     return r;
 }
 
-static int take_frames(const struct ttf_guided_config *config, bool lit, struct ttf_raw_sum *sum,
-                       struct ttf_err *err)
+int ttf_guided_frames(const struct ttf_guided_config *config, bool lit, struct ttf_raw_sum *sum,
+                      struct ttf_err *err)
 {
     struct guide *g;
     int r = check(config, err);
@@ -199,7 +199,7 @@ int ttf_guided_dark(const struct ttf_guided_config *config, struct ttf_calibrati
                     struct ttf_err *err)
 {
     struct ttf_raw_sum sum = {0};
-    int r = take_frames(config, false, &sum, err);
+    int r = ttf_guided_frames(config, false, &sum, err);
 
     if (r == 0)
         r = ttf_calibration_fit_dark(calibration, &sum, err);
@@ -216,7 +216,7 @@ int ttf_guided_flat(const struct ttf_guided_config *config, struct ttf_calibrati
                     struct ttf_err *err)
 {
     struct ttf_raw_sum sum = {0};
-    int r = take_frames(config, true, &sum, err);
+    int r = ttf_guided_frames(config, true, &sum, err);
 
     if (r == 0)
         r = ttf_calibration_fit_flat(calibration, &sum, config->reflectance, err);

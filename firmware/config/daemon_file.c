@@ -44,6 +44,44 @@ static int read_sets(const struct cfg_field *field, struct yaml_node *node, void
     return 0;
 }
 
+/* A list of texts: "- 127.0.0.1:8417". */
+static int read_list(const struct cfg_field *field, struct yaml_node *node, char (*ret)[128],
+                     unsigned max, unsigned *ret_n, struct ttf_err *err)
+{
+    *ret_n = 0;
+    if (node->kind != YAML_LIST)
+        return cfg_error(node, err, field->meant, "a list is meant");
+    for (struct yaml_node *c = node->child; c; c = c->next) {
+        const char *text = cfg_scalar(c, field->meant, err);
+
+        c->used = true;
+        if (!text)
+            return -EINVAL;
+        if (*ret_n == max)
+            return cfg_error(c, err, field->meant, "more than %u", max);
+        if (!*text || strlen(text) >= sizeof ret[0])
+            return cfg_error(c, err, field->meant, "a text of 1 to 127 letters is meant");
+        memcpy(ret[(*ret_n)++], text, strlen(text) + 1);
+    }
+    return 0;
+}
+
+static int read_listen(const struct cfg_field *field, struct yaml_node *node, void *at,
+                       struct ttf_err *err)
+{
+    struct ttf_daemon_config *config = &((struct read *)at)->c;
+
+    return read_list(field, node, config->listen, TTF_DAEMON_LISTEN_MAX, &config->n_listen, err);
+}
+
+static int read_names(const struct cfg_field *field, struct yaml_node *node, void *at,
+                      struct ttf_err *err)
+{
+    struct ttf_daemon_config *config = &((struct read *)at)->c;
+
+    return read_list(field, node, config->names, TTF_DAEMON_NAMES_MAX, &config->n_names, err);
+}
+
 #define BOARD                                                                                     \
     {                                                                                             \
         "board", cfg_path512, D(board), 0, 0, "a board's name or file, as 'board: rpi4'", 0, true \
@@ -55,7 +93,7 @@ static int read_sets(const struct cfg_field *field, struct yaml_node *node, void
 
 static const struct cfg_field DAEMON[] = {
     BOARD,
-    {"plan", cfg_path512, D(plan), 0, 0, "the plan's file, as 'plan: plan.yaml'", 0, true},
+    {"plan", cfg_path512, D(plan), 0, 0, "the plan's file, as 'plan: plan.yaml'", 0, 0},
     {"data", cfg_path512, D(data), 0, 0, "the folder of datasets, as 'data: /var/lib/ttfbox'", 0,
      true},
     {"dataset", cfg_text128, offsetof(struct read, name), 0, 0, "the dataset's name, as grass", 0,
@@ -65,6 +103,11 @@ static const struct cfg_field DAEMON[] = {
     {"threads", cfg_u32, D(threads), 0, 1024, "threads that develop; 0: all processors", 0, 0},
     {"retry", cfg_i64_time, D(retry_ns), 1e8, 3.6e12,
      "how long to wait before what failed is tried again, as 5s", 0, 0},
+    {"state", cfg_path512, D(state), 0, 0, "a folder for what is to outlive a restart", 0, 0},
+    {"token_file", cfg_path512, D(token_file), 0, 0, "the file of the token", 0, 0},
+    {"listen", read_listen, 0, 0, 0, "a list of ADDRESS:PORT and unix:PATH, as [127.0.0.1:8417]", 0,
+     0},
+    {"names", read_names, 0, 0, 0, "a list of the box's names in the network", 0, 0},
     SET,
     {0}};
 
@@ -94,20 +137,30 @@ static int finish(struct read *read, const char *file, const struct yaml_node *r
     const struct yaml_node *named = yaml_child(root, "dataset");
     int offset_s;
 
-    if (!*read->name)
+    if (!*c->plan && named)
+        return cfg_error(named, err, "name the plan too", "a dataset without a plan");
+    if (*c->plan && !*read->name)
         name_of_plan(c->plan, read->name);
-    if (strchr(read->name, '/') || read->name[0] == '.' || !*read->name)
+    if (*c->plan && (strchr(read->name, '/') || read->name[0] == '.' || !*read->name))
         return cfg_error(named ? named : yaml_child(root, "plan"), err, "as 'dataset: grass'",
                          "'%s' is no dataset's name", read->name);
     find_board(file, c);
     cfg_from_folder_of(file, c->plan);
     cfg_from_folder_of(file, c->data);
     cfg_from_folder_of(file, c->calibration);
+    if (!*c->state &&
+        snprintf(c->state, sizeof c->state, "%s/.ttfbox", c->data) >= (int)sizeof c->state)
+        return cfg_error(yaml_child(root, "data"), err, "a shorter path", "is too long");
+    cfg_from_folder_of(file, c->state);
+    if (!*c->token_file && snprintf(c->token_file, sizeof c->token_file, "%s/token", c->state) >=
+                               (int)sizeof c->token_file)
+        return cfg_error(yaml_child(root, "data"), err, "a shorter path", "is too long");
+    cfg_from_folder_of(file, c->token_file);
     if (ttf_zone_offset(c->zone, 0, &offset_s, err) < 0)
         return cfg_error(yaml_child(root, "zone"), err, "UTC, or a name as Europe/Berlin",
                          "this machine knows no time zone '%s'", c->zone);
-    if (snprintf(c->dataset, sizeof c->dataset, "%s/%s", c->data, read->name) >=
-        (int)sizeof c->dataset)
+    if (*c->plan && snprintf(c->dataset, sizeof c->dataset, "%s/%s", c->data, read->name) >=
+                        (int)sizeof c->dataset)
         return cfg_error(yaml_child(root, "data"), err, "a shorter path", "is too long");
     return 0;
 }
@@ -118,6 +171,9 @@ static int read_all(struct read *read, const char *file, struct yaml_node *root,
     int r;
 
     read->c.retry_ns = 5 * TTF_NS_PER_S;
+    read->c.n_listen = 2;
+    (void)snprintf(read->c.listen[0], sizeof read->c.listen[0], "%s", TTF_DAEMON_LISTEN_TCP);
+    (void)snprintf(read->c.listen[1], sizeof read->c.listen[1], "%s", TTF_DAEMON_LISTEN_UNIX);
     r = cfg_map(DAEMON, root, read, err);
     return r < 0 ? r : finish(read, file, root, err);
 }
@@ -165,8 +221,7 @@ static int parse(const char *name, const char *text, size_t bytes, const char *n
 int ttf_daemon_file_parse(const char *name, const char *text, size_t bytes,
                           struct ttf_daemon_config *ret, struct ttf_err *err)
 {
-    return parse(name, text, bytes, "a configuration needs 'board', 'plan' and 'data'", read_all,
-                 ret, err);
+    return parse(name, text, bytes, "a configuration needs 'board' and 'data'", read_all, ret, err);
 }
 
 int ttf_daemon_file_parse_board(const char *name, const char *text, size_t bytes,

@@ -2,50 +2,56 @@
 #include "daemon.h"
 
 #include <errno.h>
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "light.h"
-#include "lock.h"
+#include "devices.h"
+#include "door.h"
+#include "keeper.h"
 #include "log.h"
-#include "manager.h"
-#include "run.h"
-#include "ttf/config/daemon_file.h"
-#include "ttf/dataset/reader.h"
+#include "parts.h"
+#include "runs.h"
 
-#define LOOK_NS     (250 * TTF_NS_PER_MS) /* how soon a stop is seen while nothing runs */
-#define PROGRESS_NS TTF_NS_PER_MIN
-#define RETRY_MOST  12 /* times the first wait */
-
-struct daemon {
-    const struct daemon_options *options;
-    struct ttf_daemon_config config;
-    struct ttf_board board;
-    struct ttf_board_set sets[TTF_DAEMON_SETS_MAX];
-    struct ttf_io *io;
-    struct ttf_clock *clock;
-    struct manager manager;
-    struct box_host host;
-    struct box_lock lock;
-    struct run run;
-    int64_t captured, told_ns; /* of this run */
-    int64_t wait_ns;           /* before what failed is tried again */
-};
-
-static bool told_to_end(const struct daemon *d)
+bool daemon_told_to_end(const struct daemon *d)
 {
-    return __atomic_load_n(d->options->stop, __ATOMIC_RELAXED) != 0;
+    return __atomic_load_n(d->options->stop, __ATOMIC_RELAXED) == DAEMON_STOP;
+}
+
+const char *const *daemon_board_folders(void)
+{
+    static const char *const FOLDERS[] = {"/etc/ttfbox/boards", "boards", TTFBOX_INSTALLED_BOARDS,
+                                          NULL};
+
+    return FOLDERS;
+}
+
+/* ---- what is told ---- */
+
+void daemon_tell_state(struct daemon *d)
+{
+    struct ttf_json json;
+    const char *text;
+    size_t bytes;
+
+    ttf_json_init(&json, false);
+    situation_state_event(d->situation, &json);
+    if (ttf_json_finish(&json, &text, &bytes) == 0)
+        ttf_http_events_publish(d->events, "state", text);
+    ttf_json_free(&json);
+}
+
+void daemon_does(struct daemon *d, enum doing doing, const char *why, int64_t retry_ns)
+{
+    if (situation_set(d->situation, doing, why, retry_ns))
+        daemon_tell_state(d);
 }
 
 /* ---- before ---- */
 
 static int load(struct daemon *d, struct ttf_err *err)
 {
-    static const char *const FOLDERS[] = {"/etc/ttfbox/boards", "boards", TTFBOX_INSTALLED_BOARDS,
-                                          NULL};
     char path[512];
     int r = ttf_daemon_file_load(d->options->config, &d->config, err);
 
@@ -53,7 +59,7 @@ static int load(struct daemon *d, struct ttf_err *err)
         return r;
     for (unsigned i = 0; i < d->config.n_sets; i++)
         d->sets[i] = (struct ttf_board_set){d->config.set[i].path, d->config.set[i].value};
-    r = ttf_board_locate(d->config.board, FOLDERS, path, sizeof path, err);
+    r = ttf_board_locate(d->config.board, daemon_board_folders(), path, sizeof path, err);
     if (r == 0)
         r = ttf_board_load(path, d->sets, d->config.n_sets, &d->board, err);
     if (r == 0 && d->board.simulated && !d->board.sim.real_time) {
@@ -61,6 +67,20 @@ static int load(struct daemon *d, struct ttf_err *err)
         ttf_err_hint(err, "write set: {sim.clock: real} in %s", d->options->config);
         r = -EINVAL;
     }
+    /* What is looked through between runs is not to be watched by it: the light and the watchdog are the daemon's. */
+    d->view_board = d->board;
+    d->view_board.device[TTF_DEVICE_PANEL] = NULL;
+    d->view_board.device[TTF_DEVICE_WATCHDOG] = NULL;
+    return r;
+}
+
+/* What is wrong with the configuration's plan is said at once; it need not be there. */
+static int check_config_plan(struct daemon *d, struct ttf_err *err)
+{
+    struct ttf_plan_file *file = NULL;
+    int r = *d->config.plan ? ttf_plan_file_load(d->config.plan, &file, err) : 0;
+
+    ttf_plan_file_free(file);
     return r;
 }
 
@@ -69,209 +89,80 @@ static int own_box(struct daemon *d, struct ttf_err *err)
     char who[256];
 
     (void)snprintf(who, sizeof who, "ttfboxd, process %d, into %.180s", (int)getpid(),
-                   d->config.dataset);
+                   *d->config.dataset ? d->config.dataset : d->config.data);
     return box_lock_take(d->board.lock, who, true, &d->lock, err);
 }
 
-static int load_plan(struct daemon *d, struct ttf_err *err)
+static void find_serial(struct daemon *d)
 {
+    (void)snprintf(d->serial, sizeof d->serial, "%s", d->board.serial);
+    if (!*d->serial)
+        box_host_serial(&d->host, d->serial);
+}
+
+/* ---- parts ---- */
+
+static int make_parts(struct daemon *d, struct ttf_err *err)
+{
+    const char *name = strrchr(d->config.dataset, '/');
+    char configuration[1100];
     int r;
 
-    ttf_plan_file_free(d->run.file);
-    d->run.file = NULL;
-    r = ttf_plan_file_load(d->config.plan, &d->run.file, err);
-    if (r < 0)
-        d->run.file = NULL;
-    else
-        ttf_plan_file_default_zone(d->run.file, d->config.zone);
-    return r;
-}
-
-/* ---- waiting ---- */
-
-/* So long, or until it is told to end; the manager sees that it lives. */
-static void idle(struct daemon *d, int64_t for_ns, enum ttf_led led)
-{
-    int64_t now_ns = ttf_clock_now_ns(d->clock);
-    int64_t until_ns = for_ns == TTF_NS_NEVER ? TTF_NS_NEVER : now_ns + for_ns;
-    struct ttf_watchdog *watchdog;
-    struct ttf_panel *light;
-    int fed = 0;
-
-    if (told_to_end(d))
-        return;
-    watchdog = manager_watchdog(&d->manager);
-    light = light_show(&d->board, d->clock, led);
-    while (!told_to_end(d) && now_ns < until_ns) {
-        (void)ttf_clock_wait_until(d->clock,
-                                   until_ns - now_ns < LOOK_NS ? until_ns : now_ns + LOOK_NS);
-        if (watchdog && fed == 0)
-            fed = ttf_watchdog_feed(watchdog);
-        now_ns = ttf_clock_now_ns(d->clock);
-    }
-    ttf_panel_destroy(light);
-    ttf_watchdog_destroy(watchdog);
-}
-
-static int wait_for_plan(struct daemon *d, struct ttf_err *err)
-{
-    bool said = false;
-    int r;
-
-    while ((r = load_plan(d, err)) == -ENOENT && !told_to_end(d)) {
-        manager_status(&d->manager, "waiting for a plan at %s", d->config.plan);
-        if (!said)
-            log_line(LOG_LEVEL_NOTICE, "waiting", "plan=\"%s\"", d->config.plan);
-        said = true;
-        idle(d, d->config.retry_ns, TTF_LED_IDLE);
-    }
-    return told_to_end(d) ? 0 : r;
-}
-
-/* ---- a run ---- */
-
-static void on_slot(struct daemon *d, const struct ttf_progress *p)
-{
-    char text[400];
-
-    d->captured += p->result == TTF_RESULT_CAPTURED;
-    manager_status(&d->manager, "%scapturing: %" PRId64 " of %" PRId64 " slots",
-                   d->board.simulated ? "SIMULATED, " : "", p->index + 1, p->total);
-    if (p->result != TTF_RESULT_CAPTURED)
-        log_line(LOG_LEVEL_WARNING, "slot", "index=%" PRId64 " result=%s why=%s", p->index,
-                 ttf_result_name((enum ttf_result)p->result),
-                 log_text(p->text ? p->text : "", text, sizeof text));
-    if (p->now_ns - d->told_ns < PROGRESS_NS && p->index + 1 < p->total)
-        return;
-    d->told_ns = p->now_ns;
-    log_line(LOG_LEVEL_INFO, "progress", "slots=%" PRId64 " of=%" PRId64 " captured=%" PRId64,
-             p->index + 1, p->total, d->captured);
-}
-
-static void on_progress(void *ctx, const struct ttf_progress *p)
-{
-    struct daemon *d = ctx;
-    char text[800];
-
-    switch (p->kind) {
-    case TTF_PROGRESS_ARMED:
-        d->wait_ns = d->config.retry_ns; /* it works again */
-        d->told_ns = p->now_ns;
-        manager_status(&d->manager, "%sarmed: slot %" PRId64 " of %" PRId64 " is next",
-                       d->board.simulated ? "SIMULATED, " : "", p->index, p->total);
-        log_line(LOG_LEVEL_INFO, "armed", "next=%" PRId64 " slots=%" PRId64, p->index, p->total);
-        break;
-    case TTF_PROGRESS_SLOT:
-        on_slot(d, p);
-        break;
-    case TTF_PROGRESS_EVENT:
-        log_line(LOG_LEVEL_NOTICE, "event", "text=%s",
-                 log_text(p->text ? p->text : "", text, sizeof text));
-        break;
-    case TTF_PROGRESS_ALARM:
-        log_line(LOG_LEVEL_ALERT, "alarm", "text=%s",
-                 log_text(p->text ? p->text : "", text, sizeof text));
-        break;
-    }
-}
-
-static void on_power_back(void *ctx, int64_t back_ns)
-{
-    (void)ctx;
-    log_line(LOG_LEVEL_WARNING, "power", "simulated=lost back_h=%.2f",
-             (double)back_ns / (double)TTF_NS_PER_H);
-}
-
-static void prepare(struct daemon *d)
-{
-    const struct run_choices choices = {.sets = d->sets, .n_sets = d->config.n_sets};
-    struct run *run = &d->run;
-
-    run->io = d->io;
-    run->board = &d->board;
-    run->host = &d->host;
-    run->power_back = on_power_back;
-    run_describe(d->io, &d->board, &choices, run->description);
-    run->session = (struct ttf_session_config){
-        .path = d->config.dataset,
-        .calibration_folder = *d->config.calibration ? d->config.calibration : NULL,
-        .threads = d->config.threads,
-        .progress = on_progress,
-        .progress_ctx = d,
-        .stop = d->options->stop,
-    };
-}
-
-static int one_run(struct daemon *d, struct ttf_err *err)
-{
-    const struct ttf_session_result *s = &d->run.result;
-    int r = ttf_io_mkdirs(d->io, d->config.data, err);
-
-    d->captured = 0;
-    memset(&d->run.result, 0, sizeof d->run.result);
-    if (r == 0)
-        r = run_look(&d->run, err);
-    if (r < 0)
-        return r;
-    manager_status(&d->manager, "%s %s", d->run.exists ? "going on with" : "beginning",
+    d->door.ops = &DOOR_OPS;
+    d->wake = ttf_gate_create(d->clock);
+    d->mailbox = calloc(1, sizeof *d->mailbox);
+    d->situation = situation_create(d->clock);
+    d->asks = asks_create();
+    d->shadow = shadow_create();
+    d->workshop = d->wake ? workshop_create(d->clock, d->wake) : NULL;
+    if (!d->mailbox || !d->situation || !d->asks || !d->shadow || !d->workshop)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    r = ttf_http_events_create(&d->events, err);
+    (void)snprintf(configuration, sizeof configuration, "%s into %s", d->config.plan,
                    d->config.dataset);
-    if (d->wait_ns == d->config.retry_ns) /* not each time that it is tried again */
-        log_line(LOG_LEVEL_NOTICE, d->run.exists ? "resuming" : "beginning",
-                 "dataset=\"%s\" next=%" PRId64, d->config.dataset, d->run.next_index);
-    r = run_boots(&d->run, err);
-    if (r < 0)
-        return r;
-    log_line(LOG_LEVEL_NOTICE, s->sealed ? "done" : "cut",
-             "slots=%" PRId64 " captured=%" PRId64 " partial=%" PRId64 " missed=%" PRId64
-             " failed=%" PRId64 " power=%" PRId64 " sealed=%s digest=%s",
-             s->slots, s->captured, s->partial, s->missed, s->failed, s->power,
-             s->sealed ? "yes" : "no", s->sealed ? s->digest : "none");
-    if (s->sealed)
-        manager_status(&d->manager, "done: %" PRId64 " of %" PRId64 " slots captured, sealed",
-                       s->captured, s->slots);
-    return 0;
-}
-
-/* What a person has to mend is no use to try again; whatever else may pass. */
-static bool may_pass(int error)
-{
-    return run_exit_code(error) == 1 || error == -ENOENT;
-}
-
-static void wait_to_try_again(struct daemon *d, const struct ttf_err *err)
-{
-    char text[900], quoted[1000];
-
-    ttf_err_text(err, text, sizeof text);
-    manager_status(&d->manager, "trying again: %.200s", text);
-    log_line(LOG_LEVEL_WARNING, "retry", "in_s=%.1f why=%s", (double)d->wait_ns / 1e9,
-             log_text(text, quoted, sizeof quoted));
-    idle(d, d->wait_ns, TTF_LED_STOPPED);
-    d->wait_ns *= 2;
-    if (d->wait_ns > RETRY_MOST * d->config.retry_ns)
-        d->wait_ns = RETRY_MOST * d->config.retry_ns;
-}
-
-/* Until it is told to end. */
-static int live(struct daemon *d, struct ttf_err *err)
-{
-    int r = wait_for_plan(d, err);
-
-    d->wait_ns = d->config.retry_ns;
-    while (r == 0 && !told_to_end(d)) {
-        memset(err, 0, sizeof *err);
-        r = one_run(d, err);
-        if (r == 0)
-            idle(d, TTF_NS_NEVER, TTF_LED_IDLE); /* done, or told to end */
-        else if (may_pass(r))
-            wait_to_try_again(d, err);
-        if (r < 0 && may_pass(r))
-            r = 0;
-    }
+    if (r == 0)
+        r = orders_create(d->io, d->config.state, name ? name + 1 : "", configuration, &d->orders,
+                          err);
     return r;
+}
+
+static void free_parts(struct daemon *d)
+{
+    keeper_stop(d->keeper);
+    orders_destroy(d->orders);
+    ttf_http_events_destroy(d->events);
+    workshop_destroy(d->workshop);
+    shadow_destroy(d->shadow);
+    asks_destroy(d->asks);
+    situation_destroy(d->situation);
+    free(d->mailbox);
+    ttf_gate_destroy(d->wake);
 }
 
 /* ---- whole ---- */
+
+static int live(struct daemon *d, struct ttf_err *err)
+{
+    struct ttf_err unheard = {0};
+    char text[900], quoted[1000];
+    int r = make_parts(d, err);
+
+    if (r < 0)
+        return r;
+    runs_prepare(d);
+    log_line(LOG_LEVEL_NOTICE, "started", "version=%s board=%s simulated=%s dataset=\"%s\"",
+             TTFBOX_VERSION, d->board.name, d->board.simulated ? "yes" : "no", d->config.dataset);
+    /* A box that cannot be asked captures all the same. */
+    if (keeper_start(d, &d->keeper, &unheard) < 0)
+        log_line(LOG_LEVEL_ERROR, "unreachable", "why=%s",
+                 log_text(ttf_err_text(&unheard, text, sizeof text), quoted, sizeof quoted));
+    /* Looking at a long dataset comes before anything is armed, and takes as long as it takes. */
+    manager_tell(&d->manager, d->manager.watchdog_ns > 0 ? "READY=1\nWATCHDOG_USEC=0" : "READY=1");
+    runs_live(d);
+    manager_tell(&d->manager, "STOPPING=1");
+    log_line(LOG_LEVEL_NOTICE, "stopped", "%s", "");
+    return 0;
+}
 
 static int begin(struct daemon *d, struct ttf_err *err)
 {
@@ -280,27 +171,17 @@ static int begin(struct daemon *d, struct ttf_err *err)
     if (r < 0)
         return r;
     if (d->options->check)
-        return load_plan(d, err);
+        return check_config_plan(d, err);
     manager_find(&d->manager);
     d->host.notify = d->manager.socket;
     d->host.watchdog_ns = d->manager.watchdog_ns;
     d->io = ttf_io_posix();
+    find_serial(d);
     d->clock = ttf_clock_real_create();
     if (!d->clock)
         return ttf_err_set(err, -errno, "clock", "the machine's clock cannot be had");
     r = own_box(d, err);
-    if (r < 0)
-        return r;
-    prepare(d);
-    log_line(LOG_LEVEL_NOTICE, "started", "version=%s board=%s simulated=%s dataset=\"%s\"",
-             TTFBOX_VERSION, d->board.name, d->board.simulated ? "yes" : "no", d->config.dataset);
-    /* Looking at a long dataset comes before anything is armed, and takes as long as it takes. */
-    manager_tell(&d->manager, d->manager.watchdog_ns > 0 ? "READY=1\nWATCHDOG_USEC=0" : "READY=1");
-    r = live(d, err);
-    manager_tell(&d->manager, "STOPPING=1");
-    if (r == 0)
-        log_line(LOG_LEVEL_NOTICE, "stopped", "%s", "");
-    return r;
+    return r < 0 ? r : live(d, err);
 }
 
 int daemon_run(const struct daemon_options *options, struct ttf_err *err)
@@ -313,7 +194,7 @@ int daemon_run(const struct daemon_options *options, struct ttf_err *err)
     d->options = options;
     d->lock.fd = -1;
     r = begin(d, err);
-    ttf_plan_file_free(d->run.file);
+    free_parts(d);
     box_lock_drop(&d->lock);
     ttf_clock_destroy(d->clock);
     free(d);

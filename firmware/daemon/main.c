@@ -15,7 +15,7 @@ static volatile int stop_asked;
 static void on_stop(int number)
 {
     (void)number;
-    stop_asked = 1;
+    stop_asked = DAEMON_STOP;
 }
 
 static void catch_signals(void)
@@ -34,14 +34,14 @@ static void catch_signals(void)
 static void usage(FILE *to)
 {
     fputs("Usage: ttfboxd --config FILE\n"
-          "Runs a plan on a box into a dataset, goes on with it after each start, and stays until "
-          "it\n"
-          "is told to end (SIGTERM), which it does within a slot.\n\n"
+          "Runs plans on a box, those of its configuration and those asked for by HTTP, goes on with\n"
+          "them after each start, and stays until it is told to end (SIGTERM), which it does within\n"
+          "a slot.\n\n"
           "  -c, --config FILE   which board, plan and data folder\n"
           "      --check         read configuration, board and plan, and end\n"
           "      --version       the program's version\n"
           "  -h, --help          this\n\n"
-          "Exit: 0 told to end, 1 failed, 2 a file is wrong, 3 the dataset is damaged.\n",
+          "Exit: 0 told to end, 1 failed, 2 the configuration or the board is wrong.\n",
           to);
 }
 

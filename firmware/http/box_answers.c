@@ -58,9 +58,12 @@ int box_status(struct ttf_http_request *request, struct ttf_http_answer *ret)
 {
     char *json = NULL;
 
+    int r;
+
     if (!request->box)
         return status_of_none(request, ret);
-    return box_give(ret, OPS(request)->status(request->box, &json, &request->err), json);
+    r = OPS(request)->status(request->box, &json, &request->err);
+    return box_give(ret, r, json);
 }
 
 int box_devices(struct ttf_http_request *request, struct ttf_http_answer *ret)
@@ -68,8 +71,10 @@ int box_devices(struct ttf_http_request *request, struct ttf_http_answer *ret)
     char *json = NULL;
     int r = box_needed(request);
 
-    return r < 0 ? r
-                 : box_give(ret, OPS(request)->devices(request->box, &json, &request->err), json);
+    if (r < 0)
+        return r;
+    r = OPS(request)->devices(request->box, &json, &request->err);
+    return box_give(ret, r, json);
 }
 
 int box_boards(struct ttf_http_request *request, struct ttf_http_answer *ret)
@@ -77,8 +82,10 @@ int box_boards(struct ttf_http_request *request, struct ttf_http_answer *ret)
     char *json = NULL;
     int r = box_needed(request);
 
-    return r < 0 ? r
-                 : box_give(ret, OPS(request)->boards(request->box, &json, &request->err), json);
+    if (r < 0)
+        return r;
+    r = OPS(request)->boards(request->box, &json, &request->err);
+    return box_give(ret, r, json);
 }
 
 static int give_board(struct ttf_http_request *request, const char *plan,
@@ -112,7 +119,10 @@ int box_plans(struct ttf_http_request *request, struct ttf_http_answer *ret)
     char *json = NULL;
     int r = box_needed(request);
 
-    return r < 0 ? r : box_give(ret, OPS(request)->plans(request->box, &json, &request->err), json);
+    if (r < 0)
+        return r;
+    r = OPS(request)->plans(request->box, &json, &request->err);
+    return box_give(ret, r, json);
 }
 
 int box_plan(struct ttf_http_request *request, struct ttf_http_answer *ret)

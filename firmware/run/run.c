@@ -80,6 +80,8 @@ static int prepare_plan(struct run *run, const struct ttf_box *box, struct ttf_e
         r = ttf_plan_check(ttf_plan_file_plan(run->file), box, &figures, err);
     if (r < 0)
         ttf_plan_file_place(run->file, err);
+    else if (run->box_ready)
+        run->box_ready(run->box_ready_ctx, box, &figures);
     return r;
 }
 

@@ -29,6 +29,9 @@ struct run {
     /* A simulated box lost power and is back so long after its first start. NULL allowed. */
     void (*power_back)(void *ctx, int64_t back_ns);
     void *power_back_ctx;
+    /* The box of a run is made, and the plan fits it. NULL allowed. */
+    void (*box_ready)(void *ctx, const struct ttf_box *box, const struct ttf_plan_figures *figures);
+    void *box_ready_ctx;
 
     /* found by run_look */
     bool exists;        /* there is a dataset to go on with */

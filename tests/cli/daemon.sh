@@ -22,6 +22,7 @@ board: ./box.yaml
 plan: grass.yaml
 data: data
 retry: 300ms
+listen: []
 END
 plan grass.yaml 'interval: 400ms' 'count: 12' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B'
 
@@ -68,6 +69,9 @@ said err "'retry'"
 printf 'board: ./box.yaml\nplan: grass.yaml\n' >bad.yaml
 expect 2 "$DAEMON" --config bad.yaml
 said err "'data' is missing"
+printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nlisten: 8417\n' >bad.yaml
+expect 2 "$DAEMON" --config bad.yaml
+said err "bad.yaml:4:9"
 printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nset: {sim.sensor.width: 4px}\n' >bad.yaml
 expect 2 "$DAEMON" --config bad.yaml
 said err "--set sim.sensor.width"
@@ -76,7 +80,7 @@ expect 2 "$DAEMON" --config bad.yaml
 said err "this clock is virtual"
 printf 'board: ./box.yaml\nplan: wrong.yaml\ndata: data\n' >bad.yaml
 plan wrong.yaml 'interval: 5' 'count: 3'
-expect 2 "$DAEMON" --config bad.yaml
+expect 2 "$DAEMON" --config bad.yaml --check
 said err "wrong.yaml:1:11"
 expect 0 "$DAEMON" --config ttfboxd.yaml --check
 

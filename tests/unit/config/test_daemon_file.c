@@ -28,6 +28,7 @@ static void every_key_reaches_its_field(void **state)
     (void)state;
     if (parse("board: ../boards/mine.yaml\nplan: plans/grass.yaml\ndata: /var/lib/ttfbox\n"
               "dataset: meadow\ncalibration: cal\nzone: UTC\nthreads: 3\nretry: 2s\n"
+              "state: s\ntoken_file: secret\nlisten: ['[::1]:80', 'unix:/x']\nnames: [greenhouse]\n"
               "set: {sim.clock: real, sim.faults: '[{kind: power-cut, at: 3h}]'}\n",
               &c, &err) < 0)
         fail_msg("%s: %s", err.where, err.what);
@@ -39,6 +40,13 @@ static void every_key_reaches_its_field(void **state)
     assert_int_equal(c.threads, 3);
     assert_true(c.retry_ns == 2 * TTF_NS_PER_S);
     assert_string_equal(c.zone, "UTC");
+    assert_string_equal(c.state, "/etc/ttfbox/s");
+    assert_string_equal(c.token_file, "/etc/ttfbox/secret");
+    assert_int_equal(c.n_listen, 2);
+    assert_string_equal(c.listen[0], "[::1]:80");
+    assert_string_equal(c.listen[1], "unix:/x");
+    assert_int_equal(c.n_names, 1);
+    assert_string_equal(c.names[0], "greenhouse");
     assert_int_equal(c.n_sets, 2);
     assert_string_equal(c.set[1].path, "sim.faults");
     assert_string_equal(c.set[1].value, "[{kind: power-cut, at: 3h}]");
@@ -58,13 +66,36 @@ static void a_dataset_without_a_name_has_the_plan_s(void **state)
     assert_string_equal(c.dataset, "/d/week");
 }
 
+static void without_a_plan_runs_are_asked_for(void **state)
+{
+    struct ttf_daemon_config c;
+    struct ttf_err err;
+
+    (void)state;
+    assert_int_equal(parse("board: rpi4\ndata: /d\n", &c, &err), 0);
+    assert_string_equal(c.plan, "");
+    assert_string_equal(c.dataset, "");
+    assert_string_equal(c.state, "/d/.ttfbox");
+    assert_string_equal(c.token_file, "/d/.ttfbox/token");
+    assert_int_equal(c.n_listen, 2); /* this machine, and the cable */
+    assert_string_equal(c.listen[0], "127.0.0.1:8417");
+    assert_string_equal(c.listen[1], "unix:/run/ttfbox/http.sock");
+    assert_int_equal(parse("board: rpi4\ndata: /d\nlisten: []\n", &c, &err), 0);
+    assert_int_equal(c.n_listen, 0);
+}
+
 static const struct {
     const char *text, *where, *what;
 } WRONG[] = {
     {"", "/etc/ttfbox/d.yaml:1:1", "empty"},
     {"- 1\n", "/etc/ttfbox/d.yaml:1:1", "holds keys"},
     {"board: b\nplan: p\n", "/etc/ttfbox/d.yaml:1:1", "'data' is missing"},
-    {"board: b\nplan: p\ndata: d\nlisten: 1\n", "/etc/ttfbox/d.yaml:4:1", "unknown key"},
+    {"board: b\nplan: p\ndata: d\nlisen: 1\n", "/etc/ttfbox/d.yaml:4:1", "unknown key"},
+    {"board: b\nplan: p\ndata: d\nlisten: 1\n", "/etc/ttfbox/d.yaml:4:9", "a list is meant"},
+    {"board: b\ndata: d\nlisten: [a, b, c, d, e, f, g, h, i]\n", "/etc/ttfbox/d.yaml:3:34",
+     "more than 8"},
+    {"board: b\ndata: d\nnames: ['']\n", "/etc/ttfbox/d.yaml:3:9", "1 to 127 letters"},
+    {"board: b\ndata: d\ndataset: grass\n", "/etc/ttfbox/d.yaml:3:10", "without a plan"},
     {"board: b\nplan: p\ndata: d\ndataset: ../x\n", "/etc/ttfbox/d.yaml:4:10", "no dataset's name"},
     {"board: b\nplan: p\ndata: d\ndataset: a/b\n", "/etc/ttfbox/d.yaml:4:10", "no dataset's name"},
     {"board: b\nplan: p\ndata: d\nset: real\n", "/etc/ttfbox/d.yaml:4:6", "a map of at most 16"},
@@ -175,6 +206,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_key_reaches_its_field),
         cmocka_unit_test(a_dataset_without_a_name_has_the_plan_s),
+        cmocka_unit_test(without_a_plan_runs_are_asked_for),
         cmocka_unit_test(what_has_no_room_is_refused),
         cmocka_unit_test(what_is_wrong_is_named_with_its_place),
         cmocka_unit_test(the_board_is_read_whatever_mistakes_are_elsewhere),

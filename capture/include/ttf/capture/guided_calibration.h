@@ -17,6 +17,13 @@ struct ttf_guided_config {
     double reflectance; /* flat: of the target */
 };
 
+/*
+ * Frames as a calibration takes them, and nothing more: averaged into *ret, which is zeroed before and to be freed, also on failure. lit: under the
+ * shot's lamps, settled; else all are off.
+ */
+TTF_MUST_USE int ttf_guided_frames(const struct ttf_guided_config *config, bool lit,
+                                   struct ttf_raw_sum *ret, struct ttf_err *err);
+
 /* All lamps off, `frames` frames at the shot's exposure, fitted into *calibration. */
 TTF_MUST_USE int ttf_guided_dark(const struct ttf_guided_config *config,
                                  struct ttf_calibration *calibration, struct ttf_err *err);

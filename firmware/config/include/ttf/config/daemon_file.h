@@ -9,18 +9,31 @@
 #include "ttf/base/err.h"
 #include "ttf/config/board_file.h"
 
-#define TTF_DAEMON_SETS_MAX 16
+#define TTF_DAEMON_SETS_MAX   16
+#define TTF_DAEMON_LISTEN_MAX 8
+#define TTF_DAEMON_NAMES_MAX  6
+
+/* Where it listens unless its configuration says otherwise. */
+#define TTF_DAEMON_LISTEN_TCP  "127.0.0.1:8417"
+#define TTF_DAEMON_LISTEN_UNIX "unix:/run/ttfbox/http.sock"
 
 struct ttf_daemon_config {
-    char board[512];       /* a board's name, or the path of its file */
-    char plan[512];        /* the plan's file; it need not be there yet */
-    char data[512];        /* the folder of datasets */
-    char dataset[512];     /* the one to make: data, a slash and its name */
+    char board[512];   /* a board's name, or the path of its file */
+    char plan[512];    /* the plan's file; it need not be there yet. Empty: runs are asked for */
+    char data[512];    /* the folder of datasets */
+    char dataset[512]; /* the one to make: data, a slash and its name. Empty without a plan */
+    char state[512];   /* the folder of what is to outlive a restart: plans, what was asked for */
+    char token_file[512];  /* made if it is missing */
     char calibration[512]; /* empty: none */
     char zone[64];         /* of plans that name none; empty: UTC */
     uint32_t threads;      /* 0: all */
-    int64_t retry_ns; /* what failed is tried again after this, doubled each time up to 12 times */
-    unsigned n_sets;  /* changes of the board */
+    int64_t retry_ns;  /* what failed is tried again after this, doubled each time up to 12 times */
+    unsigned n_listen; /* 0: nowhere */
+    char listen[TTF_DAEMON_LISTEN_MAX][128];
+    unsigned
+        n_names; /* of the box, beside its addresses, its name in the network and its serial's */
+    char names[TTF_DAEMON_NAMES_MAX][128];
+    unsigned n_sets; /* changes of the board */
     struct {
         char path[128], value[256];
     } set[TTF_DAEMON_SETS_MAX];

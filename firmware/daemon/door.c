@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "door.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+#include "library.h"
+#include "log.h"
+#include "parts.h"
+#include "ttf/dataset/notes.h"
+
+static struct daemon *of(struct ttf_http_box *box)
+{
+    return (struct daemon *)box;
+}
+
+static int finish(struct ttf_json *json, char **ret, struct ttf_err *err)
+{
+    const char *text;
+    size_t bytes;
+    int r = ttf_json_finish(json, &text, &bytes);
+
+    if (r == 0 && !(*ret = strdup(text)))
+        r = -ENOMEM;
+    ttf_json_free(json);
+    return r < 0 ? ttf_err_set(err, r, NULL, "no memory") : 0;
+}
+
+/* ---- status ---- */
+
+static void put_disk(struct daemon *d, struct ttf_json *json)
+{
+    struct ttf_io_space space;
+
+    if (d->io->ops->space(d->io, d->config.data, &space) < 0)
+        return;
+    ttf_json_key(json, "disk");
+    ttf_json_object(json);
+    ttf_json_kint(json, "free_bytes", space.free_bytes);
+    ttf_json_kint(json, "total_bytes", space.total_bytes);
+    ttf_json_object_end(json);
+}
+
+static int door_status(struct ttf_http_box *box, char **ret_json, struct ttf_err *err)
+{
+    struct daemon *d = of(box);
+    char id[TTF_HTTP_EVENT_ID_SIZE];
+    struct ttf_json json;
+
+    ttf_json_init(&json, false);
+    ttf_json_object(&json);
+    ttf_json_kstring(&json, "version", TTFBOX_VERSION);
+    ttf_json_kstring(&json, "serial", d->serial);
+    ttf_json_kstring(&json, "board", d->board.name);
+    ttf_json_kbool(&json, "simulated", d->board.simulated);
+    /* The id first: what happens meanwhile is told again, never left out. */
+    ttf_json_kstring(&json, "last_event_id", ttf_http_events_last(d->events, id));
+    situation_status(d->situation, &json);
+    put_disk(d, &json);
+    ttf_json_object_end(&json);
+    return finish(&json, ret_json, err);
+}
+
+/* ---- plans and boards ---- */
+
+static int door_devices(struct ttf_http_box *box, char **ret_json, struct ttf_err *err)
+{
+    return check_devices(of(box), ret_json, err);
+}
+
+static int door_boards(struct ttf_http_box *box, char **ret_json, struct ttf_err *err)
+{
+    return library_boards(of(box), ret_json, err);
+}
+
+static int door_board(struct ttf_http_box *box, const char *name, const char *plan, char **ret_yaml,
+                      struct ttf_err *err)
+{
+    return library_board(of(box), name, plan, ret_yaml, err);
+}
+
+static int door_plans(struct ttf_http_box *box, char **ret_json, struct ttf_err *err)
+{
+    return library_plans(of(box), ret_json, err);
+}
+
+static int door_plan(struct ttf_http_box *box, const char *name, char **ret_yaml,
+                     struct ttf_err *err)
+{
+    return library_plan(of(box), name, ret_yaml, err);
+}
+
+static int door_plan_check(struct ttf_http_box *box, const char *yaml, size_t bytes,
+                           char **ret_json, struct ttf_err *err)
+{
+    bool ok;
+
+    return check_plan(of(box), "plan", yaml, bytes, ret_json, &ok, err);
+}
+
+static int door_plan_put(struct ttf_http_box *box, const char *name, const char *yaml, size_t bytes,
+                         char **ret_json, struct ttf_err *err)
+{
+    char *json = NULL;
+    bool ok = false;
+    int r = check_plan(of(box), name, yaml, bytes, &json, &ok, err);
+
+    if (r == 0 && !ok)
+        r = err->code = -EINVAL;
+    if (r == 0)
+        r = library_put(of(box), name, yaml, bytes, err);
+    if (r < 0) {
+        free(json);
+        return r;
+    }
+    log_line(LOG_LEVEL_NOTICE, "plan", "put=\"%s\"", name);
+    *ret_json = json;
+    return 0;
+}
+
+static int door_plan_delete(struct ttf_http_box *box, const char *name, struct ttf_err *err)
+{
+    int r = library_delete(of(box), name, err);
+
+    if (r == 0)
+        log_line(LOG_LEVEL_NOTICE, "plan", "deleted=\"%s\"", name);
+    return r;
+}
+
+/* ---- a run ---- */
+
+static int started(struct daemon *d, const char *dataset, char **ret_json, struct ttf_err *err)
+{
+    struct ttf_json json;
+
+    log_line(LOG_LEVEL_NOTICE, "asked", "for=start dataset=\"%s\"", dataset);
+    ttf_gate_open(d->wake);
+    ttf_json_init(&json, false);
+    ttf_json_object(&json);
+    ttf_json_kstring(&json, "dataset", dataset);
+    ttf_json_object_end(&json);
+    return finish(&json, ret_json, err);
+}
+
+static int go_on(struct daemon *d, char **ret_json, struct ttf_err *err)
+{
+    struct order order = {0};
+    int r = orders_go_on(d->orders, err);
+
+    if (r == 0)
+        r = orders_get(d->orders, &order);
+    if (r == 0)
+        r = started(d, order.dataset, ret_json, err);
+    order_free(&order);
+    return r;
+}
+
+static int door_start(struct ttf_http_box *box, const char *plan, const char *dataset,
+                      char **ret_json, struct ttf_err *err)
+{
+    struct daemon *d = of(box);
+    char *yaml = NULL, *json = NULL;
+    bool ok = false;
+    int r;
+
+    if (!*plan && !*dataset)
+        return go_on(d, ret_json, err);
+    if (!*plan)
+        return ttf_err_set(err, -EINVAL, "plan", "is missing");
+    r = library_plan(d, plan, &yaml, err);
+    if (r == 0)
+        r = check_plan(d, plan, yaml, strlen(yaml), &json, &ok, err);
+    if (r == 0 && !ok)
+        r = err->code = -EINVAL;
+    if (r == 0)
+        r = orders_start(d->orders, plan, yaml, *dataset ? dataset : plan, err);
+    if (r == 0)
+        r = started(d, *dataset ? dataset : plan, ret_json, err);
+    free(yaml);
+    free(json);
+    return r;
+}
+
+static int show(struct daemon *d, int64_t number, char **ret_json, struct ttf_err *err)
+{
+    struct ttf_json json;
+    int r;
+
+    ttf_json_init(&json, false);
+    r = asks_show(d->asks, number, &json);
+    if (r == 0)
+        return finish(&json, ret_json, err);
+    ttf_json_free(&json);
+    return ttf_err_set(err, r, NULL, "nothing of this number was asked, or long ago");
+}
+
+/* A stop is a decision first, on the disk, and then an end of what runs. */
+static int stop(struct daemon *d, char **ret_json, struct ttf_err *err)
+{
+    int none = 0;
+    int r = orders_stop(d->orders, err);
+    int64_t number;
+
+    if (r < 0)
+        return r;
+    log_line(LOG_LEVEL_NOTICE, "asked", "for=stop");
+    if (situation_turn(d->situation, DOING_CAPTURING, DOING_STOPPING) ||
+        situation_turn(d->situation, DOING_PAUSED, DOING_STOPPING))
+        daemon_tell_state(d);
+    number = asks_stop(d->asks, false);
+    (void)__atomic_compare_exchange_n(d->options->stop, &none, DAEMON_STOP_RUN, false,
+                                      __ATOMIC_SEQ_CST, __ATOMIC_SEQ_CST);
+    ttf_gate_open(d->wake);
+    return show(d, number, ret_json, err);
+}
+
+static int door_ask(struct ttf_http_box *box, const struct ttf_http_ask *ask, char **ret_json,
+                    struct ttf_err *err)
+{
+    struct daemon *d = of(box);
+    int64_t number;
+
+    if (ask->kind == TTF_HTTP_ASK_STOP)
+        return stop(d, ret_json, err);
+    number = asks_put(d->asks, ask, err);
+    return number < 0 ? (int)number : show(d, number, ret_json, err);
+}
+
+static int door_asked(struct ttf_http_box *box, int64_t number, char **ret_json,
+                      struct ttf_err *err)
+{
+    return show(of(box), number, ret_json, err);
+}
+
+static int door_note(struct ttf_http_box *box, const char *dataset, const struct ttf_note *note,
+                     struct ttf_err *err)
+{
+    struct daemon *d = of(box);
+    struct ttf_note *timed = malloc(sizeof *timed);
+    struct ttf_utc utc;
+    char path[600];
+    int r;
+
+    if (!timed)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    *timed = *note;
+    ttf_clock_utc(d->clock, &utc);
+    if (utc.trust != TTF_TRUST_NONE)
+        timed->utc_ns = utc.utc_ns;
+    (void)snprintf(path, sizeof path, "%s/%s", d->config.data, dataset);
+    r = ttf_note_append(d->io, path, timed, err);
+    free(timed);
+    return r;
+}
+
+/* ---- pictures ---- */
+
+static int door_live(struct ttf_http_box *box, const struct ttf_http_view *view, void **ret_jpeg,
+                     size_t *ret_bytes, struct ttf_err *err)
+{
+    struct workshop_job job = {.view = view};
+    int r = workshop_ask(of(box)->workshop, &job, err);
+
+    if (r < 0)
+        return r;
+    *ret_jpeg = job.jpeg;
+    *ret_bytes = job.bytes;
+    return 0;
+}
+
+static int door_newest(struct ttf_http_box *box, char ret_dataset[65], struct ttf_err *err)
+{
+    (void)situation_dataset(of(box)->situation, ret_dataset);
+    return *ret_dataset ? 0 : ttf_err_set(err, -ENOENT, NULL, "nothing was captured yet");
+}
+
+const struct ttf_http_box_ops DOOR_OPS = {
+    .name = "ttfboxd",
+    .status = door_status,
+    .devices = door_devices,
+    .boards = door_boards,
+    .board = door_board,
+    .plans = door_plans,
+    .plan = door_plan,
+    .plan_check = door_plan_check,
+    .plan_put = door_plan_put,
+    .plan_delete = door_plan_delete,
+    .start = door_start,
+    .ask = door_ask,
+    .asked = door_asked,
+    .note = door_note,
+    .live = door_live,
+    .newest = door_newest,
+};

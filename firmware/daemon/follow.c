@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "follow.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct reading {
+    struct daemon *d;
+    char *last; /* readings of the newest slot among what is new; NULL */
+};
+
+static void put_lamps(const struct ttf_shot *shot, struct ttf_json *json)
+{
+    ttf_json_key(json, "lamps");
+    ttf_json_array(json);
+    for (unsigned i = 0; i < shot->n_lamps; i++) {
+        ttf_json_object(json);
+        ttf_json_kstring(json, "name", shot->lamps[i].name);
+        ttf_json_kint(json, "commanded_permille", shot->lamps[i].commanded_permille);
+        if (shot->lamps[i].measured_permille >= 0)
+            ttf_json_kint(json, "measured_permille", shot->lamps[i].measured_permille);
+        ttf_json_object_end(json);
+    }
+    ttf_json_array_end(json);
+}
+
+static void put_sensors(const struct ttf_slot_record *record, struct ttf_json *json)
+{
+    ttf_json_key(json, "sensors");
+    ttf_json_array(json);
+    for (unsigned i = 0; i < record->n_sensors; i++) {
+        ttf_json_object(json);
+        ttf_json_kstring(json, "name", record->sensors[i].name);
+        ttf_json_kstring(json, "kind", record->sensors[i].kind);
+        ttf_json_kbool(json, "ok", record->sensors[i].ok);
+        ttf_json_kint(json, "value", record->sensors[i].value);
+        ttf_json_object_end(json);
+    }
+    ttf_json_array_end(json);
+}
+
+char *follow_readings(const struct ttf_slot_record *record)
+{
+    const struct ttf_shot none = {0}, *shot = &none;
+    struct ttf_json json;
+    char *copy = NULL;
+    const char *text;
+    size_t bytes;
+
+    for (unsigned i = 0; i < record->n_images; i++)
+        if (record->images[i].n_shots > 0)
+            shot = &record->images[i].shots[record->images[i].n_shots - 1];
+    ttf_json_init(&json, false);
+    ttf_json_object(&json);
+    ttf_json_kint(&json, "index", record->index);
+    put_lamps(shot, &json);
+    put_sensors(record, &json);
+    ttf_json_object_end(&json);
+    if (ttf_json_finish(&json, &text, &bytes) == 0)
+        copy = strdup(text);
+    ttf_json_free(&json);
+    return copy;
+}
+
+static int on_line(void *ctx, const struct ttf_growth_line *line, struct ttf_err *err)
+{
+    struct reading *reading = ctx;
+    struct ttf_slot_record record;
+    struct ttf_segment segment;
+
+    if (strcmp(line->type, "segment") == 0 && ttf_growth_segment(line, &segment, err) == 0)
+        situation_segment(reading->d->situation, &segment);
+    if (strcmp(line->type, "slot") == 0 && ttf_growth_slot(line, &record, err) == 0) {
+        char *readings =
+            record.n_images > 0 || record.n_sensors > 0 ? follow_readings(&record) : NULL;
+
+        situation_record(reading->d->situation, &record, readings);
+        if (readings) {
+            free(reading->last);
+            reading->last = readings;
+        }
+        ttf_slot_record_free(&record);
+    }
+    return 0;
+}
+
+void follow_read(struct follow *follow, struct daemon *d)
+{
+    struct reading reading = {.d = d};
+    char dataset[65], path[512 + 96];
+    int r;
+
+    (void)situation_dataset(d->situation, dataset);
+    if (strcmp(dataset, follow->dataset) != 0) {
+        memset(follow, 0, sizeof *follow);
+        memcpy(follow->dataset, dataset, sizeof follow->dataset);
+        situation_forget(d->situation);
+    }
+    (void)snprintf(path, sizeof path, "%s/%s/records.jsonl", d->config.data, dataset);
+    r = ttf_growth_read(d->io, path, &follow->growth, 0, on_line, &reading, NULL);
+    if (r == -ESTALE) {
+        memset(&follow->growth, 0, sizeof follow->growth);
+        situation_forget(d->situation);
+        (void)!ttf_growth_read(d->io, path, &follow->growth, 0, on_line, &reading, NULL);
+    }
+    if (reading.last)
+        ttf_http_events_publish(d->events, "readings", reading.last);
+    free(reading.last);
+}

@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "keeper.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "devices.h"
+#include "follow.h"
+#include "log.h"
+#include "ttf/http/listen.h"
+#include "ttf/http/server.h"
+#include "ttf/http/token.h"
+
+#define LOOK_NS    (50 * TTF_NS_PER_MS)
+#define AGAIN_NS   (5 * TTF_NS_PER_S)  /* until a socket is tried again */
+#define TICK_NS    (10 * TTF_NS_PER_S) /* that listeners hear something */
+#define NICE       10                  /* behind everything that a slot waits for */
+#define IDLE_CLASS (3 << 13)           /* IOPRIO_CLASS_IDLE; its disk too */
+#define BOX_NAMES  3                   /* that it has by itself */
+
+struct keeper {
+    struct daemon *d;
+    pthread_t thread;
+    int stop; /* atomically */
+    struct follow follow;
+    struct ttf_http_server *server;
+    bool listening[TTF_DAEMON_LISTEN_MAX], complained[TTF_DAEMON_LISTEN_MAX];
+    bool complained_of_server;
+    int64_t again_ns, tick_ns;
+};
+
+/* ---- sockets ---- */
+
+static void complain(bool *said, const char *where, const struct ttf_err *err)
+{
+    char text[900], quoted[1000];
+
+    if (!*said)
+        log_line(LOG_LEVEL_WARNING, "unreachable", "at=\"%s\" why=%s", where,
+                 log_text(ttf_err_text(err, text, sizeof text), quoted, sizeof quoted));
+    *said = true;
+}
+
+static int make_server(struct keeper *k, struct ttf_err *err)
+{
+    struct daemon *d = k->d;
+    const char *names[TTF_DAEMON_NAMES_MAX + BOX_NAMES + 1] = {NULL};
+    char host[200] = "", local[264], serial[96];
+    struct ttf_http_config config = {.folder = d->config.data,
+                                     .io = d->io,
+                                     .token = d->token,
+                                     .names = names,
+                                     .clock = d->clock,
+                                     .box = &d->door,
+                                     .events = d->events};
+    unsigned n = 0;
+    int r = ttf_io_mkdirs(d->io, d->config.data, err);
+
+    if (r == 0)
+        r = ttf_io_mkdirs(d->io, d->config.state, err);
+    if (r == 0)
+        r = ttf_http_token_load(d->config.token_file, d->token, err);
+    if (r < 0)
+        return r;
+    if (gethostname(host, sizeof host - 1) == 0 && *host) {
+        (void)snprintf(local, sizeof local, "%s.local", host);
+        names[n++] = host;
+        names[n++] = local;
+    }
+    (void)snprintf(serial, sizeof serial, "ttfbox-%s.local", d->serial);
+    names[n++] = serial;
+    for (unsigned i = 0; i < d->config.n_names; i++)
+        names[n++] = d->config.names[i];
+    return ttf_http_server_create(&config, &k->server, err);
+}
+
+static void listen_at(struct keeper *k, unsigned i)
+{
+    const char *where = k->d->config.listen[i];
+    struct ttf_http_socket socket;
+    struct ttf_err err = {0};
+    int r = ttf_http_listen(where, &socket, &err);
+
+    if (r == 0) /* the cable alone needs no token */
+        r = ttf_http_server_listen(k->server, socket.fd, strncmp(where, "unix:", 5) == 0, &err);
+    if (r < 0) {
+        complain(&k->complained[i], where, &err);
+        return;
+    }
+    k->listening[i] = true;
+    log_line(LOG_LEVEL_NOTICE, "listening", "at=\"%s\"", socket.name);
+}
+
+static void open_sockets(struct keeper *k, int64_t now_ns)
+{
+    struct ttf_err err = {0};
+
+    if (k->d->config.n_listen == 0 || now_ns < k->again_ns)
+        return;
+    k->again_ns = now_ns + AGAIN_NS;
+    if (!k->server && make_server(k, &err) < 0) {
+        complain(&k->complained_of_server, k->d->config.data, &err);
+        return;
+    }
+    for (unsigned i = 0; i < k->d->config.n_listen; i++)
+        if (!k->listening[i])
+            listen_at(k, i);
+}
+
+/* ---- what happens ---- */
+
+static void publish(struct daemon *d, const char *kind, struct ttf_json *json)
+{
+    const char *text;
+    size_t bytes;
+
+    if (ttf_json_finish(json, &text, &bytes) == 0)
+        ttf_http_events_publish(d->events, kind, text);
+    ttf_json_free(json);
+}
+
+static void tell_text(struct daemon *d, const char *kind, const char *text)
+{
+    char dataset[65];
+    struct ttf_json json;
+
+    (void)situation_dataset(d->situation, dataset);
+    ttf_json_init(&json, false);
+    ttf_json_object(&json);
+    ttf_json_kstring(&json, "dataset", dataset);
+    ttf_json_kstring(&json, "text", text);
+    ttf_json_object_end(&json);
+    publish(d, kind, &json);
+}
+
+static void tell_slot(struct daemon *d, const struct letter *letter)
+{
+    struct ttf_json json;
+
+    ttf_json_init(&json, false);
+    situation_slot_event(d->situation, letter, &json);
+    publish(d, "slot", &json);
+}
+
+static void tell_letter(struct keeper *k, const struct letter *letter)
+{
+    struct daemon *d = k->d;
+    bool other = situation_letter(d->situation, letter);
+
+    if (letter->kind == TTF_PROGRESS_SLOT)
+        tell_slot(d, letter);
+    else if (letter->kind == TTF_PROGRESS_EVENT)
+        tell_text(d, "event", letter->text);
+    else if (letter->kind == TTF_PROGRESS_ALARM)
+        tell_text(d, "alarm", letter->text);
+    if (other || letter->kind == TTF_PROGRESS_ARMED)
+        daemon_tell_state(d);
+}
+
+static void empty_mailbox(struct keeper *k)
+{
+    struct daemon *d = k->d;
+    struct letter letter;
+    bool any = false;
+    uint32_t dropped;
+
+    while (mailbox_take(d->mailbox, &letter)) {
+        /* Its record is read first, so that what is told of a slot knows of it. */
+        if (!any && (letter.kind == TTF_PROGRESS_SLOT || letter.kind == TTF_PROGRESS_ARMED))
+            follow_read(&k->follow, d);
+        any = true;
+        tell_letter(k, &letter);
+    }
+    dropped = mailbox_dropped(d->mailbox);
+    if (dropped > 0) {
+        log_line(LOG_LEVEL_WARNING, "untold", "events=%u", dropped);
+        ttf_http_events_publish(d->events, "missed", "{}");
+    }
+}
+
+static void tell_answers(struct daemon *d)
+{
+    for (;;) {
+        struct ttf_json json;
+
+        ttf_json_init(&json, false);
+        if (!asks_answered(d->asks, &json)) {
+            ttf_json_free(&json);
+            return;
+        }
+        publish(d, "asked", &json);
+    }
+}
+
+static void *keep(void *ctx)
+{
+    struct keeper *k = ctx;
+    struct ttf_clock *clock = k->d->clock;
+    int tid = (int)syscall(SYS_gettid);
+
+    /* Of this thread alone, and of those that it makes: of Linux they are a thread's. */
+    (void)setpriority(PRIO_PROCESS, (id_t)tid, NICE);
+    (void)syscall(SYS_ioprio_set, 1, tid, IDLE_CLASS);
+    while (!__atomic_load_n(&k->stop, __ATOMIC_RELAXED)) {
+        int64_t now_ns = ttf_clock_now_ns(clock);
+
+        open_sockets(k, now_ns);
+        empty_mailbox(k);
+        tell_answers(k->d);
+        if (now_ns >= k->tick_ns) {
+            ttf_http_events_tick(k->d->events);
+            k->tick_ns = now_ns + TICK_NS;
+        }
+        (void)ttf_clock_wait_until(clock, now_ns + LOOK_NS);
+    }
+    return NULL;
+}
+
+int keeper_start(struct daemon *d, struct keeper **ret, struct ttf_err *err)
+{
+    struct keeper *k = calloc(1, sizeof *k);
+    int r;
+
+    if (!k)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    k->d = d;
+    r = -pthread_create(&k->thread, NULL, keep, k);
+    if (r < 0) {
+        free(k);
+        return ttf_err_set(err, r, NULL, "no thread for the interface");
+    }
+    *ret = k;
+    return 0;
+}
+
+void keeper_stop(struct keeper *k)
+{
+    if (!k)
+        return;
+    __atomic_store_n(&k->stop, 1, __ATOMIC_RELAXED);
+    (void)pthread_join(k->thread, NULL);
+    empty_mailbox(k);
+    ttf_http_server_destroy(k->server);
+    free(k);
+}

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * orders.h: what is to run: what a person asked for, which is on the disk and holds over boots, else what the
+ * configuration names. A person's decision holds for the configuration that it was made under: a run that was asked for
+ * is gone on with in any case, but a stop does not keep back what the configuration names now and did not then.
+ * Any thread.
+ */
+#ifndef DAEMON_ORDERS_H
+#define DAEMON_ORDERS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+#include "ttf/dataset/io.h"
+
+enum order_state {
+    ORDER_NONE = 0, /* nothing is to be run */
+    ORDER_RUN,
+    ORDER_STOPPED, /* by a person; may be gone on with */
+    ORDER_DONE
+};
+
+struct order {
+    enum order_state state;
+    bool by_request;  /* else the configuration's */
+    char dataset[65]; /* its name */
+    char plan[65];    /* its name, of one by request */
+    char *yaml;       /* the plan by request, as it was then; by malloc */
+};
+
+struct orders;
+
+/* configured: the configuration's dataset (its name), "" for none; configuration: a text that tells it from others. */
+TTF_MUST_USE int orders_create(struct ttf_io *io, const char *folder, const char *configured,
+                               const char *configuration, struct orders **ret, struct ttf_err *err);
+void orders_destroy(struct orders *orders); /* NULL allowed */
+
+/* A copy of what holds now, to be freed. -ENOMEM. */
+TTF_MUST_USE int orders_get(struct orders *orders, struct order *ret);
+void order_free(struct order *order);
+
+/* Each on the disk before it returns. -EBUSY: a run is under way; errors of the disk, and nothing has changed. */
+TTF_MUST_USE int orders_start(struct orders *orders, const char *plan, const char *yaml,
+                              const char *dataset, struct ttf_err *err);
+/* -ENOENT: nothing runs (stop), nothing was stopped (go_on). */
+TTF_MUST_USE int orders_stop(struct orders *orders, struct ttf_err *err);
+TTF_MUST_USE int orders_go_on(struct orders *orders, struct ttf_err *err);
+TTF_MUST_USE int orders_done(struct orders *orders, struct ttf_err *err);
+
+#endif

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* parts.h: what the parts of the daemon share. */
+#ifndef DAEMON_PARTS_H
+#define DAEMON_PARTS_H
+
+#include "asks.h"
+#include "daemon.h"
+#include "lock.h"
+#include "mailbox.h"
+#include "manager.h"
+#include "orders.h"
+#include "run.h"
+#include "shadow.h"
+#include "situation.h"
+#include "ttf/config/daemon_file.h"
+#include "ttf/http/box.h"
+#include "ttf/http/events.h"
+#include "workshop.h"
+
+struct keeper;
+
+struct daemon {
+    struct ttf_http_box door; /* first: downcast by address */
+    const struct daemon_options *options;
+    struct ttf_daemon_config config;
+    struct ttf_board board;
+    struct ttf_board view_board; /* the same without what watches: for pictures between runs */
+    struct ttf_board_set sets[TTF_DAEMON_SETS_MAX];
+    char serial[64];
+    struct ttf_io *io;
+    struct ttf_clock *clock;
+    struct manager manager;
+    struct box_host host;
+    struct box_lock lock;
+
+    /* of the thread that owns the devices */
+    struct run run;
+    int64_t captured, told_ns; /* of this run */
+    int64_t wait_ns;           /* before what failed is tried again */
+    struct ttf_box view;       /* kept open for a while between pictures; n_cameras 0: not */
+    int64_t viewed_ns;
+
+    /* of all threads; each has its own lock, or needs none */
+    struct ttf_gate *wake; /* the owner's */
+    struct mailbox *mailbox;
+    struct orders *orders;
+    struct situation *situation;
+    struct asks *asks;
+    struct workshop *workshop;
+    struct shadow *shadow;
+    struct ttf_http_events *events;
+    struct keeper *keeper;
+    char token[65];
+};
+
+/* Where boards are looked for, NULL-ended. */
+const char *const *daemon_board_folders(void);
+
+bool daemon_told_to_end(const struct daemon *d);
+
+/* Tells whoever listens what the box does now. */
+void daemon_tell_state(struct daemon *d);
+
+/* What the box does, and, where it is something else than before, that it does. */
+void daemon_does(struct daemon *d, enum doing doing, const char *why, int64_t retry_ns);
+
+#endif

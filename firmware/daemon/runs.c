@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "runs.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "idle.h"
+#include "log.h"
+#include "ttf/dataset/reader.h"
+#include "view.h"
+
+#define PROGRESS_NS TTF_NS_PER_MIN
+#define RETRY_MOST  12 /* times the first wait */
+
+/* ---- what a run says ---- */
+
+static void on_slot(struct daemon *d, const struct ttf_progress *p)
+{
+    char text[400];
+
+    d->captured += p->result == TTF_RESULT_CAPTURED;
+    manager_status(&d->manager, "%scapturing: %" PRId64 " of %" PRId64 " slots",
+                   d->board.simulated ? "SIMULATED, " : "", p->index + 1, p->total);
+    if (p->result != TTF_RESULT_CAPTURED)
+        log_line(LOG_LEVEL_WARNING, "slot", "index=%" PRId64 " result=%s why=%s", p->index,
+                 ttf_result_name((enum ttf_result)p->result),
+                 log_text(p->text ? p->text : "", text, sizeof text));
+    if (p->now_ns - d->told_ns < PROGRESS_NS && p->index + 1 < p->total)
+        return;
+    d->told_ns = p->now_ns;
+    log_line(LOG_LEVEL_INFO, "progress", "slots=%" PRId64 " of=%" PRId64 " captured=%" PRId64,
+             p->index + 1, p->total, d->captured);
+}
+
+static void on_progress(void *ctx, const struct ttf_progress *p)
+{
+    struct daemon *d = ctx;
+    char text[800];
+
+    mailbox_put(d->mailbox, p);
+    switch (p->kind) {
+    case TTF_PROGRESS_ARMED:
+        d->wait_ns = d->config.retry_ns; /* it works again */
+        d->told_ns = p->now_ns;
+        manager_status(&d->manager, "%sarmed: slot %" PRId64 " of %" PRId64 " is next",
+                       d->board.simulated ? "SIMULATED, " : "", p->index, p->total);
+        log_line(LOG_LEVEL_INFO, "armed", "next=%" PRId64 " slots=%" PRId64, p->index, p->total);
+        break;
+    case TTF_PROGRESS_SLOT:
+        on_slot(d, p);
+        break;
+    case TTF_PROGRESS_EVENT:
+        log_line(LOG_LEVEL_NOTICE, "event", "text=%s",
+                 log_text(p->text ? p->text : "", text, sizeof text));
+        break;
+    case TTF_PROGRESS_ALARM:
+        log_line(LOG_LEVEL_ALERT, "alarm", "text=%s",
+                 log_text(p->text ? p->text : "", text, sizeof text));
+        break;
+    }
+}
+
+static void on_power_back(void *ctx, int64_t back_ns)
+{
+    (void)ctx;
+    log_line(LOG_LEVEL_WARNING, "power", "simulated=lost back_h=%.2f",
+             (double)back_ns / (double)TTF_NS_PER_H);
+}
+
+static void on_armed_box(void *ctx, const struct ttf_box *box,
+                         const struct ttf_plan_figures *figures)
+{
+    struct daemon *d = ctx;
+
+    shadow_take(d->shadow, box);
+    situation_slot_bytes(d->situation, figures->slot_bytes);
+}
+
+void runs_prepare(struct daemon *d)
+{
+    const struct run_choices choices = {.sets = d->sets, .n_sets = d->config.n_sets};
+    struct run *run = &d->run;
+
+    run->io = d->io;
+    run->board = &d->board;
+    run->host = &d->host;
+    run->power_back = on_power_back;
+    run->box_ready = on_armed_box;
+    run->box_ready_ctx = d;
+    run_describe(d->io, &d->board, &choices, run->description);
+    run->session = (struct ttf_session_config){
+        .calibration_folder = *d->config.calibration ? d->config.calibration : NULL,
+        .threads = d->config.threads,
+        .progress = on_progress,
+        .progress_ctx = d,
+        .stop = d->options->stop,
+    };
+}
+
+/* ---- a run ---- */
+
+static int load_plan(struct daemon *d, const struct order *order, struct ttf_err *err)
+{
+    int r;
+
+    ttf_plan_file_free(d->run.file);
+    d->run.file = NULL;
+    r = order->by_request
+            ? ttf_plan_file_parse(order->plan, order->yaml, strlen(order->yaml), &d->run.file, err)
+            : ttf_plan_file_load(d->config.plan, &d->run.file, err);
+    if (r < 0)
+        d->run.file = NULL;
+    else
+        ttf_plan_file_default_zone(d->run.file, d->config.zone);
+    return r;
+}
+
+/* A plan of the configuration that is not there yet is waited for; 1: go on waiting. */
+static int look_for_plan(struct daemon *d, const struct order *order, struct ttf_err *err)
+{
+    int r = load_plan(d, order, err);
+
+    if (r != -ENOENT || order->by_request)
+        return r;
+    manager_status(&d->manager, "waiting for a plan at %s", d->config.plan);
+    if (situation_doing(d->situation) != DOING_WAITING)
+        log_line(LOG_LEVEL_NOTICE, "waiting", "plan=\"%s\"", d->config.plan);
+    daemon_does(d, DOING_WAITING, "for the plan's file", TTF_NS_UNKNOWN);
+    idle(d, d->config.retry_ns, TTF_LED_IDLE);
+    return 1;
+}
+
+static int run_it(struct daemon *d, const char *path, struct ttf_err *err)
+{
+    int r = ttf_io_mkdirs(d->io, d->config.data, err);
+
+    d->captured = 0;
+    memset(&d->run.result, 0, sizeof d->run.result);
+    d->run.session.path = path;
+    if (r == 0)
+        r = run_look(&d->run, err);
+    if (r < 0)
+        return r;
+    manager_status(&d->manager, "%s %s", d->run.exists ? "going on with" : "beginning", path);
+    if (d->wait_ns == d->config.retry_ns) /* not each time that it is tried again */
+        log_line(LOG_LEVEL_NOTICE, d->run.exists ? "resuming" : "beginning",
+                 "dataset=\"%s\" next=%" PRId64, path, d->run.next_index);
+    d->run.session.control = asks_begin(d->asks);
+    r = run_boots(&d->run, err);
+    d->run.session.control = NULL;
+    asks_end(d->asks);
+    return r;
+}
+
+static void tell_end(struct daemon *d)
+{
+    const struct ttf_session_result *s = &d->run.result;
+
+    log_line(LOG_LEVEL_NOTICE, s->sealed ? "done" : "cut",
+             "slots=%" PRId64 " captured=%" PRId64 " partial=%" PRId64 " missed=%" PRId64
+             " failed=%" PRId64 " power=%" PRId64 " sealed=%s digest=%s",
+             s->slots, s->captured, s->partial, s->missed, s->failed, s->power,
+             s->sealed ? "yes" : "no", s->sealed ? s->digest : "none");
+    if (s->sealed)
+        manager_status(&d->manager, "done: %" PRId64 " of %" PRId64 " slots captured, sealed",
+                       s->captured, s->slots);
+}
+
+/* A decision that the disk does not take is tried again at the next boot; meanwhile it holds here. */
+static void decided(int r, const struct ttf_err *err)
+{
+    char text[900], quoted[1000];
+
+    if (r < 0 && r != -ENOENT)
+        log_line(LOG_LEVEL_ERROR, "unsaved", "why=%s",
+                 log_text(ttf_err_text(err, text, sizeof text), quoted, sizeof quoted));
+}
+
+/* It ended well: its plan is done, or somebody wanted it to end. */
+static void ended(struct daemon *d)
+{
+    struct ttf_err err = {0};
+
+    tell_end(d);
+    if (d->run.result.sealed) {
+        situation_sealed(d->situation);
+        decided(orders_done(d->orders, &err), &err);
+        daemon_does(d, DOING_IDLE, NULL, TTF_NS_UNKNOWN);
+    } else if (!daemon_told_to_end(d)) {
+        /* By a request, which is on the disk already, or by the button. */
+        decided(orders_stop(d->orders, &err), &err);
+    }
+}
+
+/* What a person has to mend is no use to try again soon; whatever else may pass. */
+static bool may_pass(int error)
+{
+    return run_exit_code(error) == 1 || error == -ENOENT;
+}
+
+static void wait_to_try_again(struct daemon *d, const struct ttf_err *err)
+{
+    bool passes = may_pass(err->code);
+    char text[900], quoted[1000];
+
+    ttf_err_text(err, text, sizeof text);
+    manager_status(&d->manager, "%s: %.200s", passes ? "trying again" : "stopped", text);
+    log_line(passes ? LOG_LEVEL_WARNING : LOG_LEVEL_ERROR, passes ? "retry" : "stuck",
+             "in_s=%.1f why=%s", (double)d->wait_ns / 1e9, log_text(text, quoted, sizeof quoted));
+    daemon_does(d, passes ? DOING_RETRYING : DOING_STOPPED, text, d->wait_ns);
+    idle(d, d->wait_ns, TTF_LED_STOPPED);
+    d->wait_ns *= 2;
+    if (d->wait_ns > RETRY_MOST * d->config.retry_ns)
+        d->wait_ns = RETRY_MOST * d->config.retry_ns;
+}
+
+static void one_run(struct daemon *d, const struct order *order)
+{
+    struct ttf_err err = {0};
+    char path[600];
+    int r = look_for_plan(d, order, &err);
+
+    if (r > 0)
+        return;
+    (void)snprintf(path, sizeof path, "%s/%s", d->config.data, order->dataset);
+    situation_run(d->situation, order);
+    if (r == 0) {
+        workshop_open(d->workshop, false);
+        view_close(d, true);
+        daemon_does(d, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
+        r = run_it(d, path, &err);
+        workshop_open(d->workshop, true);
+    }
+    if (r == 0) {
+        ended(d);
+        return;
+    }
+    if (err.code != r)
+        err.code = r;
+    wait_to_try_again(d, &err);
+}
+
+/* ---- between runs ---- */
+
+static void rest(struct daemon *d, const struct order *order)
+{
+    if (order->state == ORDER_STOPPED) {
+        situation_run(d->situation, order);
+        manager_status(&d->manager, "stopped by a person: %s", order->dataset);
+        if (situation_doing(d->situation) != DOING_STOPPED)
+            log_line(LOG_LEVEL_NOTICE, "resting", "why=\"stopped by a person\" dataset=\"%s\"",
+                     order->dataset);
+        daemon_does(d, DOING_STOPPED, "stopped by a person", TTF_NS_UNKNOWN);
+    } else {
+        if (order->state == ORDER_NONE)
+            manager_status(&d->manager, "idle");
+        else
+            situation_run(d->situation, order);
+        daemon_does(d, DOING_IDLE, NULL, TTF_NS_UNKNOWN);
+    }
+    idle(d, TTF_NS_NEVER, order->state == ORDER_STOPPED ? TTF_LED_STOPPED : TTF_LED_IDLE);
+}
+
+void runs_live(struct daemon *d)
+{
+    d->wait_ns = d->config.retry_ns;
+    workshop_open(d->workshop, true);
+    while (!daemon_told_to_end(d)) {
+        struct order order = {0};
+        int asked = DAEMON_STOP_RUN;
+
+        /* A stop that was asked for is in the orders by now. */
+        (void)__atomic_compare_exchange_n(d->options->stop, &asked, 0, false, __ATOMIC_SEQ_CST,
+                                          __ATOMIC_SEQ_CST);
+        if (orders_get(d->orders, &order) < 0) {
+            idle(d, d->config.retry_ns, TTF_LED_STOPPED);
+        } else if (order.state == ORDER_RUN) {
+            one_run(d, &order);
+        } else {
+            d->wait_ns = d->config.retry_ns;
+            asks_end(d->asks);
+            rest(d, &order);
+        }
+        order_free(&order);
+    }
+    workshop_open(d->workshop, false);
+    view_close(d, true);
+    asks_end(d->asks);
+    ttf_plan_file_free(d->run.file);
+}

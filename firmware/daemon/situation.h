@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * situation.h: what the box does, as it is told to whoever asks. Written by the thread that runs things, between runs, and
+ * by the one that takes the mailbox out; read by any. Nothing that a slot waits for takes its lock.
+ */
+#ifndef DAEMON_SITUATION_H
+#define DAEMON_SITUATION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "mailbox.h"
+#include "orders.h"
+#include "ttf/base/attr.h"
+#include "ttf/dataset/json_writer.h"
+#include "ttf/dataset/record.h"
+#include "ttf/hal/clock.h"
+
+enum doing {
+    DOING_IDLE = 0,
+    DOING_WAITING,
+    DOING_ARMING,
+    DOING_CAPTURING,
+    DOING_PAUSED,
+    DOING_STOPPING,
+    DOING_RETRYING,
+    DOING_STOPPED
+};
+
+const char *doing_name(enum doing doing);
+
+struct situation;
+
+struct situation *situation_create(struct ttf_clock *clock); /* NULL: no memory */
+void situation_destroy(struct situation *situation);         /* NULL allowed */
+
+/* Which run it is about from now on; what was known of another one is forgotten. */
+void situation_run(struct situation *situation, const struct order *order);
+void situation_slot_bytes(struct situation *situation, int64_t bytes);
+void situation_sealed(struct situation *situation);
+
+/* why: NULL or empty: nothing to be said. retry_ns: until it is tried again, TTF_NS_UNKNOWN: it is not. true: it is another than before. */
+bool situation_set(struct situation *situation, enum doing doing, const char *why,
+                   int64_t retry_ns);
+/* From one to the other, and only from it. */
+bool situation_turn(struct situation *situation, enum doing from, enum doing to);
+enum doing situation_doing(struct situation *situation);
+
+/* What a run said. true: it does something else now. */
+bool situation_letter(struct situation *situation, const struct letter *letter);
+
+/* What its records say, in their order; a dataset that is begun anew is forgotten first. */
+void situation_forget(struct situation *situation);
+void situation_segment(struct situation *situation, const struct ttf_segment *segment);
+void situation_record(struct situation *situation, const struct ttf_slot_record *record,
+                      const char *readings);
+
+/* The dataset's name, and whether a run is under way into it. */
+bool situation_dataset(struct situation *situation, char ret[65]);
+
+/* Members of the status: state, why, time, run, readings, alarms. */
+void situation_status(struct situation *situation, struct ttf_json *json);
+/* Data of the events `state`, and `slot` for a letter. */
+void situation_state_event(struct situation *situation, struct ttf_json *json);
+void situation_slot_event(struct situation *situation, const struct letter *letter,
+                          struct ttf_json *json);
+
+#endif
