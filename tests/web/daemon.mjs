@@ -25,7 +25,7 @@ export class Daemon {
     mkdirSync("data", { recursive: true });
     writeFileSync("token", `${self.token}\n`, { mode: 0o600 });
     writeFileSync("box.yaml", [
-      "board: sim-small", "data: data", "token_file: token", `listen: ["127.0.0.1:${self.port}"]`, "retry: 1s",
+      `board: ${process.env.SOURCE}/boards/sim-small/board.yaml`, "data: data", "token_file: token", `listen: ["127.0.0.1:${self.port}"]`, "retry: 1s",
       "set: {sim.clock: real, sim.daylight: 1, sim.sensor.width: 192px, sim.sensor.height: 128px}", ""].join("\n"));
     await self.start();
     return self;
