@@ -44,6 +44,17 @@ static int read_sets(const struct cfg_field *field, struct yaml_node *node, void
     return 0;
 }
 
+/* Somebody else's: ttfbox-alertd reads it, and a mistake in it is no reason not to capture. */
+static int pass_over(const struct cfg_field *field, struct yaml_node *node, void *at,
+                     struct ttf_err *err)
+{
+    (void)field;
+    (void)at;
+    (void)err;
+    node->used = true;
+    return 0;
+}
+
 /* A list of texts: "- 127.0.0.1:8417". */
 static int read_list(const struct cfg_field *field, struct yaml_node *node, char (*ret)[128],
                      unsigned max, unsigned *ret_n, struct ttf_err *err)
@@ -103,6 +114,7 @@ static const struct cfg_field DAEMON[] = {
     {"threads", cfg_u32, D(threads), 0, 1024, "threads that develop; 0: all processors", 0, 0},
     {"retry", cfg_i64_time, D(retry_ns), 1e8, 3.6e12,
      "how long to wait before what failed is tried again, as 5s", 0, 0},
+    {"alerts", pass_over, 0, 0, 0, "who is told of what", 0, 0},
     {"state", cfg_path512, D(state), 0, 0, "a folder for what is to outlive a restart", 0, 0},
     {"token_file", cfg_path512, D(token_file), 0, 0, "the file of the token", 0, 0},
     {"listen", read_listen, 0, 0, 0, "a list of ADDRESS:PORT and unix:PATH, as [127.0.0.1:8417]", 0,

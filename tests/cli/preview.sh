@@ -3,8 +3,8 @@
 # ttfbox-preview: a preview that follows a dataset, killed at any moment, and nothing of the dataset touched.
 . "$(dirname "$0")/cli.bash"
 . "$HERE/server.bash"
-preview=
-trap '[ -z "$preview" ] || kill -9 $preview 2>/dev/null; rm -rf "$WORK"' EXIT
+process=
+trap '[ -z "$process" ] || kill -9 $process 2>/dev/null; rm -rf "$WORK"' EXIT
 SMALL=(--board sim-small --set sim.sensor.width=96px --set sim.sensor.height=64px)
 
 plan grass.yaml 'interval: 10s' 'count: 240' 'shot: {exposure: 10ms}'
@@ -83,7 +83,7 @@ frames_are_there
 
 # ---- one at a time ----
 "$PREVIEW" --folder data --ttfbox "$TTFBOX" --room 1MB --every 100ms 2>log &
-preview=$!
+process=$!
 for _ in $(seq 200); do [ "$("$PYTHON" -c 'import fcntl,sys
 try: fcntl.flock(open("data/.preview/lock"), fcntl.LOCK_SH | fcntl.LOCK_NB); print("free")
 except OSError: print("held")' 2>/dev/null)" = held ] && break; sleep 0.05; done
@@ -94,14 +94,14 @@ said err "another process makes previews"
 "$PYTHON" -c 'import os,sys
 pid = int(sys.argv[1])
 assert os.getpriority(os.PRIO_PROCESS, pid) == 19, os.getpriority(os.PRIO_PROCESS, pid)
-assert os.sched_getscheduler(pid) == os.SCHED_IDLE, os.sched_getscheduler(pid)' $preview || fail "it is not the last in everything"
-grep -q "Max address space *[0-9]" "/proc/$preview/limits" || fail "its memory is not limited"
-kill -9 $preview
-wait $preview 2>/dev/null
+assert os.sched_getscheduler(pid) == os.SCHED_IDLE, os.sched_getscheduler(pid)' $process || fail "it is not the last in everything"
+grep -q "Max address space *[0-9]" "/proc/$process/limits" || fail "its memory is not limited"
+kill -9 $process
+wait $process 2>/dev/null
 
 # ---- it follows by itself; killed again and again, what is in force is whole, and no child goes on ----
 "$PREVIEW" --folder data --ttfbox "$TTFBOX" --room 1MB --every 100ms --eager 2>>log &
-preview=$!
+process=$!
 capture 60
 for _ in $(seq 200); do
     grep -q '"images":60' data/.preview/grass/state.json && break
@@ -110,15 +110,15 @@ done
 frames_are_there
 [ "$(state images)" = 60 ] || fail "it does not follow by itself: $(cat log)"
 for i in $(seq 5); do
-    kill -9 $preview
-    wait $preview 2>/dev/null
+    kill -9 $process
+    wait $process 2>/dev/null
     frames_are_there
     alone=$(synthesizing)
     [ -z "$alone" ] || { sleep 1; alone=$(synthesizing); }
     [ -z "$alone" ] || fail "the synthesis goes on alone: $alone"
     capture $((60 + i * 12))
     "$PREVIEW" --folder data --ttfbox "$TTFBOX" --room 1MB --every 100ms --eager 2>>log &
-    preview=$!
+    process=$!
     sleep "0.$((i * 13 % 10))$((i * 7 % 10))"
 done
 for _ in $(seq 400); do
@@ -127,8 +127,8 @@ for _ in $(seq 400); do
 done
 frames_are_there
 [ "$(state images)" = 120 ] || fail "after the kills it does not go on: $(tail -5 log)"
-kill -TERM $preview
-wait $preview || fail "told to end it ended with $?"
+kill -TERM $process
+wait $process || fail "told to end it ended with $?"
 [ -e data/.preview/grass/making ] && fail "something half-made is left"
 ls data/.preview/grass/*.tmp 2>/dev/null && fail "a .tmp is left"
 
