@@ -4,6 +4,7 @@
  * life of a pixel. The scripts of `ttfbox view` (firmware/view/page), fed with small pictures of slots.
  */
 import { h, fill, say } from "./dom.js";
+import { pictured } from "./timeline.js";
 
 const FRAMES = 96;
 
@@ -39,8 +40,9 @@ export function texture(parent, name) {
     load.disabled = true;
     try {
       known = columns.due_utc_ns.every((t) => t !== null);
-      const n = Math.min(FRAMES, columns.index.length), t0 = columns.due_utc_ns[0];
-      const chosen = Array.from({ length: n }, (_, k) => (n > 1 ? Math.round(k * (columns.index.length - 1) / (n - 1)) : 0));
+      const has = pictured(columns), seen = columns.index.map((_, i) => i).filter((i) => has[i]);
+      const n = Math.min(FRAMES, seen.length), t0 = columns.due_utc_ns[0];
+      const chosen = Array.from({ length: n }, (_, k) => seen[n > 1 ? Math.round(k * (seen.length - 1) / (n - 1)) : 0]);
       const got = [];
       for (const i of chosen) {
         const blob = await picture(columns.index[i]);

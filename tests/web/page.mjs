@@ -124,9 +124,17 @@ async function the_dataset_is_scrubbed_and_charted() {
   await page.getByLabel("Slot", { exact: true }).last().focus();
   await page.keyboard.press("Home");
   assert.match(await caption.textContent(), /^Slot 0\b/);
-  await until("its picture", () => img.evaluate((e) => e.complete && e.naturalWidth > 0 && e.src.endsWith("/thumbs/0")));
-  await page.keyboard.press("ArrowRight");
-  await until("the next one's", () => img.evaluate((e) => e.complete && e.naturalWidth > 0 && e.src.endsWith("/thumbs/1")));
+  for (let slot = 0, seen = 0; seen < 2; slot++) { /* on a machine that is very busy one may be missed */
+    assert.ok(slot < SLOTS, "two slots have pictures");
+    const text = await caption.textContent();
+    assert.match(text, new RegExp(`^Slot ${slot}\\b`));
+    if (!text.includes("without a picture")) {
+      await until(`the picture of ${text}`, () => img.evaluate((e, end) => e.complete && e.naturalWidth > 0 && e.src.endsWith(end), `/thumbs/${slot}`));
+      seen++;
+    }
+    await page.keyboard.press("ArrowRight");
+  }
+  await page.keyboard.press("Home");
   for (const title of ["Mean level", "Slot error", "Temperature", "Humidity"])
     assert.ok(await page.locator(".plot", { hasText: title }).locator("svg path").first().getAttribute("d"), `a line of ${title}`);
   const chart = page.locator(".plot", { hasText: "Slot error" });
@@ -137,7 +145,7 @@ async function the_dataset_is_scrubbed_and_charted() {
   await page.getByLabel("About").selectOption("slot");
   await page.getByRole("button", { name: "Add the note" }).click();
   await page.getByText("The door was open a moment <b>here</b>").waitFor();
-  assert.match(await page.locator(".notes").first().textContent(), /web test · slots 1/);
+  assert.match(await page.locator(".notes").first().textContent(), /web test · slots 0/);
   await page.getByRole("button", { name: "Load the texture" }).click();
   await page.getByLabel("Pixel x").fill("3");
   await page.getByLabel("y", { exact: true }).fill("5");
