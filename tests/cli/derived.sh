@@ -89,4 +89,35 @@ assert sum(c["results"]["captured"]) == 12000
 spiked = next(s for s in c["series"] if s["what"] == "mean_level")
 assert max(spiked["max"]) == 0.875, max(spiked["max"])
 CHECK
+
+# ---- at most eight archives at once; one that ends makes room ----
+"$PYTHON" - "${URL#http://}" <<'CHECK' || fail "archives are not bounded"
+import http.client, sys, time
+host = sys.argv[1].split("/")[0]
+def ask():
+    connection = http.client.HTTPConnection(host, timeout=30)
+    connection.request("GET", "/api/v1/datasets/large/tar")
+    return connection, connection.getresponse()
+import os
+os.makedirs("data/large/frames", exist_ok=True)
+open("data/large/dataset.json", "w").write("{}")
+with open("data/large/frames/hole.tif", "wb") as file:
+    file.truncate(1 << 30) # more than sockets hold
+held = [ask() for _ in range(8)]
+assert all(answer.status == 200 for _, answer in held), [answer.status for _, answer in held]
+_, ninth = ask()
+assert ninth.status == 503, ninth.status
+held.pop()[0].close()
+for _ in range(100):
+    again, answer = ask()
+    if answer.status == 200:
+        break
+    time.sleep(0.1)
+assert answer.status == 200, answer.status
+CHECK
 unserve
+
+# ---- the limit of open files is raised; where it cannot be, the server still serves ----
+(ulimit -Sn 64; serve data; grep "Max open files" "/proc/$SERVER/limits" >limits; unserve) || fail "not with few files"
+[ "$(awk '{ print $4 }' limits)" -gt 64 ] || fail "the limit of open files stays: $(cat limits)"
+(ulimit -n 200; serve data; get "$URL/datasets/grass" 200; unserve) || fail "not with 200 files"
