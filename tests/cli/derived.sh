@@ -70,6 +70,27 @@ get "$URL/datasets/raw/thumbs/0" 200
 rm data/raw/raw/main/000001.dng
 get "$URL/datasets/raw/thumbs/1" 404
 
+# ---- the summary of a dataset that grows says at each moment what reading all of it says ----
+"$TTFBOX" capture grass.yaml "${TINY[@]}" -o whole -q || fail "no capture"
+for n in 0 1 2 3; do
+    "$PYTHON" "$HERE/grow.py" whole data/growing "$n" || fail "it does not grow"
+    get "$URL/datasets/growing" 200
+    is slots "$n"
+    is results.captured "$n"
+    is segments 1
+    is sealed false
+    is ended false
+done
+printf '{"type":"slot","seq":99' >>data/growing/records.jsonl # as a power cut leaves it
+get "$URL/datasets/growing" 200
+is slots 3
+cp whole/records.jsonl data/growing/records.jsonl # another file, and the end
+get "$URL/datasets/growing" 200
+is ended true
+sed -i '3s/"index":./"index":9/' data/growing/records.jsonl # rot
+get "$URL/datasets/growing" 500
+said out "damaged"
+
 # 12,000 slots: at most 1,024 points, by parts, and no slot is lost on the way.
 "$PYTHON" "$HERE/many_slots.py" data/grass data/many 12000 || fail "they cannot be made"
 asked=0
