@@ -26,9 +26,9 @@ def must(m, command, seconds=60):
 
 def wait(m, command, what, seconds=20):
     """Until a command succeeds in the guest."""
-    code, out = m.run("i=0; while [ $i -lt %d ] && ! { %s; }; do sleep 0.1; i=$((i+1)); done; [ $i -lt %d ]" %
-                      (10 * seconds, command, 10 * seconds), 4 * seconds + 20)
-    assert code == 0, "%s: %s %s" % (what, out, m.run("cat /run/usbd /run/serve; dmesg | tail -n 20")[1])
+    code, out = m.run("u=$(($(cut -d. -f1 /proc/uptime) + %d)); while ! { %s; }; do [ $(cut -d. -f1 /proc/uptime) -lt $u ] || exit 1; sleep 0.1; done" %
+                      (seconds, command), 4 * seconds + 20)
+    assert code == 0, "%s: %s %s" % (what, out, m.run("tail -n 5 /run/usbd /run/bridge /run/serve; dmesg | tail -n 20")[1])
 
 
 def plug(m):
@@ -64,6 +64,13 @@ def network(m, address, box, pc):
             "i=0; while [ $i -lt 100 ] && ! grep -q serving /run/tcp; do sleep 0.1; i=$((i+1)); done; cat /run/tcp; grep -q serving /run/tcp" % address)
 
 
+def bridge(m, port):
+    """A program at the PC that has the box."""
+    must(m, "ttfbox usb --listen 127.0.0.1:%d >/run/bridge 2>&1 & echo $! >/run/bridge.pid; "
+            "i=0; while [ $i -lt 100 ] && ! grep -q 'is there' /run/bridge; do sleep 0.1; i=$((i+1)); done; "
+            "cat /run/bridge; grep -q 'is there' /run/bridge" % port)
+
+
 def get(m, address, port):
     """The status, of the server there."""
     out = must(m, GET % (10, address, port, HEALTH))
@@ -80,12 +87,11 @@ def a_box_at_usb_is_pulled_beside_its_network(m):
     network(m, address, box, pc)
     get(m, address, 8417)
     number = must(m, "cat /sys/bus/usb/devices/1-1/devnum")
-    must(m, "ttfbox usb >/run/bridge 2>&1 & echo $! >/run/bridge.pid; "
-            "i=0; while [ $i -lt 100 ] && ! grep -q 'is there' /run/bridge; do sleep 0.1; i=$((i+1)); done; cat /run/bridge")
+    bridge(m, 8418)
     for _ in range(KILLS):
         must(m, "kill -9 $(pgrep -P $(pgrep -o -x ttfbox-usbd))")
         get(m, address, 8417)
-        wait(m, GET % (2, "127.0.0.1", 8418, HEALTH) + " | grep -q true", "no status over the streams")
+        wait(m, GET % (2, "127.0.0.1", 8418, HEALTH) + " | grep -q true", "no status over the streams", 10)
     assert must(m, "cat /sys/bus/usb/devices/1-1/devnum") == number, "the box was enumerated anew"
     must(m, "kill $(cat /run/bridge.pid); wait $(cat /run/bridge.pid); ttfbox pull /tmp/again --usb && busybox diff -r /tmp/data/grass /tmp/again/grass", 120)
 
@@ -105,11 +111,12 @@ def programs_at_the_pc_are_killed_at_any_moment(m):
     must(m, "head -c 8000000 /dev/zero | tr '\\0' 'x' >/tmp/data/grass/large")
     begun = time.monotonic()
     for i in range(10):
-        must(m, "ttfbox usb --listen 127.0.0.1:8%d >/run/bridge 2>&1 & B=$!; sleep 0.5; for k in 1 2 3; do %s >/dev/null & done; "
-                "sleep 0.%d; kill -9 $B; wait $B; true" % (500 + i, GET % (10, "127.0.0.1", 8500 + i, LARGE), i))
-        must(m, "ttfbox usb --listen 127.0.0.1:8%d >/run/bridge 2>&1 & B=$!; "
-                "i=0; while [ $i -lt 50 ] && ! grep -q 'is there' /run/bridge; do sleep 0.1; i=$((i+1)); done; "
-                "%s | grep -q true; r=$?; kill $B; wait $B; [ $r = 0 ]" % (600 + i, GET % (1, "127.0.0.1", 8600 + i, HEALTH)))
+        bridge(m, 8500 + i)
+        must(m, "for k in 1 2 3; do %s >/dev/null 2>&1 & done; sleep 0.%d; kill -9 $(cat /run/bridge.pid)" %
+             (GET % (10, "127.0.0.1", 8500 + i, LARGE), i))
+        bridge(m, 8600 + i)
+        must(m, GET % (1, "127.0.0.1", 8600 + i, HEALTH) + " | grep -q true")
+        must(m, "kill $(cat /run/bridge.pid)")
     print("      10 kills in %.0f s" % (time.monotonic() - begun))
 
 
