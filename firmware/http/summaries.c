@@ -290,7 +290,7 @@ int summaries_get(struct summaries *s, const struct folder *folder, struct ttf_i
     if (*ret_text)
         return 0;
     r = make(s, folder, io, path, dataset, ret_text, err);
-    if (r == 0)
+    if (r == 0 && *ret_text)
         remember(s, dataset, &stamp, *ret_text);
     return r;
 }
