@@ -2,7 +2,10 @@
 /*
  * link_functionfs.c: a box's end of the cable. ep0 is never read unless something is there: a read that blocks on it would keep the
  * gadget from being unbound for ever. Events get lost, so each of DISABLE, UNBIND and BIND stops the endpoints, each ENABLE starts them
- * anew, and so does an end of I/O (ESHUTDOWN) stop them.
+ * anew, and so does an end of I/O (ESHUTDOWN) stop them; and a host's reset, which only a configured box hears, starts what stands.
+ *
+ * An endpoint that is not enabled shows in one way alone: each I/O is taken, and ends at once with EAGAIN. That is no transfer: who
+ * queued again would never sleep.
  */
 #include <endian.h>
 #include <errno.h>
@@ -29,6 +32,7 @@ enum slot_state {
 struct slot {
     struct iocb iocb;
     enum slot_state state;
+    bool dropped; /* of a write: it was cancelled, and may end as it likes */
     uint8_t *data;
     size_t n;
 };
@@ -42,7 +46,8 @@ struct functionfs_link {
     struct slot read[TTF_USB_DEPTH], write[TTF_USB_DEPTH];
     unsigned next_read;
     int handed;
-    bool broken; /* I/O has ended with ESHUTDOWN: to be told */
+    int broken;  /* -errno of an I/O after which nothing is as it was: to be told; 0 */
+    bool worked; /* some I/O went well since the start */
 };
 
 static struct functionfs_link *of(struct ttf_usb_link *link)
@@ -117,11 +122,12 @@ static void queue(struct functionfs_link *l, struct slot *s, bool writes, size_t
                             .aio_resfd = (uint32_t)l->ended,
                             .aio_data = writes ? TTF_USB_DEPTH + (uint64_t)(s - l->write)
                                                : (uint64_t)(s - l->read)};
-    s->state = SLOT_QUEUED;
-    if (usb_aio_submit(l->aio, &s->iocb) < 0) {
-        s->state = SLOT_FREE;
-        l->broken = true;
-    }
+    int r = usb_aio_submit(l->aio, &s->iocb);
+
+    s->dropped = false;
+    s->state = r < 0 ? SLOT_FREE : SLOT_QUEUED;
+    if (r < 0)
+        l->broken = r;
 }
 
 static void stop(struct functionfs_link *l)
@@ -134,29 +140,20 @@ static void stop(struct functionfs_link *l)
     for (unsigned i = 0; i < TTF_USB_DEPTH; i++)
         l->read[i].state = l->write[i].state = SLOT_FREE;
     l->handed = -1;
-    l->broken = false;
+    l->broken = 0;
+    l->worked = false;
 }
 
-/* -errno: the endpoints are not there (yet). */
-static int start(struct functionfs_link *l)
+/* What an I/O that has ended says of the whole. */
+static void judge(struct functionfs_link *l, const struct slot *s, int64_t result)
 {
-    int r;
+    bool writes = s->iocb.aio_lio_opcode == IOCB_CMD_PWRITE;
 
-    stop(l);
-    l->in = open_file(l->folder, "ep1");
-    l->out = open_file(l->folder, "ep2");
-    r = l->in < 0 ? l->in : l->out < 0 ? l->out : usb_aio_setup(4 * TTF_USB_DEPTH, &l->aio);
-    if (r < 0) {
-        stop(l);
-        return r;
-    }
-    l->next_read = 0;
-    for (unsigned i = 0; i < TTF_USB_DEPTH && !l->broken; i++)
-        queue(l, &l->read[i], false, TTF_USB_TRANSFER);
-    r = l->broken ? -EAGAIN : 0;
-    if (r < 0)
-        stop(l);
-    return r;
+    if (result == -ESHUTDOWN || result == -ENODEV || (!writes && result == -EAGAIN))
+        l->broken = (int)result;
+    else if (writes && !s->dropped && result != (int64_t)s->iocb.aio_nbytes && l->broken == 0)
+        l->broken = result < 0 ? (int)result : -EIO; /* bytes are missing inside of streams */
+    l->worked = l->worked || result > 0;
 }
 
 static void take_ended(struct functionfs_link *l)
@@ -175,11 +172,59 @@ static void take_ended(struct functionfs_link *l)
             of_all < TTF_USB_DEPTH ? &l->read[of_all] : &l->write[of_all - TTF_USB_DEPTH];
         int64_t result = events[i].res;
 
-        if (result == -ESHUTDOWN || result == -ENODEV)
-            l->broken = true;
+        judge(l, s, result);
         /* A transfer that came wrong is told as one of no bytes: streams begin anew. */
         s->n = result > 0 ? (size_t)result : 0;
-        s->state = s->iocb.aio_lio_opcode == IOCB_CMD_PREAD && !l->broken ? SLOT_CAME : SLOT_FREE;
+        s->state = s->iocb.aio_lio_opcode == IOCB_CMD_PREAD ? SLOT_CAME : SLOT_FREE;
+    }
+}
+
+/* -errno: the endpoints are not there, or not enabled (yet). */
+static int start(struct functionfs_link *l)
+{
+    int r;
+
+    stop(l);
+    l->in = open_file(l->folder, "ep1");
+    l->out = open_file(l->folder, "ep2");
+    r = l->in < 0 ? l->in : l->out < 0 ? l->out : usb_aio_setup(4 * TTF_USB_DEPTH, &l->aio);
+    if (r < 0) {
+        stop(l);
+        return r;
+    }
+    l->next_read = 0;
+    for (unsigned i = 0; i < TTF_USB_DEPTH && !l->broken; i++)
+        queue(l, &l->read[i], false, TTF_USB_TRANSFER);
+    take_ended(l);
+    r = l->broken;
+    if (r < 0)
+        stop(l);
+    return r;
+}
+
+/* Anew. UP if it is; DOWN if it is not, and was. */
+static void restart(struct functionfs_link *l, struct ttf_usb_event *ret)
+{
+    bool was = l->aio != 0;
+    int r = start(l);
+
+    if (r == 0)
+        ret->kind = TTF_USB_UP;
+    else if (was)
+        *ret = (struct ttf_usb_event){.kind = TTF_USB_DOWN, .error = r};
+}
+
+/* After an I/O that failed. An endpoint that is still there begins again, so that the host is told; but one that has not worked since
+ * it began is left alone, or it would go round and round. */
+static void mend(struct functionfs_link *l, struct ttf_usb_event *ret)
+{
+    int why = l->broken;
+
+    if (l->worked && why != -ESHUTDOWN && why != -ENODEV && why != -EAGAIN) {
+        restart(l, ret);
+    } else {
+        stop(l);
+        *ret = (struct ttf_usb_event){.kind = TTF_USB_DOWN, .error = why};
     }
 }
 
@@ -218,8 +263,7 @@ static bool hear(struct functionfs_link *l, struct ttf_usb_event *ret)
         return false;
     switch (event.type) {
     case FUNCTIONFS_ENABLE:
-        if (start(l) == 0)
-            ret->kind = TTF_USB_UP;
+        restart(l, ret);
         break;
     case FUNCTIONFS_BIND:
     case FUNCTIONFS_UNBIND:
@@ -229,6 +273,8 @@ static bool hear(struct functionfs_link *l, struct ttf_usb_event *ret)
         break;
     case FUNCTIONFS_SETUP:
         *ret = on_setup(l, &event.u.setup);
+        if (ret->kind == TTF_USB_RESET && !l->aio)
+            (void)start(l);
         break;
     case FUNCTIONFS_SUSPEND:
         ret->kind = TTF_USB_SUSPEND;
@@ -266,8 +312,7 @@ static void link_next(struct ttf_usb_link *link, struct ttf_usb_event *ret)
     *ret = (struct ttf_usb_event){.kind = TTF_USB_NOTHING};
     if (l->inherited) {
         l->inherited = false;
-        if (start(l) == 0)
-            ret->kind = TTF_USB_UP;
+        restart(l, ret);
     }
     /* First: a reset is heard of before what comes behind it. */
     while (ret->kind == TTF_USB_NOTHING && hear(l, ret))
@@ -280,8 +325,7 @@ static void link_next(struct ttf_usb_link *link, struct ttf_usb_event *ret)
     take_ended(l);
     s = &l->read[l->next_read];
     if (l->broken) {
-        stop(l);
-        *ret = (struct ttf_usb_event){.kind = TTF_USB_DOWN, .error = -ESHUTDOWN};
+        mend(l, ret);
     } else if (s->state == SLOT_CAME) {
         s->state = SLOT_FREE;
         l->handed = (int)l->next_read;
@@ -318,8 +362,10 @@ static void link_drop(struct ttf_usb_link *link)
     struct functionfs_link *l = of(link);
 
     for (unsigned i = 0; l->aio && i < TTF_USB_DEPTH; i++)
-        if (l->write[i].state == SLOT_QUEUED)
+        if (l->write[i].state == SLOT_QUEUED) {
+            l->write[i].dropped = true;
             usb_aio_cancel(l->aio, &l->write[i].iocb);
+        }
 }
 
 static int link_reset(struct ttf_usb_link *link, uint64_t nonce)
