@@ -60,7 +60,8 @@ int cmd_serve(struct cli *cli)
     (void)snprintf(local, sizeof local, "%s.local", host);
     r = ttf_http_server_create(&config, &server, &cli->err);
     if (r == 0)
-        r = ttf_http_listen(cli->opt.listen ? cli->opt.listen : DEFAULT_LISTEN, &socket, &cli->err);
+        r = ttf_http_listen(cli->opt.listen ? cli->opt.listen : DEFAULT_LISTEN, true, &socket,
+                            &cli->err);
     if (r == 0) {
         cli_stop_catch();
         (void)signal(SIGPIPE, SIG_IGN);

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -13,8 +14,7 @@
 #include "ttf/usb/libusb.h"
 #include "usb_box.h"
 
-#define DEFAULT_LISTEN "127.0.0.1:8418"
-#define BOXES_MAX      32
+#define BOXES_MAX 32
 
 int cmd_usb_list(struct cli *cli)
 {
@@ -71,16 +71,37 @@ static int check_listen(struct cli *cli, const struct ttf_http_socket *socket)
     return -EINVAL;
 }
 
+/* Where nobody but this user comes in: the folder of the session. */
+static int default_listen(struct cli *cli, char *ret, size_t size)
+{
+    const char *session = getenv("XDG_RUNTIME_DIR"); /* NOLINT(concurrency-mt-unsafe) */
+
+    if (session && *session && snprintf(ret, size, "unix:%s/ttfbox-usb", session) < (int)size)
+        return 0;
+    ttf_err_set(&cli->err, -EINVAL, "--listen", "is needed: this session has no XDG_RUNTIME_DIR");
+    ttf_err_hint(&cli->err, "write unix:PATH, or 127.0.0.1:PORT for all users of this machine");
+    return -EINVAL;
+}
+
+static void warn_of_others(const struct cli *cli, const char *listen)
+{
+    if (strncmp(listen, "unix:", 5) != 0 && !cli->opt.quiet)
+        cli_warn("ttfbox: every user of this machine can read the box's datasets there");
+}
+
 int cmd_usb(struct cli *cli)
 {
     struct ttf_usb_bridge_config config = {
         .role = TTF_MUX_HOST, .tell = on_state, .tell_ctx = cli, .stop = cli_stop_flag()};
-    const char *listen = cli->opt.listen ? cli->opt.listen : DEFAULT_LISTEN;
+    char own[120];
+    const char *listen = cli->opt.listen ? cli->opt.listen : own;
     struct ttf_http_socket socket = {.fd = -1};
-    int r = usb_box_link(cli->opt.box ? cli->opt.box : "usb", &config.link, &cli->err);
+    int r = cli->opt.listen ? 0 : default_listen(cli, own, sizeof own);
 
     if (r == 0)
-        r = ttf_http_listen(listen, &socket, &cli->err);
+        r = usb_box_link(cli->opt.box ? cli->opt.box : "usb", &config.link, &cli->err);
+    if (r == 0)
+        r = ttf_http_listen(listen, false, &socket, &cli->err);
     if (r == 0)
         r = check_listen(cli, &socket);
     if (r == 0) {
@@ -92,6 +113,7 @@ int cmd_usb(struct cli *cli)
         cli_stop_catch();
         (void)signal(SIGPIPE, SIG_IGN);
         config.listen_fd = socket.fd;
+        warn_of_others(cli, listen);
         if (cli->opt.json)
             printf("{\"listening\":\"%s\"}\n", socket.name);
         else

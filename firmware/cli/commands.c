@@ -292,21 +292,25 @@ static const struct cli_command COMMANDS[] = {
         .summary = "join a box's HTTP interface at USB to an address of this machine",
         .text =
             "A browser, curl and whatever else speaks HTTP reach the box there as over a network. "
-            "What comes is passed on as it is. Whoever can connect may read what the box has: only "
-            "addresses of this machine alone are taken, or unix:PATH, which is yours alone. A box "
+            "What comes is passed on as it is. Whoever can connect may read what the box has: "
+            "unix:PATH is yours alone, 127.0.0.1:PORT and [::1]:PORT are every user's of this "
+            "machine, "
+            "and others are not taken. A box "
             "that is "
             "unplugged is found again when it is back. 'ttfbox pull --usb' needs none of this.",
         .min_args = 0,
         .max_args = 0,
         .run = cmd_usb,
         .options = {{OPT_BOX, "usb (default: the one that is plugged in) or usb:SERIAL"},
-                    {OPT_LISTEN, "where (default: 127.0.0.1:8418)"},
+                    {OPT_LISTEN, "where (default: unix:$XDG_RUNTIME_DIR/ttfbox-usb)"},
                     {OPT_JSON, NULL},
                     {OPT_QUIET, NULL},
                     {OPT_END, NULL}},
-        .examples = {{"ttfbox usb", "then http://127.0.0.1:8418 in a browser"},
-                     {"ttfbox usb --listen unix:box.sock", NULL},
-                     {"curl --unix-socket box.sock http://localhost/api/v1/datasets", NULL}},
+        .examples =
+            {{"ttfbox usb", NULL},
+             {"curl --unix-socket $XDG_RUNTIME_DIR/ttfbox-usb http://localhost/api/v1/datasets",
+              NULL},
+             {"ttfbox usb --listen 127.0.0.1:8418", "then http://127.0.0.1:8418 in a browser"}},
     },
     {
         .name = "pull",

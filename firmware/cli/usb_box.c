@@ -106,7 +106,7 @@ int usb_bridge_begin(const char *box, bool wait, struct ttf_clock *clock, struct
     if (r == -ENODEV && wait)
         r = 0;
     if (r == 0)
-        r = ttf_http_listen(b->where, &b->socket, err);
+        r = ttf_http_listen(b->where, false, &b->socket, err);
     if (r == 0) {
         b->config.role = TTF_MUX_HOST;
         b->config.clock = clock;

@@ -86,7 +86,7 @@ static void listen_at(struct keeper *k, unsigned i)
     const char *where = k->d->config.listen[i];
     struct ttf_http_socket socket;
     struct ttf_err err = {0};
-    int r = ttf_http_listen(where, &socket, &err);
+    int r = ttf_http_listen(where, true, &socket, &err);
 
     if (r == 0) /* the cable alone needs no token */
         r = ttf_http_server_listen(k->server, socket.fd, strncmp(where, "unix:", 5) == 0, &err);

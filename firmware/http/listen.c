@@ -119,7 +119,7 @@ static mode_t mode_of(const char *path)
     return stat(folder, &st) == 0 && st.st_mode & S_ISGID ? 0660 : 0600;
 }
 
-static int open_unix(const char *path, struct ttf_http_socket *ret)
+static int open_unix(const char *path, bool group, struct ttf_http_socket *ret)
 {
     union address address = {.local = {.sun_family = AF_UNIX}};
     struct stat st;
@@ -139,8 +139,8 @@ static int open_unix(const char *path, struct ttf_http_socket *ret)
     if (fd < 0)
         return -errno;
     /* The mode is set before anybody can connect: nobody listens yet. */
-    if (bind(fd, &address.any, sizeof address.local) < 0 || chmod(path, mode_of(path)) < 0 ||
-        listen(fd, WAITING) < 0) {
+    if (bind(fd, &address.any, sizeof address.local) < 0 ||
+        chmod(path, group ? mode_of(path) : 0600) < 0 || listen(fd, WAITING) < 0) {
         r = -errno;
         (void)close(fd);
         return r;
@@ -150,11 +150,12 @@ static int open_unix(const char *path, struct ttf_http_socket *ret)
     return fd;
 }
 
-int ttf_http_listen(const char *text, struct ttf_http_socket *ret, struct ttf_err *err)
+int ttf_http_listen(const char *text, bool group, struct ttf_http_socket *ret, struct ttf_err *err)
 {
     struct ttf_http_socket made = {.fd = -1};
 
-    made.fd = strncmp(text, "unix:", 5) == 0 ? open_unix(text + 5, &made) : open_tcp(text, &made);
+    made.fd =
+        strncmp(text, "unix:", 5) == 0 ? open_unix(text + 5, group, &made) : open_tcp(text, &made);
     if (made.fd == -EINVAL) {
         ttf_err_set(err, -EINVAL, text, "is no address to listen on");
         ttf_err_hint(err, "write ADDRESS:PORT, as 127.0.0.1:8080 or [::1]:8080, or unix:PATH");

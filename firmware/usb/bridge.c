@@ -135,7 +135,7 @@ static int on_event(struct bridge *b, const struct ttf_usb_event *e, int64_t now
         away(b, e->error, now);
         break;
     case TTF_USB_SUSPEND:
-        if (b->asleep_ns == 0)
+        if (b->asleep_ns == 0 && b->phase != AWAY) /* what is away has no streams to end */
             b->asleep_ns = now + SUSPEND_NS;
         break;
     case TTF_USB_RESUME:

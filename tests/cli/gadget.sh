@@ -84,6 +84,28 @@ expect 0 "$GADGET" --into "$in" remove
 if [ -e "$made" ] || [ -e "$in/network/70-ttfbox-usb.network" ]; then fail "something is left"; fi
 expect 0 "$GADGET" --into "$in" remove
 
+# --- what a start left halfway does not keep the next from it
+mkdir -p "$made/configs/c.1"
+expect 0 "$GADGET" --into "$in" --serial 0007 compose
+[ -e "$made/os_desc/c.1" ] || fail "what was left halfway was kept"
+expect 0 "$GADGET" --into "$in" remove
+
+# --- what a board says of itself is no reason not to start
+if [ ! -e /etc/ttfbox/usb-serial ]; then
+    printf '12-ab_3 4\0' >"$in/serial-number"
+    expect 0 "$GADGET" --into "$in" show
+    said out 'serial 12ab34, '
+    printf '0000000000000000\0' >"$in/serial-number"
+    if [ -s /etc/machine-id ]; then
+        expect 0 "$GADGET" --into "$in" show
+        grep -qE 'serial [0-9a-f]{12}, ' out || fail "a serial that is none was taken: $(cat out)"
+    else
+        expect 1 "$GADGET" --into "$in" show
+        said err 'there is no serial'
+    fi
+    rm "$in/serial-number"
+fi
+
 # --- a serial that would be something else on the bus, or in a path
 for serial in 'a b' '../x' "$(printf 'a\nb')" 'ä' 123456789012345678901234567890123; do
     expect 2 "$GADGET" --into "$in" --serial "$serial" compose

@@ -378,7 +378,18 @@ def strangers(world):
                 ready=world.at("group/http"))
     if oct(os.stat(world.at("group/http")).st_mode & 0o777) != "0o660":
         raise Failed("the group may not use the server's socket")
+    # Not so the bridge's, wherever it is; and without --listen it is where the user alone comes in.
     world.end("bridge")
+    session = subprocess.Popen([world.ttfbox, "usb", "--box", "cable:" + world.at("cable"), "--json"], text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=os.environ | {"XDG_RUNTIME_DIR": world.at("group")})
+    try:
+        if json.loads(session.stdout.readline())["listening"] != "unix:" + world.at("group/ttfbox-usb"):
+            raise Failed("'ttfbox usb' listens elsewhere")
+        if oct(os.stat(world.at("group/ttfbox-usb")).st_mode & 0o777) != "0o600":
+            raise Failed("the group may use the bridge's socket")
+    finally:
+        session.terminate()
+        session.wait(10)
     world.tell("unplug")
     if "no box is plugged in" not in refused("pull", world.at("no"), "--box", "cable:" + world.at("cable")):
         raise Failed("it is not said that there is no box")

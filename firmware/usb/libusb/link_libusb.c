@@ -184,8 +184,14 @@ static int link_open(struct ttf_usb_link *link, struct ttf_err *err)
         ttf_err_set(err, r, "USB",
                     r == -EBUSY ? "another program has this box" : "the box has no such interface");
         if (r == -EBUSY)
-            ttf_err_hint(err, "a running 'ttfbox usb' can be shared: --box http://127.0.0.1:8418");
+            ttf_err_hint(err,
+                         "a running 'ttfbox usb' can be shared: --box and the address it shows");
         return r;
+    }
+    if (anything_queued(l)) { /* of the last time: its memory is not to be given away twice */
+        libusb_close(l->handle);
+        l->handle = NULL;
+        return ttf_err_set(err, -EIO, "USB", "transfers of before have not come back");
     }
     l->next_in = 0;
     l->down = 0;
@@ -298,16 +304,23 @@ static int link_reset(struct ttf_usb_link *link, uint64_t nonce)
     return 0;
 }
 
+static void free_slot_of(struct slot *s)
+{
+    libusb_free_transfer(s->transfer);
+    free(s->data);
+}
+
 static void link_destroy(struct ttf_usb_link *link)
 {
     struct libusb_link *l = of(link);
 
     link_close(link);
+    /* What libusb did not give back is still its own, down to this struct, which its callback writes to: better lost than freed. */
+    if (anything_queued(l))
+        return;
     for (unsigned i = 0; i < TTF_USB_DEPTH; i++) {
-        libusb_free_transfer(l->in[i].transfer);
-        libusb_free_transfer(l->out[i].transfer);
-        free(l->in[i].data);
-        free(l->out[i].data);
+        free_slot_of(&l->in[i]);
+        free_slot_of(&l->out[i]);
     }
     libusb_free_transfer(l->control);
     if (l->context)

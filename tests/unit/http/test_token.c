@@ -60,7 +60,7 @@ static void what_is_no_address_is_refused(void **state)
 
     (void)state;
     for (unsigned i = 0; TEXTS[i]; i++)
-        if (ttf_http_listen(TEXTS[i], &s, NULL) != -EINVAL)
+        if (ttf_http_listen(TEXTS[i], false, &s, NULL) != -EINVAL)
             fail_msg("'%s' is listened on", TEXTS[i]);
 }
 
@@ -69,11 +69,11 @@ static void a_socket_knows_its_port_and_whether_others_reach_it(void **state)
     struct ttf_http_socket local, all, second;
 
     (void)state;
-    assert_int_equal(ttf_http_listen("127.0.0.1:0", &local, NULL), 0);
+    assert_int_equal(ttf_http_listen("127.0.0.1:0", false, &local, NULL), 0);
     assert_true(local.loopback);
     assert_null(strstr(local.name, ":0"));
-    assert_int_equal(ttf_http_listen(local.name, &second, NULL), -EADDRINUSE);
-    assert_int_equal(ttf_http_listen("0.0.0.0:0", &all, NULL), 0);
+    assert_int_equal(ttf_http_listen(local.name, false, &second, NULL), -EADDRINUSE);
+    assert_int_equal(ttf_http_listen("0.0.0.0:0", false, &all, NULL), 0);
     assert_false(all.loopback);
     (void)close(local.fd);
     (void)close(all.fd);
@@ -85,15 +85,15 @@ static void a_socket_that_nobody_listens_on_is_replaced_and_no_other_file(void *
     struct stat st;
 
     (void)state;
-    assert_int_equal(ttf_http_listen("unix:box", &s, NULL), 0);
+    assert_int_equal(ttf_http_listen("unix:box", false, &s, NULL), 0);
     assert_int_equal(stat("box", &st), 0);
     assert_int_equal(st.st_mode & 0777, 0600);
-    assert_int_equal(ttf_http_listen("unix:box", &second, NULL), -EADDRINUSE);
+    assert_int_equal(ttf_http_listen("unix:box", false, &second, NULL), -EADDRINUSE);
     (void)close(s.fd);
-    assert_int_equal(ttf_http_listen("unix:box", &second, NULL), 0);
+    assert_int_equal(ttf_http_listen("unix:box", false, &second, NULL), 0);
     (void)close(second.fd);
     scratch_file("file", "x", 1);
-    assert_int_equal(ttf_http_listen("unix:file", &s, NULL), -EEXIST);
+    assert_int_equal(ttf_http_listen("unix:file", false, &s, NULL), -EEXIST);
 }
 
 #define IN_A_FOLDER(test) cmocka_unit_test_setup_teardown(test, scratch_make, scratch_remove)

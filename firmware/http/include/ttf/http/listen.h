@@ -17,10 +17,10 @@ struct ttf_http_socket {
 
 /*
  * "ADDRESS:PORT" with a numeric address ("127.0.0.1:8080", "[::1]:8080", port 0: any free one), or "unix:PATH"
- * (mode 0600, in a folder with setgid 0660; a socket that nobody listens on any more is replaced). -EINVAL: no such text. -EADDRINUSE and the errors of
+ * (mode 0600; of a group, in a folder with setgid, 0660; a socket that nobody listens on any more is replaced). -EINVAL: no such text. -EADDRINUSE and the errors of
  * socket, bind, listen.
  */
-TTF_MUST_USE int ttf_http_listen(const char *text, struct ttf_http_socket *ret,
+TTF_MUST_USE int ttf_http_listen(const char *text, bool group, struct ttf_http_socket *ret,
                                  struct ttf_err *err);
 
 #endif
