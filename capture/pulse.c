@@ -140,6 +140,9 @@ static void look_at_panel(struct ttf_pulse *pulse)
         if (event.kind == TTF_PANEL_BUTTON_LONG) {
             pulse->button_stop = true;
             ttf_events_emit(pulse->events, "button", "held: the run is to end");
+        } else if (event.kind == TTF_PANEL_BUTTON_SHORT) {
+            /* Told anew, a light that stands for capturing winks: whoever pressed sees that the run lives. */
+            (void)!ttf_panel_led(panel, pulse->led);
         } else if (event.kind == TTF_PANEL_DOOR_OPENED || event.kind == TTF_PANEL_DOOR_CLOSED) {
             note_door(pulse, event.kind == TTF_PANEL_DOOR_OPENED, event.at_ns);
         }

@@ -39,7 +39,7 @@ set(CPACK_DEBIAN_BOX_PACKAGE_NAME ttfbox-box)
 set(CPACK_DEBIAN_BOX_PACKAGE_SECTION electronics)
 set(CPACK_DEBIAN_BOX_PACKAGE_DEPENDS
     "${TTFBOX_DEPENDS_box}, ttfbox (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), systemd, tzdata")
-set(CPACK_DEBIAN_BOX_PACKAGE_SUGGESTS "gpiod, v4l-utils")
+set(CPACK_DEBIAN_BOX_PACKAGE_SUGGESTS "gpiod, v4l-utils, mosquitto-clients, msmtp-mta")
 set(CPACK_DEBIAN_BOX_PACKAGE_CONTROL_EXTRA
     ${CMAKE_CURRENT_LIST_DIR}/box/postinst ${CMAKE_CURRENT_LIST_DIR}/box/prerm
     ${CMAKE_CURRENT_LIST_DIR}/box/postrm)
@@ -68,7 +68,7 @@ set(notes ${PROJECT_BINARY_DIR}/package)
 file(MAKE_DIRECTORY ${notes})
 execute_process(COMMAND gzip -9nc ${CMAKE_CURRENT_LIST_DIR}/changelog
                 OUTPUT_FILE ${notes}/changelog.Debian.gz COMMAND_ERROR_IS_FATAL ANY)
-foreach(page IN ITEMS ttfboxd.8 ttfbox-lampd.8 ttfbox-usbd.8 ttfbox-gadget.8)
+foreach(page IN ITEMS ttfboxd.8 ttfbox-lampd.8 ttfbox-usbd.8 ttfbox-gadget.8 ttfbox-preview.8 ttfbox-alertd.8)
     execute_process(COMMAND gzip -9nc ${PROJECT_SOURCE_DIR}/firmware/units/${page}
                     OUTPUT_FILE ${notes}/${page}.gz COMMAND_ERROR_IS_FATAL ANY)
     install(FILES ${notes}/${page}.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 COMPONENT box)

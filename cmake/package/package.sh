@@ -26,7 +26,7 @@ compile() { # ARCH CMAKE-ARGUMENTS...
 programs() { # COMPONENT: below the folder that is built into
     case $1 in
     tools) echo bin/ttfbox ;;
-    box) echo bin/ttfboxd bin/ttfbox-lampd bin/ttfbox-usbd ;;
+    box) echo bin/ttfboxd bin/ttfbox-lampd bin/ttfbox-usbd bin/ttfbox-preview bin/ttfbox-alertd ;;
     libcamera) echo lib/ttfbox/ttfbox-libcamera.so ;;
     esac
 }

@@ -25,10 +25,12 @@ ttfbox --version
 ttfboxd --version
 ttfbox-lampd --version
 ttfbox-usbd --version
+ttfbox-preview --version
+ttfbox-alertd --version
 ttfbox-gadget --help >/dev/null
 ttfbox usb list
-man -w ttfbox ttfbox-capture ttfbox-usb ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-gadget
-getent passwd ttfbox ttfbox-lampd ttfbox-usbd
+man -w ttfbox ttfbox-capture ttfbox-usb ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-gadget ttfbox-preview ttfbox-alertd
+getent passwd ttfbox ttfbox-lampd ttfbox-usbd ttfbox-preview ttfbox-alertd
 [ "$(stat -c '%U:%G %a' /run/ttfbox)" = "root:ttfbox 2775" ] || wrong "/run/ttfbox: $(stat -c '%U:%G %a' /run/ttfbox)"
 held "programs, pages, users and folders are there"
 

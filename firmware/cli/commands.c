@@ -259,6 +259,22 @@ static const struct cli_command COMMANDS[] = {
                      {"curl -O http://127.0.0.1:8417/api/v1/datasets/grass/tar", "all of one"}},
     },
     {
+        .name = "token",
+        .args = "[CONFIG]",
+        .summary = "print the token of the box that this machine is",
+        .text = "A browser at the box's page is asked for it once, a program sends it as "
+                "Authorization: Bearer TOKEN: for reading from elsewhere than the cable, for live "
+                "view, and for whatever changes the box. CONFIG is the configuration of ttfboxd "
+                "(default: /etc/ttfbox/ttfboxd.yaml), which says where the token lies. Whoever has "
+                "the file replaced by another token, and ttfboxd started again, has all others "
+                "shut out.",
+        .min_args = 0,
+        .max_args = 1,
+        .run = cmd_token,
+        .options = {{OPT_JSON, NULL}, {OPT_END, NULL}},
+        .examples = {{"sudo ttfbox token", NULL}},
+    },
+    {
         .name = "usb list",
         .args = "",
         .summary = "say which boxes are plugged in",

@@ -58,6 +58,7 @@ int cmd_pull(struct cli *cli);
 int cmd_serve(struct cli *cli);
 int cmd_synth_composite(struct cli *cli);
 int cmd_synth_quilt(struct cli *cli);
+int cmd_token(struct cli *cli);
 int cmd_synth_rank(struct cli *cli);
 int cmd_usb(struct cli *cli);
 int cmd_usb_list(struct cli *cli);

@@ -86,6 +86,14 @@ static int on_line(void *ctx, const struct ttf_growth_line *line, struct ttf_err
     return 0;
 }
 
+bool follow_elsewhere(const struct follow *follow, struct daemon *d)
+{
+    char dataset[65];
+
+    (void)situation_dataset(d->situation, dataset);
+    return strcmp(dataset, follow->dataset) != 0;
+}
+
 void follow_read(struct follow *follow, struct daemon *d)
 {
     struct reading reading = {.d = d};
@@ -96,7 +104,6 @@ void follow_read(struct follow *follow, struct daemon *d)
     if (strcmp(dataset, follow->dataset) != 0) {
         memset(follow, 0, sizeof *follow);
         memcpy(follow->dataset, dataset, sizeof follow->dataset);
-        situation_forget(d->situation);
     }
     (void)snprintf(path, sizeof path, "%s/%s/records.jsonl", d->config.data, dataset);
     r = ttf_growth_read(d->io, path, &follow->growth, 0, on_line, &reading, NULL);

@@ -14,6 +14,9 @@ struct follow {
 /* What is new, into the situation; the last slot's lamps and sensors as an event. */
 void follow_read(struct follow *follow, struct daemon *d);
 
+/* The situation has come to be about another dataset than the one that was read last. */
+bool follow_elsewhere(const struct follow *follow, struct daemon *d);
+
 /* Lamps and sensors of a record, as the status has them; by malloc, NULL: no memory. */
 char *follow_readings(const struct ttf_slot_record *record);
 

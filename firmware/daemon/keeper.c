@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -20,8 +21,8 @@
 #define LOOK_NS    (50 * TTF_NS_PER_MS)
 #define AGAIN_NS   (5 * TTF_NS_PER_S)  /* until a socket is tried again */
 #define TICK_NS    (10 * TTF_NS_PER_S) /* that listeners hear something */
-#define NICE       10                  /* behind everything that a slot waits for */
-#define IDLE_CLASS (3 << 13)           /* IOPRIO_CLASS_IDLE; its disk too */
+#define NICE       5                   /* behind everything that a slot waits for */
+#define LAST_CLASS ((2 << 13) | 7)     /* of those who share the disk fairly, the last */
 #define BOX_NAMES  3                   /* that it has by itself */
 
 struct keeper {
@@ -89,6 +90,9 @@ static void listen_at(struct keeper *k, unsigned i)
 
     if (r == 0) /* the cable alone needs no token */
         r = ttf_http_server_listen(k->server, socket.fd, strncmp(where, "unix:", 5) == 0, &err);
+    /* The folder that it lies in says who reaches it: /run/ttfbox is the group's. */
+    if (r == 0 && strncmp(where, "unix:", 5) == 0)
+        (void)chmod(where + 5, 0660);
     if (r < 0) {
         complain(&k->complained[i], where, &err);
         return;
@@ -206,11 +210,13 @@ static void *keep(void *ctx)
 
     /* Of this thread alone, and of those that it makes: of Linux they are a thread's. */
     (void)setpriority(PRIO_PROCESS, (id_t)tid, NICE);
-    (void)syscall(SYS_ioprio_set, 1, tid, IDLE_CLASS);
+    (void)syscall(SYS_ioprio_set, 1, tid, LAST_CLASS);
     while (!__atomic_load_n(&k->stop, __ATOMIC_RELAXED)) {
         int64_t now_ns = ttf_clock_now_ns(clock);
 
         open_sockets(k, now_ns);
+        if (follow_elsewhere(&k->follow, k->d))
+            follow_read(&k->follow, k->d);
         empty_mailbox(k);
         tell_answers(k->d);
         if (now_ns >= k->tick_ns) {

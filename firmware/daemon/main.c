@@ -33,16 +33,18 @@ static void catch_signals(void)
 
 static void usage(FILE *to)
 {
-    fputs("Usage: ttfboxd --config FILE\n"
-          "Runs plans on a box, those of its configuration and those asked for by HTTP, goes on with\n"
-          "them after each start, and stays until it is told to end (SIGTERM), which it does within\n"
-          "a slot.\n\n"
-          "  -c, --config FILE   which board, plan and data folder\n"
-          "      --check         read configuration, board and plan, and end\n"
-          "      --version       the program's version\n"
-          "  -h, --help          this\n\n"
-          "Exit: 0 told to end, 1 failed, 2 the configuration or the board is wrong.\n",
-          to);
+    fputs(
+        "Usage: ttfboxd --config FILE\n"
+        "Runs plans on a box, those of its configuration and those asked for by HTTP, goes on "
+        "with\n"
+        "them after each start, and stays until it is told to end (SIGTERM), which it does within\n"
+        "a slot.\n\n"
+        "  -c, --config FILE   which board, plan and data folder\n"
+        "      --check         read configuration, board and plan, and end\n"
+        "      --version       the program's version\n"
+        "  -h, --help          this\n\n"
+        "Exit: 0 told to end, 1 failed, 2 the configuration or the board is wrong.\n",
+        to);
 }
 
 /* 0 go on, 1 ended well, -EINVAL. */

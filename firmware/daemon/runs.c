@@ -259,6 +259,8 @@ static void rest(struct daemon *d, const struct order *order)
             manager_status(&d->manager, "idle");
         else
             situation_run(d->situation, order);
+        if (order->state == ORDER_DONE) /* it is that by its seal alone */
+            situation_sealed(d->situation);
         daemon_does(d, DOING_IDLE, NULL, TTF_NS_UNKNOWN);
     }
     idle(d, TTF_NS_NEVER, order->state == ORDER_STOPPED ? TTF_LED_STOPPED : TTF_LED_IDLE);

@@ -100,7 +100,7 @@ void situation_run(struct situation *s, const struct order *order)
     }
     s->has_run = true;
     s->by_request = order->by_request;
-    s->sealed = false;
+    s->sealed = s->sealed || order->state == ORDER_DONE;
     memcpy(s->dataset, order->dataset, sizeof s->dataset);
     memcpy(s->plan, order->plan, sizeof s->plan);
     unlock(s);
@@ -180,8 +180,10 @@ bool situation_letter(struct situation *s, const struct letter *letter)
         add_alarm(s, letter->text);
     if (letter->kind == TTF_PROGRESS_ARMED || letter->kind == TTF_PROGRESS_SLOT)
         s->total = letter->total;
-    if (letter->kind == TTF_PROGRESS_ARMED && s->doing == DOING_ARMING)
-        s->doing = DOING_CAPTURING;
+    if (letter->kind == TTF_PROGRESS_ARMED) {
+        s->sealed = false;
+        s->doing = s->doing == DOING_ARMING ? DOING_CAPTURING : s->doing;
+    }
     if (letter->kind == TTF_PROGRESS_SLOT) {
         bool paused = letter->result == TTF_RESULT_PAUSED;
 

@@ -131,9 +131,10 @@ int box_plan(struct ttf_http_request *request, struct ttf_http_answer *ret)
     char *yaml = NULL;
     int r = named(request, name);
 
-    return r < 0
-               ? r
-               : give_yaml(ret, OPS(request)->plan(request->box, name, &yaml, &request->err), yaml);
+    if (r < 0)
+        return r;
+    r = OPS(request)->plan(request->box, name, &yaml, &request->err);
+    return give_yaml(ret, r, yaml);
 }
 
 int box_plan_check(struct ttf_http_request *request, struct ttf_http_answer *ret)

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "described.h"
+#include "listed.h"
 #include "tar_read.h"
 #include "ttf/dataset/json_writer.h"
 
@@ -131,9 +131,9 @@ static int open_file(struct ttf_http_request *request, const char *path,
     ret->bytes = st.st_size;
     ret->type = type_of(path);
     ret->ranges = true;
-    if (folder_grows(path, described_sealed(request->folder, name)))
+    if (folder_grows(path, listed_sealed(request->derived->listed, request->folder, name)))
         ret->bytes = folder_whole_lines(fd, st.st_size);
-    else if (described_sha256(request->folder, name, path, ret->sha256) == 0)
+    else if (listed_sha256(request->derived->listed, request->folder, name, path, ret->sha256) == 0)
         (void)snprintf(ret->etag, sizeof ret->etag, "%s", ret->sha256);
     if (ret->bytes < 0)
         return ttf_err_set(&request->err, (int)ret->bytes, path, "cannot be read");
@@ -182,20 +182,58 @@ int datasets_events(struct ttf_http_request *request, struct ttf_http_answer *re
 
 /* ---- archives ---- */
 
+/* Under way at once: each holds a list of all its files, and keeps a disk busy. */
+#define ARCHIVES_MAX 8
+
+struct archive {
+    struct tar_reader *reader;
+    int *under_way; /* of all */
+};
+
 static ssize_t archive_read(void *ctx, int64_t offset, void *buf, size_t n)
 {
-    return tar_read(ctx, offset, buf, n);
+    const struct archive *archive = ctx;
+
+    return tar_read(archive->reader, offset, buf, n);
 }
 
 static void archive_done(void *ctx)
 {
-    tar_reader_destroy(ctx);
+    struct archive *archive = ctx;
+
+    tar_reader_destroy(archive->reader);
+    (void)__atomic_sub_fetch(archive->under_way, 1, __ATOMIC_RELAXED);
+    free(archive);
+}
+
+/* The layout is taken over, also on failure. */
+static int send_archive(struct ttf_http_request *request, struct tar_layout *layout,
+                        struct ttf_http_answer *ret)
+{
+    int *under_way = &request->derived->archives;
+    struct archive *archive = malloc(sizeof *archive);
+    struct tar_reader *reader = tar_reader_create(request->folder, layout);
+    int r = archive && reader ? 0 : -ENOMEM;
+
+    if (r == 0 && __atomic_add_fetch(under_way, 1, __ATOMIC_RELAXED) > ARCHIVES_MAX) {
+        (void)__atomic_sub_fetch(under_way, 1, __ATOMIC_RELAXED);
+        r = ttf_err_set(&request->err, -EAGAIN, request->match->name,
+                        "%d archives are being sent already", ARCHIVES_MAX);
+        ttf_err_hint(&request->err, "ask again when one of them has come");
+    }
+    if (r < 0) {
+        tar_reader_destroy(reader);
+        free(archive);
+        return r;
+    }
+    *archive = (struct archive){reader, under_way};
+    ret->source = (struct answer_source){archive_read, archive_done, archive};
+    return 0;
 }
 
 int datasets_tar(struct ttf_http_request *request, struct ttf_http_answer *ret)
 {
     struct tar_layout layout;
-    struct tar_reader *reader;
     int r = tar_layout_make(request->folder, request->match->name, &layout);
 
     if (r == -ENOENT)
@@ -209,10 +247,9 @@ int datasets_tar(struct ttf_http_request *request, struct ttf_http_answer *ret)
     ret->ranges = layout.sealed; /* one that grows would be another the next time */
     if (layout.sealed)
         (void)snprintf(ret->etag, sizeof ret->etag, "%s", layout.etag);
-    reader = tar_reader_create(request->folder, &layout);
-    if (!reader)
-        return ttf_err_set(&request->err, -ENOMEM, NULL, "no memory");
-    ret->source = (struct answer_source){archive_read, archive_done, reader};
+    r = send_archive(request, &layout, ret);
+    if (r < 0)
+        return r;
     ret->type = "application/x-tar";
     (void)snprintf(ret->file_name, sizeof ret->file_name, "%s.tar", request->match->name);
     return 0;

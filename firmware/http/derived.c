@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "history.h"
+#include "listed.h"
 #include "pictures.h"
 #include "thumbs.h"
 
@@ -15,8 +16,9 @@ struct derived *derived_create(void)
         return NULL;
     derived->history = history_create();
     derived->thumbs = thumbs_create();
+    derived->listed = listed_create();
     derived->pictures = pictures_create();
-    if (derived->history && derived->thumbs && derived->pictures)
+    if (derived->history && derived->thumbs && derived->listed && derived->pictures)
         return derived;
     derived_destroy(derived);
     return NULL;
@@ -27,6 +29,7 @@ void derived_destroy(struct derived *derived)
     if (!derived)
         return;
     pictures_destroy(derived->pictures);
+    listed_destroy(derived->listed);
     thumbs_destroy(derived->thumbs);
     history_destroy(derived->history);
     free(derived);

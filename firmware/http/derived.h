@@ -6,7 +6,9 @@
 struct derived {
     struct history *history;
     struct thumbs *thumbs;
+    struct listed *listed;
     struct pictures *pictures;
+    int archives; /* being sent; atomic */
 };
 
 /* NULL: no memory. */

@@ -10,6 +10,7 @@
 
 #include "call.h"
 #include "derived.h"
+#include "files_limit.h"
 #include "listeners.h"
 
 #define SOCKETS_MAX    8
@@ -111,10 +112,11 @@ int ttf_http_server_listen(struct ttf_http_server *server, int fd, bool free_to_
         MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_ERROR_LOG | MHD_ALLOW_SUSPEND_RESUME, 0, NULL, NULL,
         call_on, &socket->call, MHD_OPTION_EXTERNAL_LOGGER, on_log, server,
         MHD_OPTION_NOTIFY_COMPLETED, call_done, NULL, MHD_OPTION_LISTEN_SOCKET, fd,
-        MHD_OPTION_THREAD_POOL_SIZE, THREADS, MHD_OPTION_CONNECTION_LIMIT, CONNECTIONS,
-        MHD_OPTION_PER_IP_CONNECTION_LIMIT, OF_ONE_ADDRESS, MHD_OPTION_CONNECTION_TIMEOUT,
-        SILENCE_S, MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADERS_BYTES, MHD_OPTION_STRICT_FOR_CLIENT,
-        1, MHD_OPTION_SIGPIPE_HANDLED_BY_APP, 1, MHD_OPTION_END);
+        MHD_OPTION_THREAD_POOL_SIZE, THREADS, MHD_OPTION_CONNECTION_LIMIT,
+        files_limit_connections(CONNECTIONS, SOCKETS_MAX), MHD_OPTION_PER_IP_CONNECTION_LIMIT,
+        OF_ONE_ADDRESS, MHD_OPTION_CONNECTION_TIMEOUT, SILENCE_S,
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADERS_BYTES, MHD_OPTION_STRICT_FOR_CLIENT, 1,
+        MHD_OPTION_SIGPIPE_HANDLED_BY_APP, 1, MHD_OPTION_END);
     if (!socket->daemon) {
         (void)close(fd);
         return ttf_err_set(err, -EIO, NULL, "the server cannot be started");

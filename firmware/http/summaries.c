@@ -8,10 +8,13 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "described.h"
+#include "tally.h"
 #include "ttf/dataset/json_writer.h"
 #include "ttf/dataset/reader.h"
 
-#define KEPT 256 /* datasets; with more, the one that was made longest ago is made anew */
+#define GROWING 8   /* datasets whose slots are counted as they come */
+#define KEPT    256 /* datasets; with more, the one that was made longest ago is made anew */
 
 /* What changes if a dataset does. */
 struct stamp {
@@ -25,7 +28,17 @@ struct entry {
     char *text;
 };
 
+/* One that was asked for while it grew. */
+struct growing {
+    char dataset[65]; /* empty: free */
+    uint64_t used;    /* larger is later */
+    struct tally tally;
+};
+
 struct summaries {
+    pthread_mutex_t counting; /* over these three */
+    struct growing growing[GROWING];
+    uint64_t uses;
     pthread_mutex_t lock; /* over all below */
     struct entry entries[KEPT];
     unsigned next;
@@ -35,10 +48,10 @@ struct summaries *summaries_create(void)
 {
     struct summaries *s = calloc(1, sizeof *s);
 
-    if (s && pthread_mutex_init(&s->lock, NULL) != 0) {
-        free(s);
+    if (!s)
         return NULL;
-    }
+    (void)pthread_mutex_init(&s->counting, NULL);
+    (void)pthread_mutex_init(&s->lock, NULL);
     return s;
 }
 
@@ -49,6 +62,7 @@ void summaries_destroy(struct summaries *s)
     for (unsigned i = 0; i < KEPT; i++)
         free(s->entries[i].text);
     (void)pthread_mutex_destroy(&s->lock);
+    (void)pthread_mutex_destroy(&s->counting);
     free(s);
 }
 
@@ -117,16 +131,14 @@ static void put_slots(struct ttf_json *json, const struct ttf_reader_summary *s)
     ttf_json_kbool(json, "sealed", s->sealed);
 }
 
-static int make(struct ttf_reader *reader, const char *dataset, char **ret_text,
-                struct ttf_err *err)
+/* digest: NULL: it has none. */
+static int write_text(const struct ttf_manifest *m, const struct ttf_reader_summary *s,
+                      const char *digest, const char *dataset, char **ret_text)
 {
-    const struct ttf_manifest *m = ttf_reader_manifest(reader);
-    const struct ttf_reader_summary *s = ttf_reader_summary(reader);
     struct ttf_json json;
-    char digest[65];
     const char *text;
     size_t bytes;
-    int r = 0;
+    int r;
 
     ttf_json_init(&json, false);
     ttf_json_object(&json);
@@ -136,19 +148,93 @@ static int make(struct ttf_reader *reader, const char *dataset, char **ret_text,
         ttf_json_kstring(&json, "title", m->title);
     ttf_json_kbool(&json, "simulated", m->simulated);
     put_slots(&json, s);
-    if (s->sealed)
-        r = ttf_reader_digest(reader, digest, err);
-    if (s->sealed && r == 0)
+    if (digest)
         ttf_json_kstring(&json, "digest", digest);
     put_streams(&json, m);
     ttf_json_object_end(&json);
-    if (r == 0)
-        r = ttf_json_finish(&json, &text, &bytes);
+    r = ttf_json_finish(&json, &text, &bytes);
     if (r == 0) {
         *ret_text = strdup(text);
         r = *ret_text ? 0 : -ENOMEM;
     }
     ttf_json_free(&json);
+    return r;
+}
+
+/* By reading all of it. */
+static int make_by_reader(struct ttf_io *io, const char *path, const char *dataset, char **ret_text,
+                          struct ttf_err *err)
+{
+    struct ttf_reader *reader;
+    const struct ttf_reader_summary *s;
+    char digest[65];
+    int r = ttf_reader_open(io, path, &reader, err);
+
+    if (r < 0)
+        return r;
+    s = ttf_reader_summary(reader);
+    if (s->sealed)
+        r = ttf_reader_digest(reader, digest, err);
+    if (r == 0)
+        r = write_text(ttf_reader_manifest(reader), s, s->sealed ? digest : NULL, dataset,
+                       ret_text);
+    ttf_reader_close(reader);
+    return r;
+}
+
+/* ---- of one that grows: what is new is added to what was counted ---- */
+
+static struct growing *recall_growing(struct summaries *s, const char *dataset)
+{
+    struct growing *oldest = &s->growing[0];
+
+    for (unsigned i = 0; i < GROWING; i++) {
+        struct growing *g = &s->growing[i];
+
+        if (strcmp(g->dataset, dataset) == 0) {
+            g->used = ++s->uses;
+            return g;
+        }
+        if (g->used < oldest->used)
+            oldest = g;
+    }
+    *oldest = (struct growing){.used = ++s->uses};
+    (void)snprintf(oldest->dataset, sizeof oldest->dataset, "%s", dataset);
+    return oldest;
+}
+
+static int count(struct summaries *s, struct ttf_io *io, const char *path, const char *dataset,
+                 struct ttf_reader_summary *ret)
+{
+    char records[4096 + 96];
+    struct growing *growing;
+    int r;
+
+    (void)snprintf(records, sizeof records, "%s/records.jsonl", path);
+    (void)pthread_mutex_lock(&s->counting);
+    growing = recall_growing(s, dataset);
+    r = tally_read(io, records, &growing->tally);
+    *ret = growing->tally.summary;
+    (void)pthread_mutex_unlock(&s->counting);
+    return r;
+}
+
+static int make(struct summaries *s, const struct folder *folder, struct ttf_io *io,
+                const char *path, const char *dataset, char **ret_text, struct ttf_err *err)
+{
+    struct ttf_reader_summary summary;
+    struct ttf_manifest *manifest;
+    int r;
+
+    if (described_sealed(folder, dataset) || count(s, io, path, dataset, &summary) < 0)
+        return make_by_reader(io, path, dataset, ret_text, err);
+    manifest = malloc(sizeof *manifest);
+    if (!manifest)
+        return ttf_err_set(err, -ENOMEM, dataset, "no memory");
+    r = ttf_manifest_load(io, path, manifest, err);
+    if (r == 0)
+        r = write_text(manifest, &summary, NULL, dataset, ret_text);
+    free(manifest);
     return r;
 }
 
@@ -193,7 +279,6 @@ int summaries_get(struct summaries *s, const struct folder *folder, struct ttf_i
                   const char *dataset, char **ret_text, struct ttf_err *err)
 {
     char path[4096 + 80];
-    struct ttf_reader *reader;
     struct stamp stamp;
     int r = look(folder, dataset, &stamp);
 
@@ -204,12 +289,8 @@ int summaries_get(struct summaries *s, const struct folder *folder, struct ttf_i
     *ret_text = recall(s, dataset, &stamp);
     if (*ret_text)
         return 0;
-    r = ttf_reader_open(io, path, &reader, err);
-    if (r < 0)
-        return r;
-    r = make(reader, dataset, ret_text, err);
-    ttf_reader_close(reader);
-    if (r == 0)
+    r = make(s, folder, io, path, dataset, ret_text, err);
+    if (r == 0 && *ret_text)
         remember(s, dataset, &stamp, *ret_text);
     return r;
 }

@@ -10,7 +10,8 @@
 #include "joints.h"
 #include "ttf/base/time.h"
 
-#define HELLO_NS (300 * TTF_NS_PER_MS) /* of PROTOCOL.md: then another reset */
+#define HELLO_NS      (300 * TTF_NS_PER_MS) /* of PROTOCOL.md: then another reset, with twice as long */
+#define HELLO_MOST_NS (2400 * TTF_NS_PER_MS)
 #define AGAIN_NS \
     (100 * TTF_NS_PER_MS)             /* between looking for a box, and after a reset that failed */
 #define SUSPEND_NS (3 * TTF_NS_PER_S) /* asleep for longer: streams are over */
@@ -31,10 +32,11 @@ struct bridge {
     struct ttf_mux *mux;
     struct usb_joints joints;
     enum phase phase;
-    int away_why;      /* the last error */
-    int64_t again_ns;  /* of a host: when to look for a box, or to reset, again */
-    int64_t hello_ns;  /* of a host: when to have heard HELLO */
-    int64_t asleep_ns; /* of a box: when streams are over; 0: awake */
+    int away_why;        /* the last error */
+    int64_t again_ns;    /* of a host: when to look for a box, or to reset, again */
+    int64_t patience_ns; /* of a host: how long to wait for HELLO, longer each time */
+    int64_t hello_ns;    /* of a host: when to have heard HELLO */
+    int64_t asleep_ns;   /* of a box: when streams are over; 0: awake */
     int64_t told_ns;
     enum ttf_usb_bridge_state told;
     bool more; /* the link may have more events */
@@ -94,7 +96,7 @@ static void on_reset(struct bridge *b, const struct ttf_usb_event *e, int64_t no
         begin(b, e->nonce);
     } else if (e->error == 0 && b->phase == ASKING) {
         b->phase = WAITING;
-        b->hello_ns = now + HELLO_NS;
+        b->hello_ns = now + b->patience_ns;
     } else if (b->phase == ASKING) {
         b->again_ns = now + AGAIN_NS;
     }
@@ -190,6 +192,10 @@ static int64_t host_time(struct bridge *b, int64_t now)
 {
     bool silent = b->phase == WAITING && !ttf_mux_is_ready(b->mux) && now >= b->hello_ns;
 
+    if (silent && b->patience_ns < HELLO_MOST_NS)
+        b->patience_ns *= 2; /* a busy machine would never be in time otherwise */
+    if (b->phase == WAITING && ttf_mux_is_ready(b->mux))
+        b->patience_ns = HELLO_NS;
     if (b->phase == AWAY && now >= b->again_ns) {
         struct ttf_err err = {0};
         int r = b->link->ops->open(b->link, &err);
@@ -313,6 +319,7 @@ int ttf_usb_bridge_run(const struct ttf_usb_bridge_config *config, struct ttf_er
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     b->config = config;
     b->link = config->link;
+    b->patience_ns = HELLO_NS;
     b->told = TTF_USB_BRIDGE_READY; /* whatever it is, it is told */
     r = ttf_mux_create(config->role, &b->mux);
     if (r == 0) {

@@ -107,7 +107,8 @@ function above() {
   for (const a of document.querySelectorAll("[data-box]"))
     a.hidden = !session.box;
   $("login").hidden = !session.read;
-  say($("login"), session.change ? "Forget token" : "Enter token");
+  say($("login"), session.change ? "Token ✓" : "Token");
+  $("login").setAttribute("aria-label", session.change ? "Token: given. Forget it" : "Token: enter it");
 }
 
 function theme() {

@@ -30,8 +30,9 @@ export class Box extends EventTarget {
       this.channel.onmessage = ({ data }) => this.told(data);
       addEventListener("pagehide", () => this.leading && this.channel.postMessage({ what: "leave" }));
       setInterval(() => this.beat(), BEAT_MS);
-      setTimeout(() => this.beat(), 300 + Math.random() * 400);
-      this.heard = performance.now() - SILENT_MS + 400; /* the first page waits no longer than it must */
+      this.heard = performance.now() - SILENT_MS; /* the first page waits no longer than others need to answer */
+      this.channel.postMessage({ what: "who" });
+      setTimeout(() => this.beat(), 300 + Math.random() * 300);
     } else {
       this.lead();
     }
@@ -51,9 +52,14 @@ export class Box extends EventTarget {
 
   async ask_session() {
     try {
-      this.session = await get("session");
+      this.session = await get("session", 4000);
       this.dispatchEvent(new Event("session"));
-    } catch { /* look() says that it is lost */ }
+      if (!this.session.read)
+        this.set_lost(false);
+    } catch (error) {
+      if (!error.status && !this.session.read)
+        this.set_lost(true); /* else look() says so */
+    }
   }
 
   again() {
@@ -66,6 +72,11 @@ export class Box extends EventTarget {
   }
 
   async look() {
+    if (!this.session.read) { /* it would be refused; whether that is still so can be asked */
+      await this.ask_session();
+      if (!this.session.read)
+        return;
+    }
     try {
       const status = await get("status", 4000);
       this.status = status;
@@ -99,7 +110,7 @@ export class Box extends EventTarget {
 
   beat() {
     if (this.leading)
-      this.channel.postMessage({ what: "lead", id: this.id });
+      this.say_lead();
     else if (performance.now() - this.heard > SILENT_MS)
       this.lead();
   }
@@ -107,8 +118,12 @@ export class Box extends EventTarget {
   told(data) {
     if (data.what === "lead") {
       this.heard = performance.now();
-      if (this.leading && data.id < this.id)
+      /* Timers of a page that nobody sees come late: one that is seen listens, of equals one of them. */
+      if (this.leading && (data.hidden === document.hidden ? data.id < this.id : document.hidden))
         this.unlead();
+    } else if (data.what === "who") {
+      if (this.leading)
+        this.say_lead();
     } else if (data.what === "leave") {
       this.heard = performance.now() - SILENT_MS + Math.random() * 1000;
     } else if (data.what === "event") {
@@ -118,7 +133,7 @@ export class Box extends EventTarget {
 
   lead() {
     this.leading = true;
-    this.channel?.postMessage({ what: "lead", id: this.id });
+    this.say_lead();
     if (!this.session.box || !this.session.read)
       return;
     this.source = new EventSource("/api/v1/events");
@@ -144,6 +159,10 @@ export class Box extends EventTarget {
         this.heard = performance.now();
       }
     };
+  }
+
+  say_lead() {
+    this.channel?.postMessage({ what: "lead", id: this.id, hidden: document.hidden });
   }
 
   unlead() {

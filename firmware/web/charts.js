@@ -28,7 +28,7 @@ export function charts(parent) {
     show({ index, due_utc_ns, series, slots_per_point, results }) {
       if (!index.length)
         return;
-      const known = due_utc_ns.every((t) => t !== null), times_s = known ? due_utc_ns.map((t) => (t - due_utc_ns[0]) / 1e9) : index;
+      const known = due_utc_ns.every((t) => t !== null), times_s = known ? due_utc_ns.map((t) => (t - due_utc_ns[0]) / 1e9) : index, text = known ? undefined : String;
       const lost = ["missed", "failed", "power"].reduce((sum, name) => sum + (results[name] || []).reduce((a, b) => a + b, 0), 0);
       const open = new Set([...parent.querySelectorAll("details[open]")].map((d) => d.dataset.chart));
       const grid = h("div", { class: "chart-grid" });
@@ -47,10 +47,10 @@ export function charts(parent) {
             for (const [end, column] of [["least", one.min], ["greatest", one.max]])
               all.push({ name: `${called(one)}, ${end}`, style, values: scale(column) });
         });
-        globalThis.ttfPlot.lines(figure, { times_s, series: all.length > 3 ? all.map((s, i) => ({ ...s, name: i < 3 ? s.name : "" })).filter((s) => s.values.some((v) => v !== null)) : all, unit,
+        globalThis.ttfPlot.lines(figure, { times_s, series: all.length > 3 ? all.map((s, i) => ({ ...s, name: i < 3 ? s.name : "" })).filter((s) => s.values.some((v) => v !== null)) : all, unit, text,
           label: `${title}: ${summary(all, unit)}` });
         const scroll = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `${title} as a table` });
-        globalThis.ttfPlot.table(scroll, { times_s, series: all, most: 300 });
+        globalThis.ttfPlot.table(scroll, { times_s, series: all, most: 300, text });
         figure.append(h("details", { "data-chart": title, open: open.has(title) }, h("summary", {}, "As a table"), scroll));
       });
     },

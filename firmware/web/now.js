@@ -142,11 +142,14 @@ export function now(main, box) {
   /* ---- the picture ---- */
 
   let shown = null, asked = false, wanted = false;
-  async function picture() {
+  async function picture(sure = false) {
     if (asked) {
       wanted = true;
       return;
     }
+    const counts = box.status?.run?.results;
+    if (!sure && !counts?.captured && !counts?.partial)
+      return; /* there is none to be asked for */
     asked = true;
     try {
       const got = await getPicture("latest");
@@ -169,7 +172,7 @@ export function now(main, box) {
     asked = false;
     if (wanted) {
       wanted = false;
-      setTimeout(picture, 500);
+      setTimeout(picture, 500, true);
     }
   }
 
@@ -184,7 +187,7 @@ export function now(main, box) {
     status: refresh, lost: () => { tick(); if (!box.lost) picture(); }, session: () => { drawn = ""; refresh(); },
     slot: ({ detail }) => {
       if (detail.result === "captured" || detail.result === "partial")
-        picture();
+        picture(true);
       else
         tell(`Slot ${detail.index}: ${detail.result}${detail.why ? `, ${detail.why}` : ""}`);
     },

@@ -123,8 +123,7 @@ export function plan(main, box) {
         if (busy()) {
           say(said, "Another run is under way: stop it first. The plan is saved.");
         } else {
-          await post("run", { plan: name.value, dataset: name.value });
-          location.hash = "#/";
+          await start_run({ plan: name.value, dataset: name.value });
           return;
         }
       }
@@ -132,6 +131,16 @@ export function plan(main, box) {
     } catch (error) {
       say(said, error.text || error.message);
     }
+  }
+
+  /* What is shown next is the new run, not the one before. */
+  async function start_run(what) {
+    const { dataset } = await post("run", what);
+    for (let looks = 0; looks < 20 && box.status?.run?.dataset !== dataset; looks++) {
+      await new Promise((go_on) => setTimeout(go_on, 150));
+      await box.look();
+    }
+    location.hash = "#/";
   }
 
   const actions = [h("button", { type: "button", class: "main", disabled: true, id: "save-start", onclick: () => save(true) }, "Save and start"),
@@ -164,8 +173,7 @@ export function plan(main, box) {
   async function begin(p) {
     say(said, "");
     try {
-      await post("run", { plan: p.name });
-      location.hash = "#/";
+      await start_run({ plan: p.name });
     } catch (error) {
       say(said, error.text || error.message);
     }

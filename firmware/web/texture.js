@@ -4,11 +4,14 @@
  * life of a pixel. The scripts of `ttfbox view` (firmware/view/page), fed with small pictures of slots.
  */
 import { h, fill, say } from "./dom.js";
+import { pictured } from "./timeline.js";
 
 const FRAMES = 96;
 
+const slot_text = (v) => `${v} slots`;
+
 export function texture(parent, name) {
-  let columns = null, about = null, panel = null, ended = false, frames = [];
+  let columns = null, about = null, panel = null, ended = false, frames = [], known = true;
   const said = h("p", { role: "status" }), place = h("div"), tools = h("div", { class: "stack", hidden: true });
   const load = h("button", { onclick: begin, disabled: true }, "Load the texture");
   const time = h("input", { type: "range", class: "scrub", min: 0, value: 0, step: 1, "aria-label": "Time", oninput: show });
@@ -36,15 +39,17 @@ export function texture(parent, name) {
   async function begin() {
     load.disabled = true;
     try {
-      const n = Math.min(FRAMES, columns.index.length), t0 = columns.due_utc_ns[0];
-      const chosen = Array.from({ length: n }, (_, k) => (n > 1 ? Math.round(k * (columns.index.length - 1) / (n - 1)) : 0));
+      known = columns.due_utc_ns.every((t) => t !== null);
+      const has = pictured(columns), seen = columns.index.map((_, i) => i).filter((i) => has[i]);
+      const n = Math.min(FRAMES, seen.length), t0 = columns.due_utc_ns[0];
+      const chosen = Array.from({ length: n }, (_, k) => seen[n > 1 ? Math.round(k * (seen.length - 1) / (n - 1)) : 0]);
       const got = [];
       for (const i of chosen) {
         const blob = await picture(columns.index[i]);
         if (ended)
           return;
         if (blob)
-          got.push({ blob, slot: columns.index[i], time_s: t0 !== null && columns.due_utc_ns[i] !== null ? (columns.due_utc_ns[i] - t0) / 1e9 : columns.index[i] - columns.index[0] });
+          got.push({ blob, slot: columns.index[i], time_s: known ? (columns.due_utc_ns[i] - t0) / 1e9 : columns.index[i] });
         say(said, `${got.length} of ${n}`);
       }
       if (!got.length)
@@ -52,7 +57,7 @@ export function texture(parent, name) {
       const size = await createImageBitmap(got[0].blob);
       frames = got;
       place.replaceChildren();
-      panel = new globalThis.ttfPanel.Panel(place, { role: "small pictures", title: "8-bit sRGB, so values are near, not exact", quantity: "value", camera_colours: false,
+      panel = new globalThis.ttfPanel.Panel(place, { role: "small pictures", title: "8-bit sRGB, so values are near, not exact", quantity: "value", camera_colours: false, text: known ? undefined : slot_text,
         width: size.width, height: size.height, black: 0, white: 1, slots: got.map((f) => f.slot), times_s: got.map((f) => f.time_s) }, 0, () => {});
       for (const [k, f] of got.entries())
         await panel.surface.load(k, f.blob);
@@ -72,7 +77,7 @@ export function texture(parent, name) {
   function show() {
     const k = Number(time.value), ev = Number(exposure.value);
     panel.show(k, ev, shape.value);
-    say(when, `${globalThis.ttfPlot.timeText(frames[k].time_s)}, slot ${frames[k].slot}`);
+    say(when, `${known ? `${globalThis.ttfPlot.timeText(frames[k].time_s)}, ` : ""}slot ${frames[k].slot}`);
     time.setAttribute("aria-valuetext", when.textContent);
     say(stops, `${ev > 0 ? "+" : ""}${ev} stops`);
   }

@@ -5,9 +5,14 @@ import { when } from "./words.js";
 
 const STRIP = 10;
 
+/* Of each point, whether it has a picture. */
+export function pictured({ index, results }) {
+  return index.map((_, i) => (results.captured?.[i] || 0) + (results.partial?.[i] || 0) > 0);
+}
+
 export function timeline(parent, name) {
-  let index = [], due = [], ended = false, asked = 0, retry = 0;
-  const img = h("img", { alt: "", hidden: true }), none = h("p", {}, "No picture yet"), caption = h("figcaption", { role: "status" });
+  let index = [], due = [], has = [], ended = false, asked = 0, retry = 0;
+  const img = h("img", { alt: "", hidden: true }), none = h("p", {}, "No picture yet"), caption = h("figcaption", { "aria-live": "polite" });
   const slider = h("input", { type: "range", class: "scrub", min: 0, max: 0, value: 0, step: 1, "aria-label": "Slot", oninput: () => pick(Number(slider.value)) });
   const strip = h("div", { class: "strip", role: "group", "aria-label": "Pictures spread over the whole time" });
   const play = h("button", { "aria-pressed": "false", onclick: toggle }, "Play"), full = h("a", {}, "");
@@ -30,11 +35,17 @@ export function timeline(parent, name) {
   const address = (i) => `/api/v1/datasets/${name}/thumbs/${index[i]}`;
 
   function src(i) {
-    img.src = address(i);
+    if (has[i]) {
+      img.src = address(i);
+    } else {
+      img.hidden = true;
+      none.hidden = false;
+      say(none, "This slot has no picture");
+    }
   }
 
   function pick(i) {
-    const text = `Slot ${index[i].toLocaleString()}${due[i] ? `, ${when(due[i])}` : ""}`;
+    const text = `Slot ${index[i].toLocaleString()}${has[i] ? "" : ", without a picture"}${due[i] ? `, ${when(due[i])}` : ""}`;
     slider.value = i;
     slider.setAttribute("aria-valuetext", text);
     say(caption, text);
@@ -64,12 +75,13 @@ export function timeline(parent, name) {
     show(columns) {
       const at_end = Number(slider.value) >= index.length - 1, grew = columns.index.length !== index.length;
       ({ index, due_utc_ns: due } = columns);
+      has = pictured(columns);
       slider.max = Math.max(0, index.length - 1);
       slider.disabled = play.disabled = index.length < 2;
       if (!index.length || !grew)
         return;
-      const n = Math.min(STRIP, index.length);
-      fill(strip, Array.from({ length: n }, (_, k) => (n > 1 ? Math.round(k * (index.length - 1) / (n - 1)) : 0)).map((i) =>
+      const seen = index.map((_, i) => i).filter((i) => has[i]), n = Math.min(STRIP, seen.length);
+      fill(strip, Array.from({ length: n }, (_, k) => seen[n > 1 ? Math.round(k * (seen.length - 1) / (n - 1)) : 0]).map((i) =>
         h("button", { type: "button", "data-at": i, "aria-label": `Slot ${index[i]}`, onclick: () => pick(i) },
           h("img", { src: address(i), alt: "", loading: "lazy" }), h("small", { "aria-hidden": "true" }, index[i]))));
       pick(at_end ? index.length - 1 : Number(slider.value));

@@ -16,6 +16,8 @@ export function countdown(ns) {
 /* "12 minutes", "3.5 hours", "6 days 23 hours" */
 export function span(ns) {
   const s = Math.abs(ns) / S, some = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
+  if (s < 1e-3)
+    return `${+(s * 1e6).toPrecision(2)} µs`;
   if (s < 1)
     return `${+(s * 1000).toPrecision(3)} ms`;
   if (s < 60 || (s < 120 && s % 60 > 0.5))

@@ -70,6 +70,27 @@ get "$URL/datasets/raw/thumbs/0" 200
 rm data/raw/raw/main/000001.dng
 get "$URL/datasets/raw/thumbs/1" 404
 
+# ---- the summary of a dataset that grows says at each moment what reading all of it says ----
+"$TTFBOX" capture grass.yaml "${TINY[@]}" -o whole -q || fail "no capture"
+for n in 0 1 2 3; do
+    "$PYTHON" "$HERE/grow.py" whole data/growing "$n" || fail "it does not grow"
+    get "$URL/datasets/growing" 200
+    is slots "$n"
+    is results.captured "$n"
+    is segments 1
+    is sealed false
+    is ended false
+done
+printf '{"type":"slot","seq":99' >>data/growing/records.jsonl # as a power cut leaves it
+get "$URL/datasets/growing" 200
+is slots 3
+cp whole/records.jsonl data/growing/records.jsonl # another file, and the end
+get "$URL/datasets/growing" 200
+is ended true
+sed -i '3s/"index":./"index":9/' data/growing/records.jsonl # rot
+get "$URL/datasets/growing" 500
+said out "damaged"
+
 # 12,000 slots: at most 1,024 points, by parts, and no slot is lost on the way.
 "$PYTHON" "$HERE/many_slots.py" data/grass data/many 12000 || fail "they cannot be made"
 asked=0
@@ -89,4 +110,35 @@ assert sum(c["results"]["captured"]) == 12000
 spiked = next(s for s in c["series"] if s["what"] == "mean_level")
 assert max(spiked["max"]) == 0.875, max(spiked["max"])
 CHECK
+
+# ---- at most eight archives at once; one that ends makes room ----
+"$PYTHON" - "${URL#http://}" <<'CHECK' || fail "archives are not bounded"
+import http.client, sys, time
+host = sys.argv[1].split("/")[0]
+def ask():
+    connection = http.client.HTTPConnection(host, timeout=30)
+    connection.request("GET", "/api/v1/datasets/large/tar")
+    return connection, connection.getresponse()
+import os
+os.makedirs("data/large/frames", exist_ok=True)
+open("data/large/dataset.json", "w").write("{}")
+with open("data/large/frames/hole.tif", "wb") as file:
+    file.truncate(1 << 30) # more than sockets hold
+held = [ask() for _ in range(8)]
+assert all(answer.status == 200 for _, answer in held), [answer.status for _, answer in held]
+_, ninth = ask()
+assert ninth.status == 503, ninth.status
+held.pop()[0].close()
+for _ in range(100):
+    again, answer = ask()
+    if answer.status == 200:
+        break
+    time.sleep(0.1)
+assert answer.status == 200, answer.status
+CHECK
 unserve
+
+# ---- the limit of open files is raised; where it cannot be, the server still serves ----
+(ulimit -Sn 64; serve data; grep "Max open files" "/proc/$SERVER/limits" >limits; unserve) || fail "not with few files"
+[ "$(awk '{ print $4 }' limits)" -gt 64 ] || fail "the limit of open files stays: $(cat limits)"
+(ulimit -n 200; serve data; get "$URL/datasets/grass" 200; unserve) || fail "not with 200 files"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""hostile.py HOST:PORT/...: malformed, oversized, slow and very many; in between, a decent client is to be served."""
+"""hostile.py HOST:PORT/... [CASES]: malformed, oversized, slow and very many; in between, a decent client is to be served."""
 import http.client
 import random
 import socket
@@ -111,7 +111,7 @@ def cut_off():
 
 def main():
     malformed()
-    noise(300)
+    noise(int(sys.argv[2]) if len(sys.argv) > 2 else 300)
     cut_off()
     slow_and_many()
 

@@ -5,7 +5,7 @@
 command -v systemd-analyze >/dev/null || { echo "skipped: no systemd-analyze here"; exit 77; }
 : "${UNITS:?the folder of units}" "${BIN:?the folder of programs}"
 
-for unit in ttfboxd ttfbox-lampd ttfbox-usbd; do
+for unit in ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-preview ttfbox-alertd; do
     # Where they will be installed, nothing is yet.
     sed "s|^ExecStart=[^ ]*/|ExecStart=$BIN/|" "$UNITS/$unit.service" >"$unit.service"
     grep -qE "^ExecStart=$BIN/$unit( |$)" "$unit.service" || fail "$unit starts something else"
@@ -19,7 +19,7 @@ sed -i "s|=[+]*[^ ]*/ttfbox-gadget |=+$SOURCE/firmware/gadget/ttfbox-gadget |" t
 SYSTEMD_UNIT_PATH=$WORK: systemd-analyze verify --man=no ./ttfbox-gadget.service >out 2>&1 || fail "systemd does not like ttfbox-gadget"
 grep -E "ttfbox-gadget\.service" out && fail "systemd has something to say of ttfbox-gadget"
 systemd-analyze security --offline=true ./ttfbox-gadget.service 2>&1 | tail -n 1
-for unit in ttfboxd ttfbox-lampd ttfbox-usbd; do
+for unit in ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-preview ttfbox-alertd; do
     SYSTEMD_UNIT_PATH=$WORK: systemd-analyze verify --man=no "./$unit.service" >out 2>&1 ||
         fail "systemd does not like $unit"
     grep -E "$unit\.service" out && fail "systemd has something to say of $unit"

@@ -24,6 +24,7 @@ SOURCES = {
     "calibration": ["dataset/calibration_load.c", "dataset/calibration_store.c"],
     "map": ["synth/quilt/map_file.c"],
     "request": ["firmware/http/access.c"],
+    "body": ["firmware/http/body.c", "firmware/http/session.c", "firmware/http/newest.c"],
     "tiff": ["dataset/tiff_*.c"], "dng": ["dataset/tiff_*.c", "dataset/dng_*.c"],
 }
 OTHER = {

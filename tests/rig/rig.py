@@ -18,13 +18,14 @@ import lamps
 import pipeline
 import powercuts
 import strokes
+import usb
 from machine import Machine
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 RIG = ROOT + "/build-rig"
 QEMU_USER = shutil.which("qemu-aarch64-static") or shutil.which("qemu-aarch64")
-PROGRAMS = ["ttfbox", "ttfboxd", "ttfbox-lampd", "lampd_child", "capture_child", "rig_camera", "test_lines", "test_sysfs",
+PROGRAMS = ["ttfbox", "ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "lampd_child", "capture_child", "rig_camera", "test_lines", "test_sysfs",
             "test_conformance_lampd", "ttfbox-libcamera"]
 # What no machine here has; said, so that nobody takes silence for a pass.
 NOT_HERE = ["exposure control through a real camera driver", "a Raspberry Pi's own PWM and under-voltage alarm"]
@@ -77,6 +78,8 @@ def build(programs):
         if name == "ttfbox-libcamera":  # a module that programs find beside them
             folder, name = "/lib/ttfbox/", name + ".so"
         shutil.copy(out + folder + name, share)
+    shutil.copy(ROOT + "/firmware/gadget/ttfbox-gadget", share)
+    shutil.copy(ROOT + "/boards/sim-small/board.yaml", share + "/sim-small.yaml")
     return share
 
 
@@ -121,7 +124,7 @@ def main():
         return 0
     every = {"smoke": SMOKE, "quick": QUICK}.get(tier) or (
         lamps.SCENARIOS + camera.SCENARIOS + strokes.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS + drivers.SCENARIOS +
-        inputs.SCENARIOS + chips.SCENARIOS + pipeline.SCENARIOS)
+        inputs.SCENARIOS + chips.SCENARIOS + pipeline.SCENARIOS + usb.SCENARIOS)
     scenarios = [s for s in every if not words or any(w in s.__name__ for w in words)]
     if not scenarios:
         print("rig: no scenario has such a name; there are:", file=sys.stderr)

@@ -9,7 +9,7 @@ out=$1
 packages="base-files bash dash coreutils util-linux mount grep sed libc-bin kmod udev procps busybox-static
  linux-image-arm64 v4l-utils gpiod libc6-dev linux-libc-dev libgcc-12-dev libtiff-dev libspng-dev libjpeg-dev
  liblcms2-dev libjansson-dev libyaml-dev nettle-dev zlib1g-dev libarchive-dev libmicrohttpd-dev libcurl4-gnutls-dev libusb-1.0-0-dev libgpiod-dev
- libcmocka-dev tzdata
+ libcmocka-dev tzdata iproute2
  libcamera-dev libcamera0.0.3 libcamera-ipa libstdc++-12-dev libgcc-s1 libstdc++6 f2fs-tools e2fsprogs i2c-tools rt-tests"
 # What goes into the initramfs, so that a root can be mounted at all.
 modules="virtio_pci virtio_mmio 9pnet_virtio 9p virtio_blk ext4 overlay virtio_console"

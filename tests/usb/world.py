@@ -136,7 +136,7 @@ class World:
         """One of so small pictures, captured; its folder."""
         plan = self.at("plan.yaml")
         with open(plan, "w", encoding="ascii") as file:
-            file.write("interval: 1h\ncount: %d\nlamps: {mode: continuous}\nshots:\n  - {stream: main, channel: white, "
+            file.write("interval: 2min\ncount: %d\nlamps: {mode: continuous}\nshots:\n  - {stream: main, channel: white, "
                        "lamps: {left: 100%%, right: 100%%}, exposure: 20ms}\nkeep: both\nmains: 50Hz\n" % slots)
         folder = os.path.join(self.data, "grass")
         subprocess.run([self.ttfbox, "capture", plan, "--board", "sim-small", "--set", f"sim.sensor.width={width}px",

@@ -14,6 +14,7 @@
   class Panel {
     constructor(parent, about, number, onplace) {
       Object.assign(this, { about, number, onplace, points: new Map(), wanted: false });
+      this.text = about.text || ttfPlot.timeText; /* of what frames are apart by: time, where that is known */
       this.view = { shape: "plane", frame: 0, gain: 1, mark: null };
       this.reset();
       this.build(parent);
@@ -90,7 +91,7 @@
       this.view.gain = this.gain(stops);
       this.view.shape = this.surface.shapes.includes(shape) ? shape : "plane";
       this.canvas.setAttribute("aria-label", `${this.about.role}: slot ${this.about.slots[frame]}, ` +
-        `${ttfPlot.timeText(this.about.times_s[frame])}, on a ${this.view.shape}. Arrow keys move the chosen pixel.`);
+        `${this.text(this.about.times_s[frame])}, on a ${this.view.shape}. Arrow keys move the chosen pixel.`);
       if (this.plotted)
         this.plotted.now(this.about.times_s[frame]);
       this.say();
@@ -127,17 +128,17 @@
       const series = ["red", "green", "blue"].map((style, c) => ({
         name: names[c], style, values: this.about.slots.map((_, i) => this.value(this.codes[i * 4 + c])),
       }));
-      const { times_s } = this.about, open = this.figure.querySelector("details")?.open;
+      const { times_s, text: about_text } = this.about, open = this.figure.querySelector("details")?.open;
       this.figure.hidden = false;
       this.figure.replaceChildren();
-      this.plotted = ttfPlot.lines(this.figure, { times_s, series, now_s: times_s[this.view.frame],
+      this.plotted = ttfPlot.lines(this.figure, { times_s, series, text: about_text, now_s: times_s[this.view.frame],
         unit: this.about.quantity || "value", label: `The life of pixel ${x}, ${y}: each channel over time; the table below has its values` });
-      make(this.figure, "figcaption", { textContent: `Pixel ${x}, ${y} over ${ttfPlot.timeText(times_s.at(-1) - times_s[0])}` });
+      make(this.figure, "figcaption", { textContent: `Pixel ${x}, ${y} over ${this.text(times_s.at(-1) - times_s[0])}` });
       const details = make(this.figure, "details", { open: !!open }, Object.assign(document.createElement("summary"), { textContent: "As a table" }));
       const scroll = make(details, "div", { className: "scroll", tabIndex: 0 });
       scroll.setAttribute("role", "region");
       scroll.setAttribute("aria-label", `Values of pixel ${x}, ${y}`);
-      ttfPlot.table(scroll, { times_s, series });
+      ttfPlot.table(scroll, { times_s, series, text: about_text });
     }
 
     /* A pointer's place in pixels of the canvas. */

@@ -47,10 +47,11 @@
     21600, 43200, 86400, 172800, 432000, 864000];
 
   /*
-   * lines(figure, {times_s, series: [{name, style, values}], label, now_s}): values may hold null.
+   * lines(figure, {times_s, series: [{name, style, values}], label, now_s}): values may hold null. What is
+   * no time has its own text.
    * Gives back {now(s)}, which moves the mark of the present time.
    */
-  function lines(figure, { times_s, series, label, unit, now_s }) {
+  function lines(figure, { times_s, series, label, unit, now_s, text = timeText }) {
     const svg = document.createElementNS(NS, "svg");
     const W = Math.max(300, Math.min(1000, figure.clientWidth || 640)); /* so that texts have their own size */
     svg.setAttribute("viewBox", `0 0 ${W} ${H}`);
@@ -76,10 +77,10 @@
       element(svg, "line", { class: "grid", x1: LEFT, x2: W - RIGHT, y1: y(v), y2: y(v) });
       element(svg, "text", { x: LEFT - 6, y: y(v) + 4, "text-anchor": "end" }, String(+v.toPrecision(4)));
     }
-    for (const t of ticks(t0, t1, W < 480 ? 2.5 : 5, TIME_STEPS)) {
+    for (const t of ticks(t0, t1, W < 480 ? 2.5 : 5, text === timeText ? TIME_STEPS : null)) {
       element(svg, "line", { class: "grid", x1: x(t), x2: x(t), y1: TOP, y2: H - BOTTOM });
       element(svg, "text", { x: x(t), y: H - BOTTOM + 16, "text-anchor": x(t) > W - 60 ? "end" : x(t) < LEFT + 20 ? "start" : "middle" },
-        timeText(t));
+        text(t));
     }
     if (unit)
       element(svg, "text", { x: 4, y: 14 }, unit);
@@ -114,9 +115,9 @@
   }
 
   /* The same values for those who read them; at most `most` rows, evenly taken. */
-  function table(parent, { times_s, series, most = 400 }) {
+  function table(parent, { times_s, series, most = 400, text = timeText }) {
     const t = document.createElement("table"), head = t.createTHead().insertRow(), body = t.createTBody();
-    for (const name of ["time", ...series.map((one) => one.name)]) {
+    for (const name of [text === timeText ? "time" : "slot", ...series.map((one) => one.name)]) {
       const th = document.createElement("th");
       th.scope = "col";
       th.textContent = name;
@@ -125,7 +126,7 @@
     const step = Math.max(1, Math.ceil(times_s.length / most));
     for (let i = 0; i < times_s.length; i += step) {
       const row = body.insertRow();
-      row.insertCell().textContent = timeText(times_s[i]);
+      row.insertCell().textContent = text(times_s[i]);
       for (const one of series)
         row.insertCell().textContent = one.values[i] === null ? "–" : String(+one.values[i].toPrecision(4));
     }

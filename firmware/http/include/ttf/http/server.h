@@ -35,6 +35,7 @@ TTF_MUST_USE int ttf_http_server_create(const struct ttf_http_config *config,
                                         struct ttf_http_server **ret, struct ttf_err *err);
 
 /*
+ * Raises the process's limit of open files where it is too low for all connections; where that cannot be, there are fewer.
  * Answers on a listening socket, which is the server's from now on, also on failure. free_to_read: whoever reaches it may
  * read; else the token is asked for. At most 8 sockets: -ENOSPC.
  */

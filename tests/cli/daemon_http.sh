@@ -1,0 +1,264 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# ttfboxd asked by HTTP, on a simulated camera in real time: started, watched, paused, noted on, stopped, started again; who may not; crowds.
+. "$(dirname "$0")/cli.bash"
+. "$(dirname "$0")/server.bash"
+[ -n "${DAEMON:-}" ] || exit 77 # built without a box
+
+cat >box.yaml <<'END'
+board: bench
+cameras: {main: {backend: sim}}
+clock: {backend: machine}
+lock: box.lock
+sim:
+  daylight: 1
+  sensor: {width: 96px, height: 64px}
+  timing: {exposure_max: 100ms}
+END
+# What is asked here is whether clients hold up a slot: a disk that is busy otherwise is not to answer it.
+if [ -w /dev/shm ]; then
+    memory=$(mktemp -d /dev/shm/ttfbox-http.XXXXXX)
+    trap 'rm -rf "$WORK" "$memory"' EXIT
+    ln -s "$memory" data
+fi
+printf 'board: ./box.yaml\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0", "unix:cable"]\nnames: [greenhouse]\n' >ttfboxd.yaml
+
+start() {
+    : >log
+    "$DAEMON" --config ttfboxd.yaml >>log 2>&1 &
+    daemon=$!
+    heard 'listening at="unix:'
+    URL=http://$(sed -n 's/.*listening at="\(127[^"]*\)".*/\1/p' log)/api/v1
+    TOKEN=$(cat data/.ttfbox/token)
+    ME=(-H "Authorization: Bearer $TOKEN")
+}
+heard() { # WORDS [FILE]
+    for _ in $(seq 600); do
+        grep -qF -- "$1" "${2:-log}" 2>/dev/null && return 0
+        sleep 0.05
+    done
+    fail "${2:-log} does not say '$1': $(cat "${2:-log}")"
+}
+end() { # [SIGNAL]
+    kill "-${1:-TERM}" "$daemon"
+    wait "$daemon"
+    local got=$?
+    [ -n "${1:-}" ] || [ $got = 0 ] || fail "it ended with $got: $(cat log)"
+}
+json_of() { # FILE URL STATUS [curl's options]: a JSON or YAML file sent
+    local file=$1 type=application/json
+    case $file in *.yaml) type=application/yaml ;; esac
+    shift
+    get "$1" "$2" "${ME[@]}" -H "Content-Type: $type" --data-binary "@$file" "${@:3}"
+}
+post() { # URL STATUS JSON [curl's options]
+    printf '%s' "$3" >asked.json
+    json_of asked.json "$1" "$2" "${@:4}"
+}
+state() { # WORD: within 15 s
+    for _ in $(seq 300); do
+        get "$URL/status" 200 "${ME[@]}"
+        [ "$(json state)" = "$1" ] && return 0
+        sleep 0.05
+    done
+    fail "it is $(json state), not $1: $(cat log)"
+}
+answered() { # what was asked last is done
+    local number
+    number=$(json number)
+    for _ in $(seq 200); do
+        get "$URL/run/asked/$number" 200 "${ME[@]}"
+        [ "$(json answered)" = true ] && break
+        sleep 0.05
+    done
+    is 'done' true
+}
+none_missed() { # DATASET: but for slots that were paused, or passed while the program did not run yet
+    "$PYTHON" - "data/$1" <<'END' || fail "slots of $1 were missed"
+import json, sys
+bad = [r for r in map(json.loads, open(sys.argv[1] + "/records.jsonl", encoding="utf-8")) if r["type"] == "slot" and
+       r["result"] not in ("captured", "paused") and r.get("reason") not in ("the program was not running", "the box was getting ready")]
+assert not bad, bad
+END
+}
+slots() { grep -c '"type":"slot"' "data/$1/records.jsonl" 2>/dev/null; }
+
+start
+[ "$(stat -c %a cable)" = 660 ] || fail "the cable's socket is not its group's"
+expect 0 "$TTFBOX" token ttfboxd.yaml
+[ "$(cat out)" = "$TOKEN" ] || fail "ttfbox token prints another"
+
+# ---- who may ----
+get "$URL/status" 401
+curl -sS --unix-socket cable http://localhost/api/v1/status >out || fail "the cable does not read"
+is state idle
+is simulated true
+get "$URL/health" 200 -H 'Host: greenhouse:80'
+get "$URL/health" 421 -H 'Host: elsewhere.example'
+printf '{"plan":"first"}' >asked.json
+get "$URL/run" 401 -H 'Content-Type: application/json' --data-binary @asked.json
+get "$URL/run" 401 -H 'Content-Type: application/json' --data-binary @asked.json -H 'Authorization: Bearer 0123456789abcdef'
+code=$(curl -sS -o out -w '%{http_code}' --unix-socket cable -X POST http://localhost/api/v1/run/stop)
+[ "$code" = 401 ] || fail "the cable changes the box without a token: $code"
+code=$(curl -sS -o out -w '%{http_code}' --unix-socket cable http://localhost/api/v1/live)
+[ "$code" = 401 ] || fail "the cable has live view without a token: $code"
+
+# ---- a browser: the token for a cookie; another page's requests change nothing ----
+origin=${URL%/api/v1}
+post "$URL/session" 401 '{"token":"0123456789abcdef"}'
+post "$URL/session" 200 "{\"token\":\"$TOKEN\"}"
+grep -qi '^Set-Cookie: ttfbox-[0-9]*=.*; HttpOnly; SameSite=Strict' headers || fail "no such cookie"
+cookie=$(sed -n 's/^Set-Cookie: \([^;]*\);.*/Cookie: \1/Ip' headers)
+get "$URL/status" 200 -H "$cookie"
+get "$URL/status" 401 -H "${cookie%?}x"
+JSON=(-H "$cookie" -H 'Content-Type: application/json' -d '{}')
+get "$URL/run" 403 "${JSON[@]}"
+get "$URL/run" 403 "${JSON[@]}" -H "Origin: $origin"
+get "$URL/run" 403 "${JSON[@]}" -H "X-Ttfbox: 1"
+get "$URL/run" 403 "${JSON[@]}" -H "X-Ttfbox: 1" -H 'Origin: http://elsewhere.example'
+get "$URL/run" 403 "${JSON[@]}" -H "X-Ttfbox: 1" -H "Origin: $origin" -H 'Sec-Fetch-Site: cross-site'
+get "$URL/run" 404 "${JSON[@]}" -H "X-Ttfbox: 1" -H "Origin: $origin" -H 'Sec-Fetch-Site: same-origin' # nothing was stopped
+get "$URL/run" 415 "${ME[@]}" -d 'plan=first'
+head -c 300000 /dev/zero >large.yaml
+json_of large.yaml "$URL/plans/check" 413
+post "$URL/run" 400 '{"plam":"first"}'
+get "$URL/session" 200 -H "$cookie"
+is change true
+get "$URL/session" 200
+is read false
+
+# ---- plans: checked before they are in place ----
+plan first.yaml 'interval: 500ms' 'count: 900' 'shot: {exposure: 10ms}' 'keep: both' 'reserve: 0B'
+plan wrong.yaml 'interval: 500ms' 'count: 24' 'shot: {exposure: 10s}' 'reserve: 0B'
+json_of first.yaml "$URL/plans/check" 200
+is ok true
+is figures.slots 900
+json_of wrong.yaml "$URL/plans/check" 200
+is ok false
+json_of wrong.yaml "$URL/plans/first" 400 -X PUT
+get "$URL/plans/first" 404 "${ME[@]}"
+json_of first.yaml "$URL/plans/first" 200 -X PUT
+get "$URL/plans/first" 200 "${ME[@]}"
+cmp -s out first.yaml || fail "the plan is another"
+json_of first.yaml "$URL/plans/..%2f..%2fescaped" 404 -X PUT --path-as-is
+[ -z "$(find . -name 'escaped*')" ] || fail "a plan left its folder"
+json_of first.yaml "$URL/plans/spare" 200 -X PUT
+get "$URL/plans/spare" 200 "${ME[@]}" -X DELETE
+get "$URL/plans/spare" 404 "${ME[@]}"
+get "$URL/box" 200 "${ME[@]}"
+is cameras.0.width 96
+
+# ---- between runs a picture from the camera; without one there is no newest ----
+get "$URL/live" 200 "${ME[@]}"
+[ "$(head -c 2 out | xxd -p)" = ffd8 ] || fail "no JPEG"
+grep -qi '^X-Ttfbox-Live: camera' headers || fail "from elsewhere"
+get "$URL/live?region=10,10,20,20&exposure_ns=5000000" 200 "${ME[@]}"
+get "$URL/live?region=90,60,20,20" 400 "${ME[@]}"
+get "$URL/latest" 404 "${ME[@]}"
+
+# ---- a run by request, watched by events, with a crowd, with deaf listeners, and with one who means harm ----
+"$PYTHON" "$HERE/box.py" "$URL" "$TOKEN" watch 24 60 >watched 2>&1 &
+watcher=$!
+mkfifo held
+"$PYTHON" "$HERE/box.py" "$URL" "$TOKEN" deaf 20 <held >listening 2>&1 &
+exec 9>held
+heard deaf listening
+post "$URL/run" 202 '{"plan":"first"}'
+is dataset first
+state capturing
+post "$URL/run" 409 '{"plan":"first","dataset":"other"}'
+get "$URL/status" 200 "${ME[@]}"
+is run.asked_by request
+is run.slots 900
+"$PYTHON" "$HERE/box.py" "$URL" "$TOKEN" crowd 50 3 >readers 2>&1 || fail "the crowd: $(cat readers)"
+get "$URL/live" 200 "${ME[@]}"
+grep -qi '^X-Ttfbox-Live: latest' headers || fail "the camera was touched in a run"
+get "$URL/latest" 200 "${ME[@]}"
+tag=$(sed -n 's/^ETag: \(.*\)\r$/\1/Ip' headers)
+"$PYTHON" "$HERE/hostile.py" "${URL#http://}" 40 || fail "a hostile client had its way"
+get "$URL/status" 200 "${ME[@]}"
+slots=$(($(json run.done) + 16))
+post "$URL/run/change" 202 "{\"count\":$slots}"
+answered
+state idle
+is run.sealed true
+is run.results.captured $slots
+wait "$watcher" || fail "events: $(cat watched)"
+exec 9>&-
+none_missed first
+expect 0 "$TTFBOX" verify data/first
+get "$URL/latest" 200 "${ME[@]}" -H "If-None-Match: $tag"
+sed -n 's/^ETag: \(.*\)\r$/\1/Ip' headers >tag2
+get "$URL/latest" 304 "${ME[@]}" -H "If-None-Match: $(cat tag2)"
+
+# ---- notes ----
+post "$URL/datasets/first/notes" 200 '{"text":"mould at the edge","slots":[[3,5]],"tags":["exclude"]}'
+grep -q '"text":"mould at the edge"' data/first/notes.jsonl || fail "the note is not in the dataset"
+post "$URL/datasets/first/notes" 400 '{}'
+post "$URL/datasets/nobody/notes" 404 '{"text":"x"}'
+expect 0 "$TTFBOX" verify data/first
+
+# ---- pause, go on, more slots; killed within the run it is gone on with, as it was when it was asked for ----
+plan second.yaml 'interval: 500ms' 'count: 500' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B'
+json_of second.yaml "$URL/plans/second" 200 -X PUT
+post "$URL/run" 202 '{"plan":"second","dataset":"two"}'
+state capturing
+post "$URL/run/pause" 202 '{"reason":"watering"}'
+answered
+state paused
+get "$URL/run/resume" 202 "${ME[@]}" -X POST
+answered
+state capturing
+post "$URL/run/change" 202 '{"count":400}'
+answered
+get "$URL/plans/second" 200 "${ME[@]}" -X DELETE
+before=$(slots two)
+end KILL
+start
+state capturing
+is run.dataset two
+is run.asked_by request
+[ "$(json run.done)" -ge "$before" ] || fail "it began anew"
+heard '<5>resuming'
+
+# ---- stopped, it stays so, over a boot too, until it is gone on with ----
+get "$URL/run/stop" 202 "${ME[@]}" -X POST
+state stopped
+is why "stopped by a person"
+get "$URL/run/stop" 404 "${ME[@]}" -X POST
+end
+start
+state stopped
+before=$(slots two)
+sleep 1
+[ "$(slots two)" = "$before" ] || fail "it went on by itself"
+post "$URL/run" 202 '{}'
+state capturing
+get "$URL/status" 200 "${ME[@]}"
+is run.dataset two
+get "$URL/run/stop" 202 "${ME[@]}" -X POST
+state stopped
+end
+none_missed two
+expect 0 "$TTFBOX" verify data/two
+grep -q '"reason":"watering"' data/two/records.jsonl || fail "the pause is not in the records"
+
+plan first.yaml 'interval: 500ms' 'count: 12' 'shot: {exposure: 10ms}' 'keep: both' 'reserve: 0B'
+# ---- a port that is taken is said, and tried again; the box captures all the same ----
+rm -rf data/* data/.ttfbox log
+port=$("$PYTHON" -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+"$PYTHON" -c "
+import socket, sys
+s = socket.socket(); s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1); s.bind(('127.0.0.1', $port)); s.listen()
+print('taken', flush=True); sys.stdin.read()" <held >taken &
+exec 9>held
+heard taken taken
+sed -i "s/127.0.0.1:0/127.0.0.1:$port/; s/^data/plan: first.yaml\ndata/" ttfboxd.yaml
+"$DAEMON" --config ttfboxd.yaml >log 2>&1 9>&- &
+daemon=$!
+heard "<4>unreachable at=\"127.0.0.1:$port\""
+heard "<5>done slots=12 captured=12"
+exec 9>&-
+heard "listening at=\"127.0.0.1:$port\""
+[ "$(grep -c unreachable log)" = 1 ] || fail "it says so again and again"
+end

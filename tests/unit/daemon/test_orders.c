@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* test_orders.c: what a person decided holds over boots, and for the configuration that it was decided under. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "orders.h"
+
+#define CONFIGURATION "plan.yaml into data/grass"
+
+static int make_folder(void **state)
+{
+    static char path[] = "/tmp/ttfbox-orders.XXXXXX";
+
+    memcpy(path + sizeof path - 7, "XXXXXX", 6);
+    *state = mkdtemp(path);
+    return *state ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    char path[600];
+
+    (void)snprintf(path, sizeof path, "%s/run.json", (const char *)*state);
+    (void)unlink(path);
+    return rmdir(*state);
+}
+
+/* A boot: what holds then. */
+static struct order boot(const char *folder, const char *configured, const char *configuration,
+                         struct orders **ret)
+{
+    struct ttf_err err = {0};
+    struct order order = {0};
+
+    if (orders_create(ttf_io_posix(), folder, configured, configuration, ret, &err) < 0)
+        fail_msg("%s: %s", err.where, err.what);
+    assert_int_equal(orders_get(*ret, &order), 0);
+    return order;
+}
+
+static void expect(const char *folder, const char *configured, const char *configuration,
+                   enum order_state state, const char *dataset)
+{
+    struct orders *orders = NULL;
+    struct order order = boot(folder, configured, configuration, &orders);
+
+    assert_int_equal(order.state, state);
+    assert_string_equal(order.dataset, dataset);
+    order_free(&order);
+    orders_destroy(orders);
+}
+
+static void the_configuration_s_run_begins_by_itself(void **state)
+{
+    expect(*state, "grass", CONFIGURATION, ORDER_RUN, "grass");
+    expect(*state, "", "", ORDER_NONE, "");
+}
+
+static void a_run_that_was_asked_for_is_gone_on_with_as_it_was(void **state)
+{
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    struct order order = boot(*state, "", "", &orders);
+
+    order_free(&order);
+    assert_int_equal(orders_start(orders, "week", "interval: 1h\n", "moss", &err), 0);
+    assert_int_equal(orders_start(orders, "week", "interval: 1h\n", "fern", &err), -EBUSY);
+    orders_destroy(orders);
+    order = boot(*state, "grass", CONFIGURATION, &orders); /* another configuration, too */
+    assert_int_equal(order.state, ORDER_RUN);
+    assert_true(order.by_request);
+    assert_string_equal(order.dataset, "moss");
+    assert_string_equal(order.plan, "week");
+    assert_string_equal(order.yaml, "interval: 1h\n");
+    order_free(&order);
+    assert_int_equal(orders_done(orders, &err), 0);
+    orders_destroy(orders);
+    expect(*state, "grass", CONFIGURATION, ORDER_DONE, "moss");
+}
+
+static void a_stop_holds_over_boots_until_it_is_taken_back(void **state)
+{
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    struct order order = boot(*state, "grass", CONFIGURATION, &orders);
+
+    order_free(&order);
+    assert_int_equal(orders_stop(orders, &err), 0);
+    assert_int_equal(orders_stop(orders, &err), -ENOENT);
+    orders_destroy(orders);
+    order = boot(*state, "grass", CONFIGURATION, &orders);
+    assert_int_equal(order.state, ORDER_STOPPED);
+    order_free(&order);
+    assert_int_equal(orders_go_on(orders, &err), 0);
+    assert_int_equal(orders_go_on(orders, &err), -ENOENT);
+    orders_destroy(orders);
+    expect(*state, "grass", CONFIGURATION, ORDER_RUN, "grass");
+}
+
+static void a_stop_does_not_keep_back_another_configuration(void **state)
+{
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    struct order order = boot(*state, "grass", CONFIGURATION, &orders);
+
+    order_free(&order);
+    assert_int_equal(orders_stop(orders, &err), 0);
+    orders_destroy(orders);
+    expect(*state, "moss", "plan.yaml into data/moss", ORDER_RUN, "moss");
+}
+
+static void a_decision_that_the_disk_does_not_take_changes_nothing(void **state)
+{
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    struct order order;
+
+    (void)state;
+    order = boot("/proc/nowhere", "grass", CONFIGURATION, &orders);
+    order_free(&order);
+    assert_true(orders_stop(orders, &err) < 0);
+    assert_int_equal(orders_get(orders, &order), 0);
+    assert_int_equal(order.state, ORDER_RUN);
+    order_free(&order);
+    orders_destroy(orders);
+}
+
+static void a_file_that_says_nothing_is_named(void **state)
+{
+    char path[600];
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    FILE *file;
+
+    (void)snprintf(path, sizeof path, "%s/run.json", (const char *)*state);
+    file = fopen(path, "we");
+    if (!file) {
+        fail();
+        return;
+    }
+    fputs("{\"state\":\"walking\"}", file);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(orders_create(ttf_io_posix(), *state, "", "", &orders, &err), -EINVAL);
+    assert_string_equal(err.where, path);
+}
+
+#define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_folder, remove_folder)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        WITH_FOLDER(the_configuration_s_run_begins_by_itself),
+        WITH_FOLDER(a_run_that_was_asked_for_is_gone_on_with_as_it_was),
+        WITH_FOLDER(a_stop_holds_over_boots_until_it_is_taken_back),
+        WITH_FOLDER(a_stop_does_not_keep_back_another_configuration),
+        cmocka_unit_test(a_decision_that_the_disk_does_not_take_changes_nothing),
+        WITH_FOLDER(a_file_that_says_nothing_is_named),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+// page.mjs DAEMON TTFBOX [SHOTS]: a person and the page of a simulated box, from the token to a verified dataset.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { Browser, until } from "./browser.mjs";
+import { Daemon } from "./daemon.mjs";
+
+const [program, ttfbox, shots] = process.argv.slice(2);
+const SLOTS = 16, NAME = "from-the-page";
+const AWAY = /ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY_RESPONSE|Failed to load resource|ERR_NETWORK/;
+
+const daemon = await Daemon.make(program);
+const browser = await Browser.start({ may: (u) => u.startsWith(`${daemon.url}/`) });
+const { page } = browser;
+const state = () => page.locator("#state").textContent();
+const go = async (part) => {
+  await page.getByRole("link", { name: part, exact: true }).click();
+  await page.locator(`html[data-part="${part}"]`).waitFor();
+};
+const run = async () => (await daemon.ask("status")).run;
+
+async function nothing_is_shown_without_the_token() {
+  await page.goto(`${daemon.url}/`);
+  await page.getByText("This box asks for its token").waitFor();
+  await browser.accessible("token");
+  browser.expected = AWAY; /* the browser itself writes that it was refused */
+  await page.getByRole("textbox", { name: "Token" }).fill("0123456789abcdef");
+  await page.getByRole("button", { name: "Use it" }).click();
+  await page.getByText("this is not the box's token").waitFor();
+  browser.expected = null;
+  await page.getByRole("textbox", { name: "Token" }).fill(daemon.token);
+  await page.getByRole("button", { name: "Use it" }).click();
+  await until("idle", async () => (await state()) === "Idle");
+  await browser.everywhere("now-idle", shots);
+}
+
+async function a_region_is_drawn_in_live_view() {
+  await go("Live view");
+  await page.getByText("From the camera, now.").waitFor();
+  assert.match(await page.locator(".histogram").getAttribute("aria-label"), /clipped|expose|black/);
+  assert.ok(Number(await page.locator(".meter").textContent()) > 0, "sharpness is a number");
+  await page.getByRole("button", { name: "Draw the region" }).click();
+  await page.locator(".viewer svg").scrollIntoViewIfNeeded();
+  const box = await page.locator(".viewer svg").boundingBox();
+  await page.mouse.move(box.x + box.width * 0.25, box.y + box.height * 0.25);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width * 0.75, box.y + box.height * 0.75, { steps: 4 });
+  await page.mouse.up();
+  const about = await daemon.ask("box"), { width, height } = about.cameras[0];
+  const drawn = (await page.locator("pre[aria-label^='What was picked']").textContent()).match(/region: \{x: (\d+)px, y: (\d+)px, width: (\d+)px, height: (\d+)px\}/).slice(1).map(Number);
+  [width / 4, height / 4, width / 2, height / 2].forEach((want, i) => assert.ok(Math.abs(drawn[i] - want) <= 2, `the region ${drawn} of ${width} x ${height}`));
+  await browser.everywhere("live", shots);
+}
+
+async function a_run_is_started_from_the_wizard() {
+  await go("Plan");
+  await page.getByText("This box can do it").waitFor();
+  await page.getByLabel("Something else").check();
+  await page.getByLabel("A picture every", { exact: true }).fill("1");
+  await page.getByLabel("A picture every, unit").selectOption("s");
+  await page.getByLabel("For", { exact: true }).fill(String(SLOTS));
+  await page.getByLabel("For, unit").selectOption("s");
+  await page.getByLabel("Title").fill("A capture from the page");
+  await page.getByLabel("Name of plan and dataset").fill(NAME);
+  await page.getByLabel("Lamps burn").selectOption("none");
+  await page.getByLabel("only the region").check();
+  await page.getByText("The plan, as the box reads it").click();
+  const text = await page.getByLabel("The plan's text").inputValue();
+  assert.match(text, new RegExp(`count: ${SLOTS}\\n`));
+  assert.match(text, /region: \{x: /);
+  await until("the box's verdict is of this plan", async () => /Pictures16/.test((await page.locator("dl.facts").first().textContent()).replace(/\s/g, "")));
+  await browser.everywhere("plan", shots);
+  await page.getByRole("button", { name: "Save and start" }).click();
+  await until("it captures", async () => /^Capturing \d+\/16/.test(await state()), 60000);
+}
+
+async function slots_arrive_and_the_countdown_runs() {
+  await page.locator(".picture img").waitFor({ state: "visible" });
+  const first = await page.locator("figcaption").textContent();
+  await until("another picture", async () => (await page.locator("figcaption").textContent()) !== first);
+  assert.match(await page.title(), /^Capturing \d+\/16 – ttfbox$/);
+  assert.match(await page.locator("#countdown").textContent(), /^(\d+:\d\d|now)$/);
+}
+
+// Of all pages one listens to the box; the others hear it from that one.
+async function a_second_page_asks_for_no_second_stream() {
+  let streams = 0;
+  browser.context.on("request", (r) => r.url().endsWith("/events") && !r.url().includes("/datasets/") && streams++);
+  const other = await browser.context.newPage();
+  await other.goto(`${daemon.url}/`);
+  await other.locator('html[data-ready="yes"]').waitFor();
+  await until("the other page counts too", async () => /^(Capturing|Done)/.test(await other.locator("#state").textContent()));
+  const before = await other.locator("#state").textContent();
+  if (before.startsWith("Capturing"))
+    await until("it hears of slots", async () => (await other.locator("#state").textContent()) !== before);
+  assert.equal(streams, 0, "one stream is enough for a browser");
+  await other.close();
+}
+
+async function a_killed_daemon_is_missed_and_found_again() {
+  const { done } = await run();
+  browser.expected = AWAY;
+  await daemon.kill("SIGKILL");
+  await until("connection lost", async () => (await state()) === "Connection lost", 15000);
+  assert.ok(await page.getByText("the box does not answer").isVisible());
+  assert.match(await page.title(), /^Connection lost/);
+  await daemon.start();
+  await until("it is there again", async () => /^(Capturing|Preparing|Done|Failed)/.test(await state()), 30000);
+  await until("it goes on", async () => (await run()).done > done, 60000);
+  browser.expected = null;
+  await until("it is done", async () => (await state()) === "Done", 90000);
+  const { results } = await run();
+  assert.equal(Object.values(results).reduce((a, b) => a + b), SLOTS, "every slot has its record");
+  await browser.everywhere("now-done", shots);
+}
+
+async function the_dataset_is_scrubbed_and_charted() {
+  await go("Datasets");
+  await page.getByRole("link", { name: NAME }).waitFor();
+  await browser.everywhere("datasets", shots);
+  await page.getByRole("link", { name: NAME }).click();
+  const caption = page.locator(".timeline figcaption"), img = page.locator(".timeline .picture img");
+  await until("the newest slot is shown", async () => (await caption.textContent()).startsWith(`Slot ${SLOTS - 1}`));
+  await page.getByLabel("Slot", { exact: true }).last().focus();
+  await page.keyboard.press("Home");
+  assert.match(await caption.textContent(), /^Slot 0\b/);
+  for (let slot = 0, seen = 0; seen < 2; slot++) { /* on a machine that is very busy one may be missed */
+    assert.ok(slot < SLOTS, "two slots have pictures");
+    const text = await caption.textContent();
+    assert.match(text, new RegExp(`^Slot ${slot}\\b`));
+    if (!text.includes("without a picture")) {
+      await until(`the picture of ${text}`, () => img.evaluate((e, end) => e.complete && e.naturalWidth > 0 && e.src.endsWith(end), `/thumbs/${slot}`));
+      seen++;
+    }
+    await page.keyboard.press("ArrowRight");
+  }
+  await page.keyboard.press("Home");
+  for (const title of ["Mean level", "Slot error", "Temperature", "Humidity"])
+    assert.ok(await page.locator(".plot", { hasText: title }).locator("svg path").first().getAttribute("d"), `a line of ${title}`);
+  const chart = page.locator(".plot", { hasText: "Slot error" });
+  await chart.getByText("As a table").click();
+  assert.equal(await chart.locator("tbody tr").count(), SLOTS, "the table has every slot");
+  await page.getByLabel("Note", { exact: true }).fill("The door was open a moment <b>here</b>");
+  await page.getByLabel("By", { exact: true }).fill("web test");
+  await page.getByLabel("About").selectOption("slot");
+  await page.getByRole("button", { name: "Add the note" }).click();
+  await page.getByText("The door was open a moment <b>here</b>").waitFor();
+  assert.match(await page.locator(".notes").first().textContent(), /web test · slots 0/);
+  await page.getByRole("button", { name: "Load the texture" }).click();
+  await page.getByLabel("Pixel x").fill("3");
+  await page.getByLabel("y", { exact: true }).fill("5");
+  await page.keyboard.press("Enter");
+  await page.getByText("Pixel 3, 5 over").waitFor();
+  await browser.everywhere("dataset", shots);
+}
+
+async function what_is_downloaded_verifies() {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("link", { name: "Download as a tar" }).click()]);
+  assert.equal(download.suggestedFilename(), `${NAME}.tar`);
+  await download.saveAs("home.tar");
+  execFileSync("tar", ["-xf", "home.tar"]);
+  execFileSync(ttfbox, ["verify", NAME], { stdio: "pipe" });
+  const note = execFileSync("tail", ["-n", "1", `${NAME}/notes.jsonl`], { encoding: "utf8" });
+  assert.equal(JSON.parse(note).author, "web test");
+}
+
+async function a_stopped_box_says_stopped() {
+  await go("Plan");
+  await page.getByText("This box can do it").waitFor();
+  await page.getByLabel("Cracking paint").check();
+  await page.getByLabel("Lamps burn").selectOption("none");
+  await page.getByLabel("Name of plan and dataset").fill("stopped");
+  await until("the button", () => page.getByRole("button", { name: "Save and start" }).isEnabled());
+  await page.waitForTimeout(600); /* the verdict of what was just typed */
+  await page.getByRole("button", { name: "Save and start" }).click();
+  await until("it captures", async () => /^Capturing/.test(await state()), 60000);
+  await page.getByRole("button", { name: "Stop", exact: true }).click();
+  await browser.accessible("the question");
+  await page.getByRole("button", { name: "Stop it" }).click();
+  await until("stopped", async () => /^Stopped/.test(await state()), 30000);
+  assert.match(await page.locator("#countdown").textContent(), /^Stopped/);
+  await browser.everywhere("now-stopped", shots);
+  await page.getByRole("button", { name: "Go on" }).click();
+  await until("it goes on", async () => /^Capturing/.test(await state()), 60000);
+}
+
+try {
+  for (const part of [nothing_is_shown_without_the_token, a_region_is_drawn_in_live_view, a_run_is_started_from_the_wizard, slots_arrive_and_the_countdown_runs,
+    a_second_page_asks_for_no_second_stream, a_killed_daemon_is_missed_and_found_again, the_dataset_is_scrubbed_and_charted, what_is_downloaded_verifies, a_stopped_box_says_stopped]) {
+    const begun = Date.now();
+    await part();
+    browser.fine(part.name);
+    console.log(`${part.name.replaceAll("_", " ")}: ${((Date.now() - begun) / 1000).toFixed(1)} s`);
+  }
+  await go("Calibrate");
+  await browser.everywhere("calibrate", shots);
+  browser.fine("calibrate");
+  assert.equal(await daemon.kill("SIGTERM"), 0, "the daemon ends cleanly");
+} catch (error) {
+  if (shots)
+    await page.screenshot({ path: `${shots}/failed.png`, fullPage: true }).catch(() => {});
+  console.error(`wrong so far: ${JSON.stringify(browser.wrong)}`);
+  throw error;
+} finally {
+  daemon.child.kill("SIGKILL");
+  await browser.stop();
+}
