@@ -138,13 +138,23 @@ static void note_stuck(const struct one_result *one, char last[192], unsigned *t
         (void)snprintf(skips->paths[skips->n++], sizeof skips->paths[0], "%s", one->stuck);
 }
 
+/* Bytes of a file that are here so far. */
+static int64_t landed(const struct ttf_pull_config *config, const char *name, const char *path)
+{
+    struct ttf_io_stat st = {0};
+    char temporary[600];
+
+    (void)snprintf(temporary, sizeof temporary, "%s/%s/%s.tmp", config->dest, name, path);
+    return config->io->ops->stat(config->io, temporary, &st) < 0 ? 0 : st.bytes;
+}
+
 /* Until it is here as far as the box has it now: cut off, it goes on. */
 static int persist(const struct ttf_pull_config *config, struct wire *wire, const char *name,
                    struct one_result *ret, struct ttf_err *err)
 {
     struct one_skips skips = {0};
     char stuck[192] = "";
-    int64_t files = 0, wait_ns = POLL_NS;
+    int64_t files = 0, wait_ns = POLL_NS, had = 0, here;
     unsigned tries = 0, times = 0;
 
     for (;;) {
@@ -162,6 +172,10 @@ static int persist(const struct ttf_pull_config *config, struct wire *wire, cons
             tries = 0;
             wait_ns = POLL_NS;
         }
+        here = landed(config, name, ret->stuck);
+        if (here > had) /* the wire is bad, not the file: a cable that is pulled again and again */
+            times = 0;
+        had = here;
         note_stuck(ret, stuck, &times, &skips);
         if (++tries >= TRIES && !config->follow)
             return r;
