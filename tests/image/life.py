@@ -53,7 +53,7 @@ def state_of(m):
 
 
 def wrong_settings_are_told_and_the_former_stay_and_datasets_outlive_the_image(board, image):
-    capture.card(board, image, capture.PLAN % (30000, "capture-only"))
+    capture.card(board, image, capture.PLAN % (1500, "capture-only"))
     with booted.Booted(image) as m:
         first = state_of(m)
         m.off()
@@ -85,7 +85,7 @@ def wrong_settings_are_told_and_the_former_stay_and_datasets_outlive_the_image(b
     assert 950 <= first["mib"] <= 1024 and 1900 <= third["mib"] <= 2048, (first, third)
 
     booted.put(image, "settings/ttfbox.yaml", capture.SETTINGS)
-    booted.put(image, "settings/plan.yaml", capture.PLAN % (30000, "capture-only"))
+    booted.put(image, "settings/plan.yaml", capture.PLAN % (1500, "capture-only"))
     with booted.Booted(image) as m:
         last = state_of(m)
         code, out = m.run("grep -c '\"type\":\"segment\"' %s" % capture.RECORDS)

@@ -90,7 +90,7 @@ def hit_guardian(m, signal, seconds):
 
 
 def services_killed_stopped_and_hung_leave_the_lamps_dark_and_go_on(board, image):
-    capture.card(board, image, capture.PLAN % (20000, "continuous"), [freezer(os.path.dirname(image))])
+    capture.card(board, image, capture.PLAN % (1900, "continuous"), [freezer(os.path.dirname(image))])
     with booted.Booted(image, seconds=600 + TIMES * 300) as m:
         lit_again(m, 300)
         killed = kill_daemon(m, "KILL")
