@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define KEPT 64
+#define KEPT       64
+#define FIRST_MASK ((UINT64_C(1) << 48) - 1) /* a double, as clients have it, counts on to 2^53 */
 
 struct asked {
     int64_t number; /* 0: free */
@@ -32,12 +33,14 @@ static const char *kind_name(enum ttf_http_ask_kind kind)
     return NAMES[kind];
 }
 
-struct asks *asks_create(void)
+struct asks *asks_create(uint64_t random)
 {
     struct asks *asks = calloc(1, sizeof *asks);
 
-    if (asks)
-        (void)pthread_mutex_init(&asks->lock, NULL);
+    if (!asks)
+        return NULL;
+    (void)pthread_mutex_init(&asks->lock, NULL);
+    asks->last = (int64_t)(random & FIRST_MASK);
     return asks;
 }
 

@@ -17,7 +17,11 @@
 
 struct asks;
 
-struct asks *asks_create(void); /* NULL: no memory */
+/*
+ * The numbers go on from one made of `random`: those of an earlier start of the box are not taken for these, so that
+ * whoever still waits for an answer of then does not take another's. They stay below 2^53. NULL: no memory.
+ */
+struct asks *asks_create(uint64_t random);
 void asks_destroy(struct asks *asks);
 
 /* A letter box for a run that begins, which is none's before it; NULL: no memory. */

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <unistd.h>
 
 #include "devices.h"
@@ -106,13 +107,16 @@ static int make_parts(struct daemon *d, struct ttf_err *err)
 {
     const char *name = strrchr(d->config.dataset, '/');
     char configuration[1100];
+    uint64_t random;
     int r;
 
+    if (getrandom(&random, sizeof random, 0) != (ssize_t)sizeof random)
+        return ttf_err_set(err, -EIO, NULL, "no random number");
     d->door.ops = &DOOR_OPS;
     d->wake = ttf_gate_create(d->clock);
     d->mailbox = calloc(1, sizeof *d->mailbox);
     d->situation = situation_create(d->clock);
-    d->asks = asks_create();
+    d->asks = asks_create(random);
     d->shadow = shadow_create();
     d->workshop = d->wake ? workshop_create(d->clock, d->wake) : NULL;
     if (!d->mailbox || !d->situation || !d->asks || !d->shadow || !d->workshop)

@@ -36,6 +36,8 @@ struct range range_read(const char *text, int64_t total)
     if (first < 0) { /* the last so many bytes */
         if (last == 0)
             return (struct range){RANGE_OUTSIDE, 0, 0};
+        if (total == 0)
+            return whole; /* all of nothing, which is no error (RFC 9110, 14.1.2) */
         first = last < total ? total - last : 0;
         last = -1;
     }

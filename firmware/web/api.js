@@ -34,7 +34,7 @@ async function ask(path, options = {}, patience_ms = 20000) {
 }
 
 export const get = async (path, patience_ms) => (await ask(path, {}, patience_ms)).json();
-export const getText = async (path) => (await ask(path)).text();
+export const getText = async (path, options) => (await ask(path, options)).text();
 
 /* A picture, with what its headers say. */
 export async function getPicture(path, patience_ms = 60000) {
@@ -57,9 +57,9 @@ export const postPlan = (path, text) => send("POST", path, text, "application/ya
 export const putPlan = (name, text) => send("PUT", `plans/${encodeURIComponent(name)}`, text, "application/yaml");
 export const remove = (path) => send("DELETE", path);
 
-/* Lines of "events" or "notes"; what is no JSON, as after a crash, is passed over. */
-export async function getLines(dataset, log) {
-  const text = await getText(`datasets/${encodeURIComponent(dataset)}/${log}`);
+/* Lines of "events" or "notes", or those in the last so many bytes; what is no JSON, as after a crash or where that cuts, is passed over. */
+export async function getLines(dataset, log, last_bytes) {
+  const text = await getText(`datasets/${encodeURIComponent(dataset)}/${log}`, last_bytes ? { headers: { Range: `bytes=-${last_bytes}` } } : {});
   return text.split("\n").filter(Boolean).flatMap((line) => {
     try {
       return [JSON.parse(line)];

@@ -103,7 +103,7 @@ function above() {
   $("simulated").hidden = !status?.simulated;
   $("lost").hidden = !lost;
   if (lost)
-    say($("lost"), "Connection lost: the box does not answer. What it was told to do goes on without this page; what is seen here may be old.");
+    say($("lost"), `Connection lost: ${box.trouble}. What it was told to do goes on without this page; what is seen here may be old.`);
   for (const a of document.querySelectorAll("[data-box]"))
     a.hidden = !session.box;
   $("login").hidden = !session.read;

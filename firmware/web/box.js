@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * box.js: what the box does, as it happens. Browsers hold six connections to a host, so of all pages
- * that are open here one listens and tells the others.
+ * that are open here one listens and tells the others: the one that holds a lock of the browser's. Where there are no such
+ * locks (a page of plain HTTP, but for this machine's own) they agree by saying "lead" every BEAT_MS.
  *
  * Events of a Box: "status" (box.status is new), "lost" (box.lost changed), and each of the box's own
  * ("slot", "readings", "event", "alarm", "asked", "preview"), with their data as `detail`.
@@ -9,7 +10,8 @@
 import { get, post } from "./api.js";
 
 const KINDS = ["state", "slot", "readings", "event", "alarm", "asked", "preview", "missed"];
-const BEAT_MS = 2000, SILENT_MS = 5500, LOOK_MS = 5000, LOST_LOOK_MS = 2000;
+const BEAT_MS = 2000, SILENT_MS = 5500, LOOK_MS = 5000, LOST_LOOK_MS = 2000, LOCK = "ttfbox-events";
+const ANSWER_LOOK_MS = 2000, PATIENCE_MS = 120000, SILENT = "the box does not answer";
 
 export class Box extends EventTarget {
   constructor() {
@@ -17,17 +19,22 @@ export class Box extends EventTarget {
     this.status = null;
     this.received = 0; /* performance.now() of the status */
     this.lost = false;
+    this.trouble = ""; /* why, where it is lost */
     this.session = { box: true, read: true, change: false };
     this.id = Math.random().toString(36).slice(2);
     this.leading = false;
+    this.holds = this.waiting = false; /* the lock, or in line for it */
     this.heard = performance.now();
   }
 
   async start() {
     await this.ask_session();
     this.channel = "BroadcastChannel" in globalThis ? new BroadcastChannel("ttfbox") : null;
-    if (this.channel) {
+    if (this.channel)
       this.channel.onmessage = ({ data }) => this.told(data);
+    if (this.channel && navigator.locks) {
+      this.lead_by_lock();
+    } else if (this.channel) {
       addEventListener("pagehide", () => this.leading && this.channel.postMessage({ what: "leave" }));
       setInterval(() => this.beat(), BEAT_MS);
       this.heard = performance.now() - SILENT_MS; /* the first page waits no longer than others need to answer */
@@ -44,21 +51,27 @@ export class Box extends EventTarget {
   /* A token was given or taken back: everything again. */
   async renew() {
     await this.ask_session();
-    this.unlead();
-    this.heard = 0;
-    this.beat();
+    if (this.holds) { /* it is this page that listens, or that could not */
+      this.unlead();
+      this.lead();
+    } else if (!this.waiting) {
+      this.unlead();
+      this.heard = 0;
+      this.beat();
+    }
     await this.look();
   }
 
   async ask_session() {
     try {
       this.session = await get("session", 4000);
+      this.listen(); /* another page may have given the token */
       this.dispatchEvent(new Event("session"));
       if (!this.session.read)
         this.set_lost(false);
     } catch (error) {
       if (!error.status && !this.session.read)
-        this.set_lost(true); /* else look() says so */
+        this.set_lost(true, SILENT); /* else look() says so */
     }
   }
 
@@ -90,16 +103,19 @@ export class Box extends EventTarget {
           this.session = { ...this.session, read: false, change: false };
           this.dispatchEvent(new Event("session"));
         }
-      } else if (!error.status) {
-        this.set_lost(true);
+      } else if (error.status && !this.session.box) {
+        this.set_lost(false); /* there is none to be asked; what serves the datasets is there */
+      } else { /* an error for an answer: what is seen grows old as if none came */
+        this.set_lost(true, error.status ? `it cannot say how it is (${error.text})` : SILENT);
       }
     }
   }
 
-  set_lost(lost) {
-    if (this.lost === lost)
+  set_lost(lost, trouble = "") {
+    if (this.lost === lost && this.trouble === trouble)
       return;
     this.lost = lost;
+    this.trouble = trouble;
     if (!lost)
       this.ask_session(); /* it may have been another box, or the same with another token */
     this.dispatchEvent(new Event("lost"));
@@ -107,6 +123,17 @@ export class Box extends EventTarget {
   }
 
   /* ---- one listens ---- */
+
+  /* From when the lock is this page's until the page is closed; the browser then gives it to another. */
+  lead_by_lock() {
+    this.waiting = true;
+    navigator.locks.request(LOCK, () => {
+      this.waiting = false;
+      this.holds = true;
+      this.lead();
+      return new Promise(() => {});
+    }).catch(() => { /* the page is about to go */ });
+  }
 
   beat() {
     if (this.leading)
@@ -119,8 +146,12 @@ export class Box extends EventTarget {
     if (data.what === "lead") {
       this.heard = performance.now();
       /* Timers of a page that nobody sees come late: one that is seen listens, of equals one of them. */
-      if (this.leading && (data.hidden === document.hidden ? data.id < this.id : document.hidden))
+      if (this.holds || !this.leading)
+        return;
+      if (data.hidden === document.hidden ? data.id < this.id : document.hidden)
         this.unlead();
+      else
+        this.say_lead(); /* at once: the other has not heard of this one, and would listen as well until the next beat */
     } else if (data.what === "who") {
       if (this.leading)
         this.say_lead();
@@ -134,7 +165,11 @@ export class Box extends EventTarget {
   lead() {
     this.leading = true;
     this.say_lead();
-    if (!this.session.box || !this.session.read)
+    this.listen();
+  }
+
+  listen() {
+    if (this.source || !this.leading || !this.session.box || !this.session.read)
       return;
     this.source = new EventSource("/api/v1/events");
     for (const kind of KINDS)
@@ -157,6 +192,8 @@ export class Box extends EventTarget {
       if (this.source?.readyState === EventSource.CLOSED) { /* refused: the browser does not try again by itself */
         this.unlead();
         this.heard = performance.now();
+        if (this.holds)
+          setTimeout(() => this.leading || this.lead(), SILENT_MS);
       }
     };
   }
@@ -174,8 +211,8 @@ export class Box extends EventTarget {
   happened(kind, detail) {
     if (kind === "slot" && this.status?.run) {
       const { run } = this.status;
+      this.pass();
       Object.assign(run, { last: detail, next: detail.next, done: Math.max(run.done || 0, detail.index + 1), slots: detail.total || run.slots });
-      this.received = performance.now();
       this.status.state = this.status.state === "arming" ? "capturing" : this.status.state;
     }
     if (kind === "readings" && this.status)
@@ -185,6 +222,15 @@ export class Box extends EventTarget {
     if (kind === "slot" || kind === "readings")
       this.dispatchEvent(new Event("status"));
     this.dispatchEvent(new CustomEvent(kind, { detail }));
+  }
+
+  /* Times that are left, as of now. */
+  pass() {
+    const now = performance.now(), passed_ns = (now - this.received) * 1e6, { status } = this;
+    for (const [of, key] of [[status, "retry_in_ns"], [status.run, "ends_in_ns"]])
+      if (of[key] !== undefined)
+        of[key] -= passed_ns;
+    this.received = now;
   }
 
   /* Slots may come several times a second; the status need not. */
@@ -197,7 +243,10 @@ export class Box extends EventTarget {
 
   /* ---- what is asked of it ---- */
 
-  /* Until the box says what came of it. Throws what it could not do. */
+  /*
+   * Until the box says what came of it. Throws what it could not do; and where that is not to be had any more, as it was
+   * started again meanwhile, or not in time (PATIENCE_MS), that it is not known.
+   */
   async order(path, body) {
     const asked = await post(path, body);
     const { number } = asked;
@@ -213,9 +262,18 @@ export class Box extends EventTarget {
         else
           resolve(detail);
       };
-      const poll = setInterval(() => get(`run/asked/${number}`).then((d) => done({ detail: d })).catch(() => {}), 2000);
+      const give_up = (text) => {
+        stop();
+        reject(new Error(text));
+      };
+      const poll = setInterval(() => get(`run/asked/${number}`).then((d) => done({ detail: d }), (error) => {
+        if (error.status === 404)
+          give_up("the box was started again and does not know what came of it: look at its state");
+      }), ANSWER_LOOK_MS);
+      const late = setTimeout(give_up, PATIENCE_MS, "the box has not said what came of it; it may still be done: look at its state");
       const stop = () => {
         clearInterval(poll);
+        clearTimeout(late);
         this.removeEventListener("asked", done);
       };
       this.addEventListener("asked", done);

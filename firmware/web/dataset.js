@@ -10,20 +10,20 @@ import { notes } from "./notes.js";
 import { texture } from "./texture.js";
 import { preview } from "./preview.js";
 
-const REFRESH_MS = 3000;
+const REFRESH_MS = 3000, EVENTS_BYTES = 65536;
 
 /* The columns over all slots; a long dataset comes by parts. */
-async function columns(name) {
+async function columns(name, unwanted) {
   for (;;) {
     const got = await get(`datasets/${name}/charts`);
-    if (got.complete)
+    if (got.complete || unwanted())
       return got;
     await new Promise((go) => setTimeout(go, 200));
   }
 }
 
 export function dataset(main, box, name) {
-  let ended = false, timer = 0, last = "";
+  let ended = false, timer = 0, last = "", busy = false, wanted = false;
   const head = h("div"), wrong = h("p", { class: "bad", role: "alert" }), time = h("section", { class: "card wide timeline" }), drawn = h("section", { class: "card wide" });
   const events = h("section", { class: "card" }), people = h("section", { class: "card" }), home = h("section", { class: "card" }), deep = h("section", { class: "card wide" });
   const grown = h("section", { class: "card wide", hidden: true });
@@ -35,7 +35,14 @@ export function dataset(main, box, name) {
   const leave_notes = notes(people, box, name, () => scrubber.slot());
   const grown_view = preview(grown, box, name);
 
+  /* One at a time: an older answer would be shown over a newer one. */
   async function refresh() {
+    if (busy) {
+      wanted = true;
+      return;
+    }
+    busy = true;
+    wanted = false;
     try {
       const about = await get(`datasets/${name}`);
       if (ended)
@@ -43,20 +50,24 @@ export function dataset(main, box, name) {
       describe(about);
       const key = `${about.slots} ${about.sealed}`;
       if (key !== last) {
-        last = key;
-        const got = await columns(name);
+        const got = await columns(name, () => ended);
         if (ended)
           return;
         scrubber.show(got);
         chart.show(got);
         looked.show(got, about);
         await happened();
+        last = key; /* what failed is asked for again */
       }
       wrong.textContent = "";
     } catch (error) {
       if (!ended)
         wrong.textContent = error.text || error.message;
+      wanted = error.status !== 404 && error.status !== 401;
     }
+    busy = false;
+    if (wanted && !ended)
+      soon();
   }
 
   function describe(about) {
@@ -78,7 +89,7 @@ export function dataset(main, box, name) {
   }
 
   async function happened() {
-    const lines = (await getLines(name, "events")).slice(-200).reverse();
+    const lines = (await getLines(name, "events", EVENTS_BYTES)).slice(-200).reverse();
     if (ended)
       return;
     fill(events, h("h2", {}, "Events"), lines.length === 0 ? h("p", {}, "Nothing out of the ordinary.")

@@ -28,6 +28,7 @@ static void a_part_is_given_within_what_there_is(void **state)
     asks("bytes=3-99", 10, RANGE_PART, 3, 7);
     asks("bytes=-4", 10, RANGE_PART, 6, 4);
     asks("bytes=-99", 10, RANGE_PART, 0, 10);
+    asks("bytes=-99", 0, RANGE_WHOLE, 0, 0);
     asks("bytes=9-99999999999999999999999", 10, RANGE_PART, 9, 1);
 }
 
