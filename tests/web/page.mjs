@@ -6,7 +6,7 @@ import { Browser, until } from "./browser.mjs";
 import { Daemon } from "./daemon.mjs";
 
 const [program, ttfbox, shots] = process.argv.slice(2);
-const SLOTS = 16, NAME = "from-the-page";
+const SLOTS = 40, NAME = "from-the-page";
 const AWAY = /ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY_RESPONSE|Failed to load resource|ERR_NETWORK/;
 
 const daemon = await Daemon.make(program);
@@ -68,17 +68,17 @@ async function a_run_is_started_from_the_wizard() {
   const text = await page.getByLabel("The plan's text").inputValue();
   assert.match(text, new RegExp(`count: ${SLOTS}\\n`));
   assert.match(text, /region: \{x: /);
-  await until("the box's verdict is of this plan", async () => /Pictures16/.test((await page.locator("dl.facts").first().textContent()).replace(/\s/g, "")));
+  await until("the box's verdict is of this plan", async () => /Pictures40/.test((await page.locator("dl.facts").first().textContent()).replace(/\s/g, "")));
   await browser.everywhere("plan", shots);
   await page.getByRole("button", { name: "Save and start" }).click();
-  await until("it captures", async () => /^Capturing \d+\/16/.test(await state()), 60000);
+  await until("it captures", async () => /^Capturing \d+\/40/.test(await state()), 60000);
 }
 
 async function slots_arrive_and_the_countdown_runs() {
   await page.locator(".picture img").waitFor({ state: "visible" });
   const first = await page.locator("figcaption").textContent();
   await until("another picture", async () => (await page.locator("figcaption").textContent()) !== first);
-  assert.match(await page.title(), /^Capturing \d+\/16 – ttfbox$/);
+  assert.match(await page.title(), /^Capturing \d+\/40 – ttfbox$/);
   assert.match(await page.locator("#countdown").textContent(), /^(\d+:\d\d|now)$/);
 }
 
