@@ -67,7 +67,7 @@ def hang_daemon(m):
         lit_again(m, 120)
         zero = camera.boot_at(m)
         since = time.time()
-        code, out = m.run("rm -f /run/frozen; freeze %d >/run/frozen 2>&1 & i=0; while [ $i -lt 200 ] && ! [ -s /run/frozen ]; "
+        code, out = m.run("rm -f /run/frozen; /usr/local/bin/freeze %d >/run/frozen 2>&1 & i=0; while [ $i -lt 200 ] && ! [ -s /run/frozen ]; "
                           "do sleep 0.05; i=$((i+1)); done; cat /run/frozen" % pid_of(m, "ttfboxd"))
         assert out.startswith("frozen"), out
         now, until = [int(word) / 1e9 for word in out.split()[1:3]]
