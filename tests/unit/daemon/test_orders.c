@@ -21,7 +21,7 @@ static int make_folder(void **state)
 {
     static char path[] = "/tmp/ttfbox-orders.XXXXXX";
 
-    memcpy(path + sizeof path - 7, "XXXXXX", 6);
+    memcpy(path + sizeof path - 7, "XXXXXX", 7);
     *state = mkdtemp(path);
     return *state ? 0 : -1;
 }
