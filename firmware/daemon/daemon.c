@@ -127,6 +127,8 @@ static int make_parts(struct daemon *d, struct ttf_err *err)
     if (r == 0)
         r = orders_create(d->io, d->config.state, name ? name + 1 : "", configuration, &d->orders,
                           err);
+    if (r == 0)
+        orders_flag(d->orders, d->options->stop, DAEMON_STOP_RUN);
     return r;
 }
 

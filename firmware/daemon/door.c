@@ -197,10 +197,9 @@ static int show(struct daemon *d, int64_t number, char **ret_json, struct ttf_er
     return ttf_err_set(err, r, NULL, "nothing of this number was asked, or long ago");
 }
 
-/* A stop is a decision first, on the disk, and then an end of what runs. */
+/* A stop is a decision first, on the disk, and then an end of what runs (orders.h: of that alone). */
 static int stop(struct daemon *d, char **ret_json, struct ttf_err *err)
 {
-    int none = 0;
     int r = orders_stop(d->orders, err);
     int64_t number;
 
@@ -211,8 +210,6 @@ static int stop(struct daemon *d, char **ret_json, struct ttf_err *err)
         situation_turn(d->situation, DOING_PAUSED, DOING_STOPPING))
         daemon_tell_state(d);
     number = asks_stop(d->asks, false);
-    (void)__atomic_compare_exchange_n(d->options->stop, &none, DAEMON_STOP_RUN, false,
-                                      __ATOMIC_SEQ_CST, __ATOMIC_SEQ_CST);
     ttf_gate_open(d->wake);
     return show(d, number, ret_json, err);
 }

@@ -7,27 +7,6 @@
 
 #define LOOK_NS (250 * TTF_NS_PER_MS) /* how soon an end is seen while nothing runs */
 
-/* What is to be done was decided anew meanwhile. */
-static bool orders_differ(struct daemon *d, enum order_state before)
-{
-    struct order now = {0};
-    bool differ = orders_get(d->orders, &now) == 0 && now.state != before;
-
-    order_free(&now);
-    return differ;
-}
-
-static enum order_state orders_now(struct daemon *d)
-{
-    struct order now = {0};
-    enum order_state state;
-
-    (void)!orders_get(d->orders, &now);
-    state = now.state;
-    order_free(&now);
-    return state;
-}
-
 /* A short press: the light says anew what is, beginning with a wink. */
 static void look_at_button(struct ttf_panel *panel, enum ttf_led led)
 {
@@ -41,23 +20,30 @@ static void look_at_button(struct ttf_panel *panel, enum ttf_led led)
         }
 }
 
-void idle(struct daemon *d, int64_t for_ns, enum ttf_led led)
+static bool goes_on(struct daemon *d, int64_t generation)
+{
+    return !daemon_told_to_end(d) && orders_generation(d->orders) == generation;
+}
+
+void idle(struct daemon *d, int64_t generation, int64_t for_ns, enum ttf_led led)
 {
     int64_t now_ns = ttf_clock_now_ns(d->clock);
     int64_t until_ns = for_ns == TTF_NS_NEVER ? TTF_NS_NEVER : now_ns + for_ns;
-    enum order_state before = orders_now(d);
     struct ttf_watchdog *watchdog;
     struct ttf_panel *light;
+    bool worked = false;
     int fed = 0;
 
     if (daemon_told_to_end(d))
         return;
     watchdog = manager_watchdog(&d->manager);
     light = light_show(&d->board, d->clock, led);
-    while (!daemon_told_to_end(d) && now_ns < until_ns && !orders_differ(d, before)) {
-        (void)!ttf_gate_wait(d->wake, until_ns - now_ns < LOOK_NS ? until_ns : now_ns + LOOK_NS);
-        while (!daemon_told_to_end(d) && workshop_work(d->workshop, view_work, d))
-            continue;
+    while (goes_on(d, generation) && now_ns < until_ns) {
+        if (!worked)
+            (void)!ttf_gate_wait(d->wake,
+                                 until_ns - now_ns < LOOK_NS ? until_ns : now_ns + LOOK_NS);
+        /* One at a time: who looks through the camera without an end keeps nothing else from being done. */
+        worked = goes_on(d, generation) && workshop_work(d->workshop, view_work, d);
         view_close(d, false);
         look_at_button(light, led);
         if (watchdog && fed == 0)

@@ -33,7 +33,7 @@ struct keeper {
     struct ttf_http_server *server;
     bool listening[TTF_DAEMON_LISTEN_MAX], complained[TTF_DAEMON_LISTEN_MAX];
     bool complained_of_server;
-    int64_t again_ns, tick_ns;
+    int64_t again_ns, save_ns, tick_ns;
 };
 
 /* ---- sockets ---- */
@@ -117,6 +117,15 @@ static void open_sockets(struct keeper *k, int64_t now_ns)
             listen_at(k, i);
 }
 
+/* What was decided and the disk did not take, until it does. */
+static void save_orders(struct keeper *k, int64_t now_ns)
+{
+    if (now_ns < k->save_ns)
+        return;
+    k->save_ns = now_ns + AGAIN_NS;
+    (void)!orders_save(k->d->orders, NULL);
+}
+
 /* ---- what happens ---- */
 
 static void publish(struct daemon *d, const char *kind, struct ttf_json *json)
@@ -171,14 +180,15 @@ static void empty_mailbox(struct keeper *k)
 {
     struct daemon *d = k->d;
     struct letter letter;
-    bool any = false;
+    bool read = false;
     uint32_t dropped;
 
     while (mailbox_take(d->mailbox, &letter)) {
         /* Its record is read first, so that what is told of a slot knows of it. */
-        if (!any && (letter.kind == TTF_PROGRESS_SLOT || letter.kind == TTF_PROGRESS_ARMED))
+        if (!read && (letter.kind == TTF_PROGRESS_SLOT || letter.kind == TTF_PROGRESS_ARMED)) {
             follow_read(&k->follow, d);
-        any = true;
+            read = true;
+        }
         tell_letter(k, &letter);
     }
     dropped = mailbox_dropped(d->mailbox);
@@ -215,6 +225,7 @@ static void *keep(void *ctx)
         int64_t now_ns = ttf_clock_now_ns(clock);
 
         open_sockets(k, now_ns);
+        save_orders(k, now_ns);
         if (follow_elsewhere(&k->follow, k->d))
             follow_read(&k->follow, k->d);
         empty_mailbox(k);

@@ -18,6 +18,9 @@ struct orders {
     char configured[65], configuration[1024];
     pthread_mutex_t lock; /* over what follows */
     struct order order;
+    bool unsaved; /* the disk did not take it */
+    volatile int *flag;
+    int flag_value;
 };
 
 static const char *const STATES[] = {"none", "running", "stopped", "done"};
@@ -56,6 +59,8 @@ static int read_order(struct orders *o, const json_t *object)
     copy(order.dataset, sizeof order.dataset,
          json_string_value(json_object_get(object, "dataset")));
     copy(order.plan, sizeof order.plan, json_string_value(json_object_get(object, "plan")));
+    if (state && strcmp(state, STATES[ORDER_NONE]) == 0)
+        return 0; /* nobody had decided anything */
     if (order.state == ORDER_NONE || !*order.dataset)
         return -EINVAL;
     /* What the configuration names now, and did not then, nobody has stopped. */
@@ -96,6 +101,8 @@ static int load(struct orders *o, struct ttf_err *err)
 
 static int save(struct orders *o, const struct order *order, struct ttf_err *err)
 {
+    /* The configuration's run is looked at anew at each boot: a longer plan goes on. */
+    bool anew = order->state == ORDER_DONE && !order->by_request;
     struct ttf_json json;
     const char *text;
     size_t bytes;
@@ -103,7 +110,7 @@ static int save(struct orders *o, const struct order *order, struct ttf_err *err
 
     ttf_json_init(&json, true);
     ttf_json_object(&json);
-    ttf_json_kstring(&json, "state", STATES[order->state]);
+    ttf_json_kstring(&json, "state", STATES[anew ? ORDER_RUN : order->state]);
     ttf_json_kstring(&json, "dataset", order->dataset);
     ttf_json_kstring(&json, "configuration", o->configuration);
     if (order->by_request) {
@@ -119,7 +126,15 @@ static int save(struct orders *o, const struct order *order, struct ttf_err *err
     if (r == 0)
         r = ttf_io_write_file(o->io, o->path, text, bytes, err);
     ttf_json_free(&json);
+    o->unsaved = r < 0;
     return r;
+}
+
+/* It may stand there all the same (a folder that could not be synced): what holds is written back, at once or by orders_save. */
+static void write_back(struct orders *o)
+{
+    if (o->unsaved)
+        (void)!save(o, &o->order, NULL);
 }
 
 int orders_create(struct ttf_io *io, const char *folder, const char *configured,
@@ -156,16 +171,66 @@ void orders_destroy(struct orders *o)
 
 /* ---- what is asked ---- */
 
+/* The lock is held. */
+static int copy_order(const struct orders *o, struct order *ret)
+{
+    *ret = o->order;
+    return o->order.yaml && !(ret->yaml = strdup(o->order.yaml)) ? -ENOMEM : 0;
+}
+
 int orders_get(struct orders *o, struct order *ret)
 {
-    int r = 0;
+    int r;
 
     (void)pthread_mutex_lock(&o->lock);
-    *ret = o->order;
-    if (o->order.yaml && !(ret->yaml = strdup(o->order.yaml)))
-        r = -ENOMEM;
+    r = copy_order(o, ret);
     (void)pthread_mutex_unlock(&o->lock);
     return r;
+}
+
+/* The lock is held; what is there is let go of. */
+static void hold(struct orders *o, const struct order *order)
+{
+    int64_t generation = o->order.generation + 1;
+
+    if (o->order.yaml != order->yaml)
+        order_free(&o->order);
+    o->order = *order;
+    o->order.generation = generation;
+}
+
+void orders_flag(struct orders *o, volatile int *flag, int value)
+{
+    o->flag = flag;
+    o->flag_value = value;
+}
+
+static void swap_flag(struct orders *o, int from, int to)
+{
+    if (o->flag)
+        (void)__atomic_compare_exchange_n(o->flag, &from, to, false, __ATOMIC_SEQ_CST,
+                                          __ATOMIC_SEQ_CST);
+}
+
+int orders_take(struct orders *o, struct order *ret)
+{
+    int r;
+
+    (void)pthread_mutex_lock(&o->lock);
+    swap_flag(o, o->flag_value, 0);
+    r = copy_order(o, ret);
+    (void)pthread_mutex_unlock(&o->lock);
+    return r;
+}
+
+int64_t orders_generation(struct orders *o)
+{
+    int64_t generation;
+
+    (void)pthread_mutex_lock(&o->lock);
+    generation = o->order.generation;
+    (void)pthread_mutex_unlock(&o->lock);
+    return generation;
 }
 
 int orders_start(struct orders *o, const char *plan, const char *yaml, const char *dataset,
@@ -183,16 +248,16 @@ int orders_start(struct orders *o, const char *plan, const char *yaml, const cha
     r = o->order.state == ORDER_RUN
             ? ttf_err_set(err, -EBUSY, NULL, "a run is under way, into %s", o->order.dataset)
             : save(o, &order, err);
-    if (r == 0) {
-        order_free(&o->order);
-        o->order = order;
-    } else {
+    if (r == 0)
+        hold(o, &order);
+    else
         order_free(&order);
-    }
+    write_back(o);
     (void)pthread_mutex_unlock(&o->lock);
     return r;
 }
 
+/* A decision of a person: what the disk does not take does not hold. */
 static int change(struct orders *o, enum order_state from, enum order_state to,
                   const char *otherwise, struct ttf_err *err)
 {
@@ -205,7 +270,11 @@ static int change(struct orders *o, enum order_state from, enum order_state to,
     r = o->order.state == from ? save(o, &order, err)
                                : ttf_err_set(err, -ENOENT, NULL, "%s", otherwise);
     if (r == 0)
-        o->order.state = to;
+        hold(o, &order);
+    /* Under the same lock as the state: it is never a run of a later decision that it ends. */
+    if (r == 0 && to == ORDER_STOPPED)
+        swap_flag(o, 0, o->flag_value);
+    write_back(o);
     (void)pthread_mutex_unlock(&o->lock);
     return r;
 }
@@ -220,19 +289,29 @@ int orders_go_on(struct orders *o, struct ttf_err *err)
     return change(o, ORDER_STOPPED, ORDER_RUN, "no run was stopped", err);
 }
 
-int orders_done(struct orders *o, struct ttf_err *err)
+int orders_ended(struct orders *o, int64_t generation, enum order_state to, struct ttf_err *err)
+{
+    struct order order;
+    int r = 0;
+
+    (void)pthread_mutex_lock(&o->lock);
+    if (o->order.generation == generation && o->order.state == ORDER_RUN) {
+        order = o->order;
+        order.state = to;
+        hold(o, &order);
+        if (to != ORDER_DONE || order.by_request)
+            r = save(o, &order, err);
+    }
+    (void)pthread_mutex_unlock(&o->lock);
+    return r;
+}
+
+int orders_save(struct orders *o, struct ttf_err *err)
 {
     int r;
 
     (void)pthread_mutex_lock(&o->lock);
-    r = o->order.by_request && o->order.state == ORDER_RUN;
+    r = o->unsaved ? save(o, &o->order, err) : 0;
     (void)pthread_mutex_unlock(&o->lock);
-    if (r > 0)
-        return change(o, ORDER_RUN, ORDER_DONE, "", err);
-    /* The configuration's run is looked at anew at each boot: a longer plan goes on. */
-    (void)pthread_mutex_lock(&o->lock);
-    if (o->order.state == ORDER_RUN)
-        o->order.state = ORDER_DONE;
-    (void)pthread_mutex_unlock(&o->lock);
-    return 0;
+    return r;
 }

@@ -10,6 +10,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
@@ -24,6 +25,8 @@ enum order_state {
 
 struct order {
     enum order_state state;
+    int64_t
+        generation; /* another one after each decision: what was begun under one says nothing of the next */
     bool by_request;  /* else the configuration's */
     char dataset[65]; /* its name */
     char plan[65];    /* its name, of one by request */
@@ -37,9 +40,17 @@ TTF_MUST_USE int orders_create(struct ttf_io *io, const char *folder, const char
                                const char *configuration, struct orders **ret, struct ttf_err *err);
 void orders_destroy(struct orders *orders); /* NULL allowed */
 
+/* From now on a stop puts value into the flag, where it is 0: whoever runs what was stopped ends it. Borrowed; before any
+ * other thread knows of the orders. */
+void orders_flag(struct orders *orders, volatile int *flag, int value);
+
 /* A copy of what holds now, to be freed. -ENOMEM. */
 TTF_MUST_USE int orders_get(struct orders *orders, struct order *ret);
 void order_free(struct order *order);
+
+/* The same for whoever acts on it: a stop that the flag still tells of is of one before, and is taken out of it. */
+TTF_MUST_USE int orders_take(struct orders *orders, struct order *ret);
+int64_t orders_generation(struct orders *orders); /* of what holds now */
 
 /* Each on the disk before it returns. -EBUSY: a run is under way; errors of the disk, and nothing has changed. */
 TTF_MUST_USE int orders_start(struct orders *orders, const char *plan, const char *yaml,
@@ -47,6 +58,14 @@ TTF_MUST_USE int orders_start(struct orders *orders, const char *plan, const cha
 /* -ENOENT: nothing runs (stop), nothing was stopped (go_on). */
 TTF_MUST_USE int orders_stop(struct orders *orders, struct ttf_err *err);
 TTF_MUST_USE int orders_go_on(struct orders *orders, struct ttf_err *err);
-TTF_MUST_USE int orders_done(struct orders *orders, struct ttf_err *err);
+
+/*
+ * What was run under this generation is over: done, or stopped where it was run. Nothing happens if something else was decided
+ * meanwhile. It holds here also where the disk does not take it (its error), until orders_save brings it there.
+ */
+TTF_MUST_USE int orders_ended(struct orders *orders, int64_t generation, enum order_state to,
+                              struct ttf_err *err);
+/* Once more what the disk did not take; 0: it has all. */
+TTF_MUST_USE int orders_save(struct orders *orders, struct ttf_err *err);
 
 #endif

@@ -129,7 +129,8 @@ static int look_for_plan(struct daemon *d, const struct order *order, struct ttf
     if (situation_doing(d->situation) != DOING_WAITING)
         log_line(LOG_LEVEL_NOTICE, "waiting", "plan=\"%s\"", d->config.plan);
     daemon_does(d, DOING_WAITING, "for the plan's file", TTF_NS_UNKNOWN);
-    idle(d, d->config.retry_ns, TTF_LED_IDLE);
+    workshop_open(d->workshop, true);
+    idle(d, order->generation, d->config.retry_ns, TTF_LED_IDLE);
     return 1;
 }
 
@@ -169,29 +170,29 @@ static void tell_end(struct daemon *d)
                        s->captured, s->slots);
 }
 
-/* A decision that the disk does not take is tried again at the next boot; meanwhile it holds here. */
+/* A decision that the disk does not take holds here, and the keeper brings it there. */
 static void decided(int r, const struct ttf_err *err)
 {
     char text[900], quoted[1000];
 
-    if (r < 0 && r != -ENOENT)
+    if (r < 0)
         log_line(LOG_LEVEL_ERROR, "unsaved", "why=%s",
                  log_text(ttf_err_text(err, text, sizeof text), quoted, sizeof quoted));
 }
 
 /* It ended well: its plan is done, or somebody wanted it to end. */
-static void ended(struct daemon *d)
+static void ended(struct daemon *d, const struct order *order)
 {
     struct ttf_err err = {0};
 
     tell_end(d);
     if (d->run.result.sealed) {
         situation_sealed(d->situation);
-        decided(orders_done(d->orders, &err), &err);
+        decided(orders_ended(d->orders, order->generation, ORDER_DONE, &err), &err);
         daemon_does(d, DOING_IDLE, NULL, TTF_NS_UNKNOWN);
     } else if (!daemon_told_to_end(d)) {
-        /* By a request, which is on the disk already, or by the button. */
-        decided(orders_stop(d->orders, &err), &err);
+        /* By a request, which is on the disk already (and what was decided since then holds), or by the button. */
+        decided(orders_ended(d->orders, order->generation, ORDER_STOPPED, &err), &err);
     }
 }
 
@@ -201,7 +202,8 @@ static bool may_pass(int error)
     return run_exit_code(error) == 1 || error == -ENOENT;
 }
 
-static void wait_to_try_again(struct daemon *d, const struct ttf_err *err)
+static void wait_to_try_again(struct daemon *d, const struct order *order,
+                              const struct ttf_err *err)
 {
     bool passes = may_pass(err->code);
     char text[900], quoted[1000];
@@ -211,7 +213,9 @@ static void wait_to_try_again(struct daemon *d, const struct ttf_err *err)
     log_line(passes ? LOG_LEVEL_WARNING : LOG_LEVEL_ERROR, passes ? "retry" : "stuck",
              "in_s=%.1f why=%s", (double)d->wait_ns / 1e9, log_text(text, quoted, sizeof quoted));
     daemon_does(d, passes ? DOING_RETRYING : DOING_STOPPED, text, d->wait_ns);
-    idle(d, d->wait_ns, TTF_LED_STOPPED);
+    /* What passes is tried again on time: no picture is taken meanwhile. */
+    workshop_open(d->workshop, !passes);
+    idle(d, order->generation, d->wait_ns, TTF_LED_STOPPED);
     d->wait_ns *= 2;
     if (d->wait_ns > RETRY_MOST * d->config.retry_ns)
         d->wait_ns = RETRY_MOST * d->config.retry_ns;
@@ -232,15 +236,14 @@ static void one_run(struct daemon *d, const struct order *order)
         view_close(d, true);
         daemon_does(d, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
         r = run_it(d, path, &err);
-        workshop_open(d->workshop, true);
     }
     if (r == 0) {
-        ended(d);
+        ended(d, order);
         return;
     }
     if (err.code != r)
         err.code = r;
-    wait_to_try_again(d, &err);
+    wait_to_try_again(d, order, &err);
 }
 
 /* ---- between runs ---- */
@@ -263,7 +266,9 @@ static void rest(struct daemon *d, const struct order *order)
             situation_sealed(d->situation);
         daemon_does(d, DOING_IDLE, NULL, TTF_NS_UNKNOWN);
     }
-    idle(d, TTF_NS_NEVER, order->state == ORDER_STOPPED ? TTF_LED_STOPPED : TTF_LED_IDLE);
+    workshop_open(d->workshop, true);
+    idle(d, order->generation, TTF_NS_NEVER,
+         order->state == ORDER_STOPPED ? TTF_LED_STOPPED : TTF_LED_IDLE);
 }
 
 void runs_live(struct daemon *d)
@@ -272,13 +277,9 @@ void runs_live(struct daemon *d)
     workshop_open(d->workshop, true);
     while (!daemon_told_to_end(d)) {
         struct order order = {0};
-        int asked = DAEMON_STOP_RUN;
 
-        /* A stop that was asked for is in the orders by now. */
-        (void)__atomic_compare_exchange_n(d->options->stop, &asked, 0, false, __ATOMIC_SEQ_CST,
-                                          __ATOMIC_SEQ_CST);
-        if (orders_get(d->orders, &order) < 0) {
-            idle(d, d->config.retry_ns, TTF_LED_STOPPED);
+        if (orders_take(d->orders, &order) < 0) {
+            idle(d, order.generation, d->config.retry_ns, TTF_LED_STOPPED);
         } else if (order.state == ORDER_RUN) {
             one_run(d, &order);
         } else {

@@ -21,7 +21,7 @@ static int make_folder(void **state)
 {
     static char path[] = "/tmp/ttfbox-orders.XXXXXX";
 
-    memcpy(path + sizeof path - 7, "XXXXXX", 6);
+    memcpy(path + sizeof path - 7, "XXXXXX", 7);
     *state = mkdtemp(path);
     return *state ? 0 : -1;
 }
@@ -83,7 +83,7 @@ static void a_run_that_was_asked_for_is_gone_on_with_as_it_was(void **state)
     assert_string_equal(order.plan, "week");
     assert_string_equal(order.yaml, "interval: 1h\n");
     order_free(&order);
-    assert_int_equal(orders_done(orders, &err), 0);
+    assert_int_equal(orders_ended(orders, orders_generation(orders), ORDER_DONE, &err), 0);
     orders_destroy(orders);
     expect(*state, "grass", CONFIGURATION, ORDER_DONE, "moss");
 }
@@ -135,6 +135,83 @@ static void a_decision_that_the_disk_does_not_take_changes_nothing(void **state)
     orders_destroy(orders);
 }
 
+static void the_end_of_a_run_does_not_stop_the_one_that_was_asked_for_meanwhile(void **state)
+{
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    struct order first = boot(*state, "", "", &orders);
+    int64_t under_way;
+
+    order_free(&first);
+    assert_int_equal(orders_start(orders, "week", "interval: 1h\n", "moss", &err), 0);
+    under_way = orders_generation(orders);
+    assert_int_equal(orders_stop(orders, &err), 0);
+    assert_int_equal(orders_start(orders, "week", "interval: 1h\n", "fern", &err), 0);
+    assert_int_equal(orders_ended(orders, under_way, ORDER_STOPPED, &err), 0);
+    assert_int_equal(orders_ended(orders, under_way, ORDER_DONE, &err), 0);
+    orders_destroy(orders);
+    expect(*state, "", "", ORDER_RUN, "fern");
+}
+
+static void a_stop_ends_what_ran_and_never_what_is_taken_up_after_it(void **state)
+{
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    struct order order = boot(*state, "grass", CONFIGURATION, &orders);
+    volatile int flag = 0;
+
+    order_free(&order);
+    orders_flag(orders, &flag, 2);
+    assert_int_equal(orders_take(orders, &order), 0);
+    order_free(&order);
+    assert_int_equal(orders_stop(orders, &err), 0);
+    assert_int_equal(flag, 2);
+    assert_int_equal(orders_go_on(orders, &err), 0);
+    assert_int_equal(flag, 2); /* the run that was stopped has not ended yet */
+    assert_int_equal(orders_take(orders, &order), 0);
+    assert_int_equal(order.state, ORDER_RUN);
+    assert_int_equal(flag, 0);
+    order_free(&order);
+    flag = 1; /* the program is to end: that stays */
+    assert_int_equal(orders_stop(orders, &err), 0);
+    assert_int_equal(orders_take(orders, &order), 0);
+    assert_int_equal(flag, 1);
+    order_free(&order);
+    orders_destroy(orders);
+}
+
+static void the_button_holds_also_where_the_disk_does_not_take_it(void **state)
+{
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    char folder[600], path[700];
+    struct order order;
+    FILE *file;
+
+    /* A file where the folder is to be: the disk takes nothing until it goes. */
+    (void)snprintf(folder, sizeof folder, "%s/state", (const char *)*state);
+    (void)snprintf(path, sizeof path, "%s/run.json", folder);
+    order = boot(folder, "grass", CONFIGURATION, &orders);
+    file = fopen(folder, "we");
+    if (!file) {
+        fail();
+        return;
+    }
+    assert_int_equal(fclose(file), 0);
+    assert_true(orders_ended(orders, order.generation, ORDER_STOPPED, &err) < 0);
+    order_free(&order);
+    assert_int_equal(orders_get(orders, &order), 0);
+    assert_int_equal(order.state, ORDER_STOPPED);
+    order_free(&order);
+    assert_true(orders_save(orders, &err) < 0);
+    assert_int_equal(unlink(folder), 0);
+    assert_int_equal(orders_save(orders, &err), 0);
+    orders_destroy(orders);
+    expect(folder, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(folder), 0);
+}
+
 static void a_file_that_says_nothing_is_named(void **state)
 {
     char path[600];
@@ -164,6 +241,9 @@ int main(void)
         WITH_FOLDER(a_stop_holds_over_boots_until_it_is_taken_back),
         WITH_FOLDER(a_stop_does_not_keep_back_another_configuration),
         cmocka_unit_test(a_decision_that_the_disk_does_not_take_changes_nothing),
+        WITH_FOLDER(the_end_of_a_run_does_not_stop_the_one_that_was_asked_for_meanwhile),
+        WITH_FOLDER(a_stop_ends_what_ran_and_never_what_is_taken_up_after_it),
+        WITH_FOLDER(the_button_holds_also_where_the_disk_does_not_take_it),
         WITH_FOLDER(a_file_that_says_nothing_is_named),
     };
 
