@@ -199,10 +199,12 @@ int daemon_run(const struct daemon_options *options, struct ttf_err *err)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     d->options = options;
     d->lock.fd = -1;
+    (void)pthread_mutex_init(&d->plans, NULL);
     r = begin(d, err);
     free_parts(d);
     box_lock_drop(&d->lock);
     ttf_clock_destroy(d->clock);
+    (void)pthread_mutex_destroy(&d->plans);
     free(d);
     return r;
 }

@@ -191,8 +191,12 @@ int library_put(struct daemon *d, const char *name, const char *yaml, size_t byt
     if (is_configured(d, name))
         return own_plan(err);
     (void)snprintf(folder, sizeof folder, "%s/plans", d->config.state);
+    (void)pthread_mutex_lock(&d->plans);
     r = ttf_io_mkdirs(d->io, folder, err);
-    return r < 0 ? r : ttf_io_write_file(d->io, path_of(d, name, path), yaml, bytes, err);
+    if (r == 0)
+        r = ttf_io_write_file(d->io, path_of(d, name, path), yaml, bytes, err);
+    (void)pthread_mutex_unlock(&d->plans);
+    return r;
 }
 
 int library_delete(struct daemon *d, const char *name, struct ttf_err *err)
@@ -202,10 +206,12 @@ int library_delete(struct daemon *d, const char *name, struct ttf_err *err)
 
     if (is_configured(d, name))
         return own_plan(err);
-    r = d->io->ops->unlink(d->io, path_of(d, name, path));
     (void)snprintf(folder, sizeof folder, "%s/plans", d->config.state);
+    (void)pthread_mutex_lock(&d->plans);
+    r = d->io->ops->unlink(d->io, path_of(d, name, path));
     if (r == 0)
         r = d->io->ops->sync_dir(d->io, folder);
+    (void)pthread_mutex_unlock(&d->plans);
     return r < 0 ? ttf_err_set(err, r, NULL, "%s",
                                r == -ENOENT ? "there is no plan of this name" : strerrordesc_np(-r))
                  : 0;

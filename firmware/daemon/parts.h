@@ -3,6 +3,8 @@
 #ifndef DAEMON_PARTS_H
 #define DAEMON_PARTS_H
 
+#include <pthread.h>
+
 #include "asks.h"
 #include "daemon.h"
 #include "lock.h"
@@ -39,6 +41,8 @@ struct daemon {
     int64_t wait_ns;           /* before what failed is tried again */
     struct ttf_box view;       /* kept open for a while between pictures; n_cameras 0: not */
     int64_t viewed_ns;
+
+    pthread_mutex_t plans; /* over their files: one change at a time */
 
     /* of all threads; each has its own lock, or needs none */
     struct ttf_gate *wake; /* the owner's */

@@ -19,7 +19,7 @@ struct call {
     struct ttf_http_request request;
     struct ttf_http_answer answer;
     char *body;
-    size_t expected; /* bytes of it */
+    size_t expected, room; /* bytes of it; that fit, so far */
     bool judged, ran;
     int r; /* of the handler */
 };
@@ -117,10 +117,21 @@ static int64_t body_expected(struct MHD_Connection *connection, struct ttf_err *
     return (int64_t)bytes;
 }
 
+/* Bytes: what whoever has no token may send is kept small. */
+static size_t body_max(const struct ttf_http_route *route)
+{
+    if (route->body == TTF_HTTP_YAML)
+        return TTF_HTTP_BODY_MAX;
+    return route->access == TTF_HTTP_OPEN ? TTF_HTTP_OPEN_BODY_MAX : TTF_HTTP_JSON_BODY_MAX;
+}
+
 static int judge_body(struct call *call, struct MHD_Connection *connection, struct ttf_err *err)
 {
     const char *type = header(connection, "Content-Type");
+    size_t most = body_max(call->match.route);
 
+    if (call->expected > most)
+        return ttf_err_set(err, -EFBIG, NULL, "a body has at most %zu bytes here", most);
     switch (call->match.route->body) {
     case TTF_HTTP_NO_BODY:
         break;
@@ -224,15 +235,30 @@ static enum MHD_Result on_headers(const struct call_socket *socket,
     call->expected = (size_t)expected;
     if (judge(socket, call, connection, method, url, &err) < 0)
         return refuse(connection, url, &err);
-    call->body = malloc(call->expected + 1);
-    return call->body ? MHD_YES : MHD_NO;
+    return MHD_YES;
+}
+
+/* Memory for what has come, not for what was announced. */
+static bool make_room(struct call *call, size_t bytes)
+{
+    size_t room = 2 * bytes < call->expected ? 2 * bytes : call->expected;
+    char *more;
+
+    if (call->body && bytes <= call->room)
+        return true;
+    more = realloc(call->body, room + 1);
+    if (!more)
+        return false;
+    call->body = more;
+    call->room = room;
+    return true;
 }
 
 static enum MHD_Result on_body(struct call *call, const char *data, size_t *bytes)
 {
     size_t room = call->expected - call->request.body_bytes;
 
-    if (!call->body || *bytes > room)
+    if (!call->judged || *bytes > room || !make_room(call, call->request.body_bytes + *bytes))
         return MHD_NO;
     memcpy(call->body + call->request.body_bytes, data, *bytes);
     call->request.body_bytes += *bytes;
@@ -242,9 +268,20 @@ static enum MHD_Result on_body(struct call *call, const char *data, size_t *byte
     return MHD_YES;
 }
 
+static bool brings_token(const struct call *call)
+{
+    return call->match.route->access == TTF_HTTP_OPEN && call->match.route->body == TTF_HTTP_JSON;
+}
+
 static void handle(struct call *call)
 {
     call->r = call->match.route->answer(&call->request, &call->answer);
+    /* What the disk refuses is no wrong token: that is told of the session's body alone. */
+    if (call->r == -EACCES && !brings_token(call)) {
+        call->r = -EIO;
+        if (call->request.err.code == -EACCES)
+            call->request.err.code = -EIO;
+    }
     if (call->r < 0 && call->request.err.code == 0)
         ttf_err_set(&call->request.err, call->r, NULL, "%s", strerrordesc_np(-call->r));
     call->ran = true;
@@ -276,11 +313,6 @@ static enum MHD_Result send_it(struct call *call, struct MHD_Connection *connect
     if (call->r == -EACCES)
         limits_wrong(calls->limits, client_of(connection));
     return answer_error(connection, "", &call->request.err);
-}
-
-static bool brings_token(const struct call *call)
-{
-    return call->match.route->access == TTF_HTTP_OPEN && call->match.route->body == TTF_HTTP_JSON;
 }
 
 /* The whole request is there. */

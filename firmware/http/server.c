@@ -14,7 +14,7 @@
 #include "listeners.h"
 
 #define SOCKETS_MAX    8
-#define NAMES_MAX      8
+#define NAMES_MAX      16
 #define THREADS        2u
 #define CONNECTIONS    512u /* of a socket */
 #define OF_ONE_ADDRESS 128u
@@ -46,7 +46,7 @@ static int copy_texts(struct ttf_http_server *server, const struct ttf_http_conf
 {
     if (config->token && !(server->token = strdup(config->token)))
         return -ENOMEM;
-    for (unsigned i = 0; config->names && config->names[i] && i < NAMES_MAX; i++)
+    for (unsigned i = 0; config->names && config->names[i]; i++)
         if (!(server->names[i] = strdup(config->names[i])))
             return -ENOMEM;
     return 0;
@@ -79,11 +79,15 @@ int ttf_http_server_create(const struct ttf_http_config *config, struct ttf_http
                            struct ttf_err *err)
 {
     struct ttf_http_server *server;
+    unsigned n_names = 0;
     int r;
 
     if (config->token && strlen(config->token) < TTF_HTTP_TOKEN_MIN)
         return ttf_err_set(err, -EINVAL, "token", "has fewer than %d characters",
                            TTF_HTTP_TOKEN_MIN);
+    while (config->names && config->names[n_names])
+        if (++n_names > NAMES_MAX)
+            return ttf_err_set(err, -EINVAL, "names", "there are more than %d", NAMES_MAX);
     server = calloc(1, sizeof *server);
     if (!server)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
 #include <sys/stat.h>
@@ -24,20 +25,56 @@ int ttf_http_token_make(char ret[TTF_HTTP_TOKEN_SIZE], struct ttf_err *err)
     return 0;
 }
 
-/* The file does not exist: made at once with its content, or not at all. */
+/* The folder's new name on the disk. */
+static int token_sync_folder(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char folder[4096];
+    int fd, r;
+
+    (void)snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1,
+                   slash ? path : ".");
+    fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0)
+        return -errno;
+    r = fsync(fd) < 0 ? -errno : 0;
+    (void)close(fd);
+    return r;
+}
+
+/* An empty one is no loss; one that somebody else has made by now is not replaced. */
+static int token_put_in_place(const char *from, const char *path)
+{
+    struct stat st;
+
+    if (stat(path, &st) == 0 && S_ISREG(st.st_mode) && st.st_size == 0)
+        return rename(from, path) < 0 ? -errno : 0;
+    return renameat2(AT_FDCWD, from, AT_FDCWD, path, RENAME_NOREPLACE) < 0 ? -errno : 0;
+}
+
+/* There is none: made at once with its content, or not at all, also where the power is cut. */
 static int make_file(const char *path, const char *token, struct ttf_err *err)
 {
-    char line[TTF_HTTP_TOKEN_SIZE + 1];
+    char line[TTF_HTTP_TOKEN_SIZE + 1], temporary[4096];
     int n = snprintf(line, sizeof line, "%s\n", token);
-    int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    int r = fd < 0 ? -errno : 0;
+    int r = snprintf(temporary, sizeof temporary, "%s.XXXXXX", path);
+    int fd;
 
-    if (r == 0 && (write(fd, line, (size_t)n) != n || fsync(fd) < 0)) {
-        r = errno ? -errno : -EIO;
-        (void)unlink(path);
-    }
-    if (fd >= 0)
+    if (r >= (int)sizeof temporary)
+        return ttf_err_set(err, -ENAMETOOLONG, path, "cannot be made: its name is too long");
+    fd = mkostemp(temporary, O_CLOEXEC); /* its mode is 0600 */
+    r = fd < 0 ? -errno : 0;
+    if (fd >= 0) {
+        if (write(fd, line, (size_t)n) != n || fsync(fd) < 0)
+            r = errno ? -errno : -EIO;
         (void)close(fd);
+        if (r == 0)
+            r = token_put_in_place(temporary, path);
+        if (r < 0)
+            (void)unlink(temporary);
+    }
+    if (r == 0)
+        r = token_sync_folder(path);
     return r == 0 ? 0 : ttf_err_set(err, r, path, "cannot be made: %s", strerrordesc_np(-r));
 }
 
@@ -76,12 +113,19 @@ int ttf_http_token_read(const char *path, char ret[TTF_HTTP_TOKEN_SIZE], struct 
     return r;
 }
 
+static int token_make_anew(const char *path, char ret[TTF_HTTP_TOKEN_SIZE], struct ttf_err *err)
+{
+    int r = ttf_http_token_make(ret, err);
+
+    return r == 0 ? make_file(path, ret, err) : r;
+}
+
 int ttf_http_token_load(const char *path, char ret[TTF_HTTP_TOKEN_SIZE], struct ttf_err *err)
 {
-    int r = ttf_http_token_read(path, ret, err);
+    struct stat st;
 
-    if (r != -ENOENT)
-        return r;
-    r = ttf_http_token_make(ret, err);
-    return r == 0 ? make_file(path, ret, err) : r;
+    /* An empty one is what a power cut can leave of one that was being made: nobody knows it. */
+    if (stat(path, &st) < 0 ? errno != ENOENT : !S_ISREG(st.st_mode) || st.st_size > 0)
+        return ttf_http_token_read(path, ret, err);
+    return token_make_anew(path, ret, err);
 }

@@ -21,7 +21,7 @@ if [ -w /dev/shm ]; then
     trap 'rm -rf "$WORK" "$memory"' EXIT
     ln -s "$memory" data
 fi
-printf 'board: ./box.yaml\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0", "unix:cable"]\nnames: [greenhouse]\n' >ttfboxd.yaml
+printf 'board: ./box.yaml\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0", "unix:cable"]\nnames: [one, two, three, four, five, greenhouse]\n' >ttfboxd.yaml
 
 start() {
     : >log
@@ -121,6 +121,8 @@ get "$URL/run" 404 "${JSON[@]}" -H "X-Ttfbox: 1" -H "Origin: $origin" -H 'Sec-Fe
 get "$URL/run" 415 "${ME[@]}" -d 'plan=first'
 head -c 300000 /dev/zero >large.yaml
 json_of large.yaml "$URL/plans/check" 413
+printf '{"token":"%02000d"}' 0 >long.json
+json_of long.json "$URL/session" 413 # of whoever has no token little is taken
 post "$URL/run" 400 '{"plam":"first"}'
 get "$URL/session" 200 -H "$cookie"
 is change true
@@ -141,7 +143,7 @@ json_of first.yaml "$URL/plans/first" 200 -X PUT
 get "$URL/plans/first" 200 "${ME[@]}"
 cmp -s out first.yaml || fail "the plan is another"
 json_of first.yaml "$URL/plans/..%2f..%2fescaped" 404 -X PUT --path-as-is
-[ -z "$(find . -name 'escaped*')" ] || fail "a plan left its folder"
+[ -z "$(find -L . -name 'escaped*')" ] || fail "a plan left its folder"
 json_of first.yaml "$URL/plans/spare" 200 -X PUT
 get "$URL/plans/spare" 200 "${ME[@]}" -X DELETE
 get "$URL/plans/spare" 404 "${ME[@]}"

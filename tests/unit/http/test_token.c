@@ -49,6 +49,20 @@ static void a_token_that_others_can_read_or_that_is_none_is_refused(void **state
     assert_int_equal(ttf_http_token_load("no/such/folder", token, NULL), -ENOENT);
 }
 
+static void an_empty_file_as_a_power_cut_leaves_it_is_made_anew(void **state)
+{
+    char token[TTF_HTTP_TOKEN_SIZE], again[TTF_HTTP_TOKEN_SIZE];
+    struct stat st;
+
+    (void)state;
+    scratch_file("token", "", 0);
+    assert_int_equal(ttf_http_token_load("token", token, NULL), 0);
+    assert_int_equal(stat("token", &st), 0);
+    assert_int_equal(st.st_mode & 0777, 0600);
+    assert_int_equal(ttf_http_token_read("token", again, NULL), 0);
+    assert_string_equal(token, again);
+}
+
 static void what_is_no_address_is_refused(void **state)
 {
     static const char *const TEXTS[] = {
@@ -103,6 +117,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         IN_A_FOLDER(a_file_is_made_once_for_its_owner_alone),
         IN_A_FOLDER(a_token_that_others_can_read_or_that_is_none_is_refused),
+        IN_A_FOLDER(an_empty_file_as_a_power_cut_leaves_it_is_made_anew),
         cmocka_unit_test(what_is_no_address_is_refused),
         cmocka_unit_test(a_socket_knows_its_port_and_whether_others_reach_it),
         IN_A_FOLDER(a_socket_that_nobody_listens_on_is_replaced_and_no_other_file),

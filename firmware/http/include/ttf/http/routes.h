@@ -22,7 +22,10 @@ enum ttf_http_body {
     TTF_HTTP_YAML        /* application/yaml */
 };
 
-#define TTF_HTTP_BODY_MAX ((size_t)256 * 1024) /* bytes */
+/* Bytes: of a plan; of JSON; of what everybody may send. */
+#define TTF_HTTP_BODY_MAX      ((size_t)256 * 1024)
+#define TTF_HTTP_JSON_BODY_MAX ((size_t)32 * 1024)
+#define TTF_HTTP_OPEN_BODY_MAX ((size_t)1024)
 
 #define TTF_HTTP_NAME_MAX 64  /* bytes of a dataset's name */
 #define TTF_HTTP_REST_MAX 192 /* bytes of a path inside it */

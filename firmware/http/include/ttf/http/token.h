@@ -12,7 +12,8 @@
 TTF_MUST_USE int ttf_http_token_make(char ret[TTF_HTTP_TOKEN_SIZE], struct ttf_err *err);
 
 /*
- * The first word of a file, 16 to 64 printable characters; a file that is not there is made with a fresh one, mode 0600.
+ * The first word of a file, 16 to 64 printable characters; a file that is not there, or empty, is made with a fresh one, mode 0600:
+ * whole and on the disk, or not at all.
  * -EINVAL: no token in it; -EPERM: others may read it; errors of opening.
  */
 TTF_MUST_USE int ttf_http_token_load(const char *path, char ret[TTF_HTTP_TOKEN_SIZE],
