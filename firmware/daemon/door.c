@@ -176,6 +176,8 @@ static int door_start(struct ttf_http_box *box, const char *plan, const char *da
     if (r == 0 && !ok)
         r = err->code = -EINVAL;
     if (r == 0)
+        r = library_may_start(d, *dataset ? dataset : plan, yaml, err);
+    if (r == 0)
         r = orders_start(d->orders, plan, yaml, *dataset ? dataset : plan, err);
     if (r == 0)
         r = started(d, *dataset ? dataset : plan, ret_json, err);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ttf/config/plan_file.h"
+#include "ttf/dataset/reader.h"
 
 #define PLANS_MAX  256
 #define BOARDS_MAX 128
@@ -173,6 +174,50 @@ int library_plan(struct daemon *d, const char *name, char **ret_yaml, struct ttf
     char path[640];
 
     return read_text(d, path_of(d, name, path), "plan", ret_yaml, err);
+}
+
+/* Is this text one of the plans that were given to the dataset? */
+static bool is_of_plan(struct daemon *d, const char *folder, const char *yaml)
+{
+    bool same = false;
+
+    for (unsigned n = 0; !same; n++) {
+        struct ttf_io_stat st;
+        char path[700], *text = NULL;
+
+        (void)snprintf(path, sizeof path, "%s/plans/%u.json", folder, n);
+        if (d->io->ops->stat(d->io, path, &st) < 0)
+            break;
+        (void)snprintf(path, sizeof path, "%s/plans/%u.yaml", folder, n);
+        if (read_text(d, path, "plan", &text, NULL) == 0)
+            same = strcmp(text, yaml) == 0;
+        free(text);
+    }
+    return same;
+}
+
+int library_may_start(struct daemon *d, const char *dataset, const char *yaml, struct ttf_err *err)
+{
+    struct ttf_reader *reader = NULL;
+    struct ttf_io_stat st;
+    char folder[600], path[640], digest[65];
+    int r;
+
+    (void)snprintf(folder, sizeof folder, "%s/%s", d->config.data, dataset);
+    (void)snprintf(path, sizeof path, "%s/dataset.json", folder);
+    if (d->io->ops->stat(d->io, path, &st) < 0)
+        return 0;
+    r = ttf_reader_open(d->io, folder, &reader, err);
+    if (r < 0)
+        return r;
+    if (ttf_reader_digest(reader, digest, NULL) == 0)
+        r = ttf_err_set(err, -EEXIST, "dataset", "'%s' is there, done and sealed", dataset);
+    else if (!is_of_plan(d, folder, yaml))
+        r = ttf_err_set(err, -EEXIST, "dataset", "'%s' is there, and of another plan", dataset);
+    if (r < 0)
+        ttf_err_hint(err, "give the run a dataset's name that is not taken");
+    ttf_reader_close(reader);
+    return r;
 }
 
 static int own_plan(struct ttf_err *err)

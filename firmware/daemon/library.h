@@ -21,4 +21,11 @@ TTF_MUST_USE int library_put(struct daemon *d, const char *name, const char *yam
                              struct ttf_err *err);
 TTF_MUST_USE int library_delete(struct daemon *d, const char *name, struct ttf_err *err);
 
+/*
+ * May a run of this plan be started into the dataset of this name? 0: it is new, or it is unsealed and one of its plans is this
+ * text. -EEXIST: it is sealed, or of another plan; errors of reading it. Takes as long as reading its records.
+ */
+TTF_MUST_USE int library_may_start(struct daemon *d, const char *dataset, const char *yaml,
+                                   struct ttf_err *err);
+
 #endif

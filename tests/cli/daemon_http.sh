@@ -240,6 +240,14 @@ get "$URL/status" 200 "${ME[@]}"
 is run.dataset two
 get "$URL/run/stop" 202 "${ME[@]}" -X POST
 state stopped
+# Nothing is added to what is sealed, nor to a dataset of another plan.
+sealed=$(sha256sum <data/first/SHA256SUMS)
+post "$URL/run" 409 '{"plan":"first"}'
+said out sealed
+post "$URL/run" 409 '{"plan":"first","dataset":"two"}'
+said out 'another plan'
+state stopped
+[ "$(sha256sum <data/first/SHA256SUMS)" = "$sealed" ] || fail "a sealed dataset was changed"
 end
 none_missed two
 expect 0 "$TTFBOX" verify data/two
