@@ -13,6 +13,8 @@
 
 #define D(member) offsetof(struct read, c.member)
 
+#define NAME_MAX_BYTES 64 /* of a dataset: what can be asked for by HTTP */
+
 /* As it is read: the dataset's name before it is a path. */
 struct read {
     struct ttf_daemon_config c;
@@ -153,9 +155,11 @@ static int finish(struct read *read, const char *file, const struct yaml_node *r
         return cfg_error(named, err, "name the plan too", "a dataset without a plan");
     if (*c->plan && !*read->name)
         name_of_plan(c->plan, read->name);
-    if (*c->plan && (strchr(read->name, '/') || read->name[0] == '.' || !*read->name))
-        return cfg_error(named ? named : yaml_child(root, "plan"), err, "as 'dataset: grass'",
-                         "'%s' is no dataset's name", read->name);
+    if (*c->plan && (strchr(read->name, '/') || read->name[0] == '.' || !*read->name ||
+                     strlen(read->name) > NAME_MAX_BYTES))
+        return cfg_error(named ? named : yaml_child(root, "plan"), err,
+                         "as 'dataset: grass', of at most 64 letters", "'%s' is no dataset's name",
+                         read->name);
     find_board(file, c);
     cfg_from_folder_of(file, c->plan);
     cfg_from_folder_of(file, c->data);

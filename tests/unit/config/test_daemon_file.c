@@ -100,6 +100,9 @@ static const struct {
     {"board: b\nplan: p\ndata: d\ndataset: a/b\n", "/etc/ttfbox/d.yaml:4:10", "no dataset's name"},
     {"board: b\nplan: p\ndata: d\nset: real\n", "/etc/ttfbox/d.yaml:4:6", "a map of at most 16"},
     {"board: b\nplan: p\ndata: d\ndataset: .x\n", "/etc/ttfbox/d.yaml:4:10", "no dataset's name"},
+    {"board: b\nplan: p\ndata: d\n"
+     "dataset: 0123456789012345678901234567890123456789012345678901234567890123x\n",
+     "/etc/ttfbox/d.yaml:4:10", "no dataset's name"},
     {"board: b\nplan: p/.yaml\ndata: d\n", "/etc/ttfbox/d.yaml:2:7", "no dataset's name"},
     {"board: b\nplan: p\ndata: d\nretry: 5\n", "/etc/ttfbox/d.yaml:4:8", "has no unit"},
     {"board: b\nplan: p\ndata: d\nzone: Moon/Tycho\n", "/etc/ttfbox/d.yaml:4:7",
