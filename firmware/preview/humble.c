@@ -14,7 +14,10 @@
 #define IO_OF_PROCESS 1
 #define IO_IDLE       (3 << 13)
 
-#define FILE_MAX ((rlim_t)512 << 20) /* bytes of one file that it, or its child, writes */
+/* Bytes of one file that it, or its child, writes: the two large ones of a refresh leave three quarters of the room. */
+#define ROOM_SHARE 8
+#define FILE_LEAST ((int64_t)16 << 20)
+#define FILE_MOST  ((int64_t)512 << 20)
 
 /* Libraries, threads' stacks and what malloc holds ready are address space too. */
 #define BESIDE_BYTES ((int64_t)320 << 20)
@@ -37,13 +40,20 @@ static void volunteer(void)
     (void)close(fd);
 }
 
+static rlim_t file_bytes(const struct preview_options *options)
+{
+    int64_t share = options->room_bytes / ROOM_SHARE;
+
+    return (rlim_t)(share < FILE_LEAST ? FILE_LEAST : share > FILE_MOST ? FILE_MOST : share);
+}
+
 int preview_be_humble(const struct preview_options *options, struct ttf_err *err)
 {
     const struct sched_param none = {0};
     int r = limit(RLIMIT_AS, (rlim_t)(options->memory_bytes + BESIDE_BYTES));
 
     if (r == 0)
-        r = limit(RLIMIT_FSIZE, FILE_MAX);
+        r = limit(RLIMIT_FSIZE, file_bytes(options));
     if (r == 0)
         r = limit(RLIMIT_CORE, 0);
     if (r < 0)
