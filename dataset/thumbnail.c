@@ -3,6 +3,7 @@
 #include "ttf/dataset/thumbnail.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,8 +46,9 @@ static void end_row(struct shrunk *s, const struct source *source, uint32_t y, u
         uint32_t left = source->width - x * s->factor;
         uint64_t n = (uint64_t)rows * (left < s->factor ? left : s->factor);
 
+        if (n == 0)
+            continue; /* never: a row has come, and the picture ends with the source */
         for (size_t c = 0; c < 3; c++)
-            /* NOLINTNEXTLINE: to be looked into */
             row[(size_t)x * 3 + c] = s->table[(s->sum[(size_t)x * 3 + c] + n / 2) / n];
     }
     memset(s->sum, 0, (size_t)s->small.width * 3 * sizeof *s->sum);
@@ -127,8 +129,7 @@ static uint16_t as_code(const struct tiff_source *t, size_t i)
         return ((const uint16_t *)t->samples)[i];
     default:
         value = (((const float *)t->samples)[i] - t->encoding.pedestal) / t->encoding.scale;
-        /* NOLINTNEXTLINE: to be looked into */
-        return !(value > 0) ? 0 : value >= 1 ? 65535 : (uint16_t)(value * 65535 + 0.5);
+        return !(value > 0) ? 0 : value >= 1 ? 65535 : (uint16_t)lround(value * 65535);
     }
 }
 

@@ -108,7 +108,7 @@ static int64_t within(int64_t ns, const struct ttf_camera_caps *caps)
 static int take(struct daemon *d, const struct ttf_http_view *view, struct ttf_raw_sum *ret,
                 struct ttf_err *err)
 {
-    struct ttf_plan_shot shot;
+    struct ttf_plan_shot shot = {0};
     struct ttf_guided_config config = {.box = &d->view, .shot = &shot, .frames = 1};
     const struct ttf_camera_caps *caps;
     int r = shot_of(d, view, &shot, err);
@@ -118,7 +118,6 @@ static int take(struct daemon *d, const struct ttf_http_view *view, struct ttf_r
     caps = ttf_camera_caps(find_camera(&d->view, shot.camera));
     for (int i = 0;; i++) {
         double level;
-        /* NOLINTNEXTLINE: to be looked into */
         int64_t before = shot.exposure.exposure_ns;
 
         r = ttf_guided_frames(&config, view->n_lamps > 0, ret, err);

@@ -46,15 +46,16 @@ static void become(const struct preview_options *options, const struct preview_s
                                 "--json",
                                 "-q",
                                 NULL};
+    char *mutable[sizeof argv / sizeof *argv]; /* as exec wants them; it changes none */
     int out = open(w->said, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     int none = open("/dev/null", O_RDWR | O_CLOEXEC);
 
+    memcpy(mutable, argv, sizeof mutable);
     /* Not to go on when nobody waits for it any more. */
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() == parent && out >= 0 && none >= 0 && dup2(out, STDOUT_FILENO) >= 0 &&
         dup2(none, STDERR_FILENO) >= 0 && dup2(none, STDIN_FILENO) >= 0)
-        /* NOLINTNEXTLINE: to be looked into */
-        (void)execvp(options->ttfbox, (char *const *)(uintptr_t)argv);
+        (void)execvp(options->ttfbox, mutable);
     _exit(127);
 }
 

@@ -71,8 +71,8 @@ static int load_folder(const char *file, struct preview_options *o)
     int r = config ? ttf_daemon_file_load(file, config, &err) : -ENOMEM;
 
     if (r == 0) {
-        o->folder = strdup(config->data); /* as long as the program */
-        r = o->folder ? 0 : -ENOMEM;
+        memcpy(o->configured, config->data, sizeof o->configured);
+        o->folder = o->configured;
     }
     if (r < 0)
         fprintf(stderr, "ttfbox-preview: %s\n", ttf_err_text(&err, why, sizeof why));
@@ -93,7 +93,6 @@ static int take_options(struct preview_options *o, int argc, char **argv)
     int c, r = 0;
 
     /* NOLINTNEXTLINE(concurrency-mt-unsafe): one thread runs */
-    /* NOLINTNEXTLINE: to be looked into */
     while (r == 0 && (c = getopt_long(argc, argv, "f:c:e:m:t:r:x:u1h", LONG, NULL)) != -1) {
         switch (c) {
         case 'f':
@@ -270,7 +269,6 @@ int main(int argc, char **argv)
     int r = take_options(&o, argc, argv);
 
     if (r)
-        /* NOLINTNEXTLINE: to be looked into */
         return r == 1 ? 0 : 2;
     (void)sigaction(SIGTERM, &action, NULL);
     (void)sigaction(SIGINT, &action, NULL);

@@ -16,9 +16,10 @@
 #define PREVIEW_FRAMES 48
 
 struct preview_options {
-    const char *folder; /* of datasets */
-    const char *ttfbox; /* the program */
-    int64_t every_ns;   /* from refresh to refresh, at least */
+    const char *folder;   /* of datasets */
+    char configured[512]; /* where a configuration names it */
+    const char *ttfbox;   /* the program */
+    int64_t every_ns;     /* from refresh to refresh, at least */
     int64_t memory_bytes, room_bytes;
     int64_t time_ns;
     bool eager; /* not the last in everything */

@@ -21,7 +21,7 @@ static void write_tiff(const char *path, uint32_t width, uint32_t height, uint16
     int file = io->ops->open(io, path, TTF_IO_CREATE_NEW);
 
     if (!row || file < 0 || ttf_tiff_writer_open(io, file, &spec, &writer, NULL) < 0) {
-        /* NOLINTNEXTLINE: to be looked into */
+        free(row);
         fail_msg("no TIFF at %s", path);
         return;
     }
