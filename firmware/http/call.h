@@ -6,7 +6,7 @@
 #include <microhttpd.h>
 #include <stdbool.h>
 
-#include "limits.h"
+#include "token_limits.h"
 #include "request.h"
 #include "slow.h"
 #include "ttf/http/events.h"

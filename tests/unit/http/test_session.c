@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "access.h"
-#include "limits.h"
+#include "token_limits.h"
 #include "session.h"
 #include "ttf/hal/clock_backend.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* limits.h: how many wrong tokens an address may send: 10 at once, and one more each 3 s. Any thread. */
-#ifndef HTTP_LIMITS_H
-#define HTTP_LIMITS_H
+/* token_limits.h: how many wrong tokens an address may send: 10 at once, and one more each 3 s. Any thread. */
+#ifndef HTTP_TOKEN_LIMITS_H
+#define HTTP_TOKEN_LIMITS_H
 
 #include <stdbool.h>
 #include <stdint.h>

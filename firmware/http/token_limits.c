@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "limits.h"
+#include "token_limits.h"
 
 #include <netinet/in.h>
 #include <pthread.h>
