@@ -5,6 +5,9 @@
 #
 # gives TARGET's sources NAME_sources.h: struct NAME_source {name, data, bytes}, NAME_source_find("a.js") and
 # NAME_source_at(0), (1), ... NULL behind the last. Names are those below the folder that STRIP names (default: no folder at all).
+# All of these together are the target 'embedded', for what reads sources without building them (./dev lint).
+add_custom_target(embedded)
+
 function(ttf_embed target name)
     cmake_parse_arguments(E "" "STRIP" "FILES" ${ARGN})
     set(folder ${CMAKE_CURRENT_BINARY_DIR}/${name}_embedded)
@@ -24,4 +27,6 @@ function(ttf_embed target name)
         COMMENT "Embedding ${name}" VERBATIM)
     target_sources(${target} PRIVATE ${folder}/${name}_sources.c ${folder}/${name}_sources.h)
     target_include_directories(${target} PRIVATE ${folder})
+    add_custom_target(${name}_embedded DEPENDS ${folder}/${name}_sources.h)
+    add_dependencies(embedded ${name}_embedded)
 endfunction()

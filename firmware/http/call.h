@@ -6,9 +6,9 @@
 #include <microhttpd.h>
 #include <stdbool.h>
 
-#include "token_limits.h"
 #include "request.h"
 #include "slow.h"
+#include "token_limits.h"
 #include "ttf/http/events.h"
 
 /* What requests share; nothing of it changes while a socket listens. */

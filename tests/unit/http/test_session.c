@@ -13,8 +13,8 @@
 #include <string.h>
 
 #include "access.h"
-#include "token_limits.h"
 #include "session.h"
+#include "token_limits.h"
 #include "ttf/hal/clock_backend.h"
 
 #define TOKEN "0123456789abcdef"
