@@ -267,3 +267,23 @@ void ttf_plan_figures_fill(const struct ttf_plan *plan, const struct ttf_box *bo
     }
     *ret = f;
 }
+
+void ttf_plan_figures_put(const struct ttf_plan *plan, const struct ttf_plan_figures *figures,
+                          struct ttf_json *j)
+{
+    const struct ttf_plan_figures *f = figures;
+
+    ttf_json_kstring(j, "title", plan->title);
+    ttf_json_kint(j, "slots", f->slots);
+    ttf_json_kint(j, "interval_ns", plan->interval_ns);
+    ttf_json_kint(j, "duration_ns", f->duration_ns);
+    ttf_json_kint(j, "bytes", f->bytes);
+    ttf_json_kint(j, "slot_bytes", f->slot_bytes);
+    ttf_json_kint(j, "slot_busy_ns", f->slot_busy_ns);
+    ttf_json_kint(j, "memory_bytes", f->memory_bytes);
+    ttf_json_key(j, "flicker_ppm");
+    ttf_json_array(j);
+    for (unsigned i = 0; i < plan->n_shots; i++)
+        ttf_json_int(j, f->flicker_ppm[i]);
+    ttf_json_array_end(j);
+}

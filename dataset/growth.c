@@ -8,6 +8,7 @@
 
 #include "lines.h"
 #include "record_line.h"
+#include "ttf/dataset/copy.h"
 #include "ttf/dataset/json_parse.h"
 
 struct reading {
@@ -140,4 +141,43 @@ int ttf_growth_segment(const struct ttf_growth_line *line, struct ttf_segment *r
     const struct ttf_line l = as_line(line);
 
     return ttf_segment_get(&l, ret, err);
+}
+
+/* ---- which dataset ---- */
+
+struct newest {
+    struct ttf_io *io;
+    const char *folder;
+    int64_t mtime_ns; /* of records.jsonl; 0: none yet */
+    char name[65];
+};
+
+static int look_at(void *ctx, const char *name, bool is_dir)
+{
+    struct newest *newest = ctx;
+    struct ttf_io_stat st;
+    char path[4300];
+
+    if (!is_dir || name[0] == '.' || !ttf_name_ok(name))
+        return 0;
+    (void)snprintf(path, sizeof path, "%s/%s/records.jsonl", newest->folder, name);
+    if (newest->io->ops->stat(newest->io, path, &st) < 0 || !st.is_regular)
+        return 0;
+    if (st.mtime_ns > newest->mtime_ns) {
+        newest->mtime_ns = st.mtime_ns;
+        (void)snprintf(newest->name, sizeof newest->name, "%s", name);
+    }
+    return 0;
+}
+
+int ttf_growth_newest(struct ttf_io *io, const char *folder, char ret_name[65])
+{
+    struct newest newest = {.io = io, .folder = folder};
+    int r = io->ops->list(io, folder, look_at, &newest);
+
+    if (r == 0 && newest.mtime_ns == 0)
+        r = -ENOENT;
+    if (r == 0)
+        memcpy(ret_name, newest.name, sizeof newest.name);
+    return r;
 }

@@ -10,6 +10,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include "ttf/base/time.h"
 #include "ttf/dataset/io.h"
 
 /* A signal is no failure: whatever it interrupted before anything happened is done again. */
@@ -145,6 +146,7 @@ static int px_stat(struct ttf_io *io, const char *path, struct ttf_io_stat *ret)
         return -errno;
     ret->is_dir = S_ISDIR(st.st_mode);
     ret->is_regular = S_ISREG(st.st_mode);
+    ret->mtime_ns = (int64_t)st.st_mtim.tv_sec * TTF_NS_PER_S + st.st_mtim.tv_nsec;
     ret->bytes = st.st_size;
     ret->device = st.st_dev;
     ret->inode = st.st_ino;

@@ -341,6 +341,18 @@ int ttf_json_finish(struct ttf_json *json, const char **ret_text, size_t *ret_by
     return 0;
 }
 
+int ttf_json_take(struct ttf_json *json, char **ret_text, size_t *ret_bytes)
+{
+    int r = ttf_json_finish(json, NULL, ret_bytes);
+
+    if (r == 0) {
+        *ret_text = json->text;
+        json->text = NULL;
+    }
+    ttf_json_free(json);
+    return r;
+}
+
 void ttf_json_free(struct ttf_json *json)
 {
     free(json->text);

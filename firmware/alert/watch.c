@@ -26,34 +26,6 @@ static void tell(struct watch *w, const char *kind, enum ttf_alert_severity seve
     w->tell(w->ctx, &alert);
 }
 
-/* ---- which dataset ---- */
-
-struct newest {
-    const char *folder;
-    int64_t mtime_ns; /* 0: none yet */
-    char name[65];
-};
-
-static int look_at(void *ctx, const char *name, bool is_dir)
-{
-    struct newest *newest = ctx;
-    char path[4300];
-    struct stat st;
-    int64_t mtime_ns;
-
-    if (!is_dir || name[0] == '.' || !ttf_name_ok(name))
-        return 0;
-    (void)snprintf(path, sizeof path, "%s/%s/records.jsonl", newest->folder, name);
-    if (stat(path, &st) < 0 || !S_ISREG(st.st_mode))
-        return 0;
-    mtime_ns = (int64_t)st.st_mtim.tv_sec * TTF_NS_PER_S + st.st_mtim.tv_nsec;
-    if (mtime_ns > newest->mtime_ns) {
-        newest->mtime_ns = mtime_ns;
-        (void)snprintf(newest->name, sizeof newest->name, "%s", name);
-    }
-    return 0;
-}
-
 static void begin(struct watch *w, const char *name)
 {
     memset(&w->records, 0, sizeof w->records);
@@ -176,14 +148,13 @@ static void judge(struct watch *w, bool ended_before)
 
 void watch_look(struct watch *w)
 {
-    struct newest newest = {.folder = w->folder};
+    char newest[65];
     bool ended_before;
 
-    (void)w->io->ops->list(w->io, w->folder, look_at, &newest);
-    if (newest.mtime_ns > 0 && strcmp(newest.name, w->name) != 0) {
+    if (ttf_growth_newest(w->io, w->folder, newest) == 0 && strcmp(newest, w->name) != 0) {
         bool first = w->name[0] == '\0' && w->seen_ns == 0;
 
-        begin(w, newest.name);
+        begin(w, newest);
         w->fresh = first; /* of one that came while we looked, all is news */
     }
     if (w->name[0] == '\0')

@@ -130,21 +130,9 @@ static void put_json(struct ttf_json *j, const struct check *c)
     const struct ttf_plan_figures *f = &c->figures;
 
     ttf_json_kbool(j, "simulated", c->box.simulated);
-    ttf_json_kstring(j, "title", plan->title);
-    ttf_json_kint(j, "slots", f->slots);
-    ttf_json_kint(j, "interval_ns", plan->interval_ns);
-    ttf_json_kint(j, "duration_ns", f->duration_ns);
-    ttf_json_kint(j, "bytes", f->bytes);
-    ttf_json_kint(j, "slot_bytes", f->slot_bytes);
-    ttf_json_kint(j, "slot_busy_ns", f->slot_busy_ns);
-    ttf_json_kint(j, "memory_bytes", f->memory_bytes);
+    ttf_plan_figures_put(plan, f, j);
     if (*plan->second_storage)
         ttf_json_kstring(j, "second_storage", plan->second_storage);
-    ttf_json_key(j, "flicker_ppm");
-    ttf_json_array(j);
-    for (unsigned i = 0; i < plan->n_shots; i++)
-        ttf_json_int(j, f->flicker_ppm[i]);
-    ttf_json_array_end(j);
     ttf_json_key(j, "lamps");
     ttf_json_array(j);
     for (unsigned i = 0; c->box.lamps && i < ttf_lamps_count(c->box.lamps); i++) {

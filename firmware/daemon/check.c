@@ -142,19 +142,7 @@ static void put_figures(struct ttf_json *j, struct checked *c)
 
     ttf_json_key(j, "figures");
     ttf_json_object(j);
-    ttf_json_kstring(j, "title", plan->title);
-    ttf_json_kint(j, "slots", f->slots);
-    ttf_json_kint(j, "interval_ns", plan->interval_ns);
-    ttf_json_kint(j, "duration_ns", f->duration_ns);
-    ttf_json_kint(j, "bytes", f->bytes);
-    ttf_json_kint(j, "slot_bytes", f->slot_bytes);
-    ttf_json_kint(j, "slot_busy_ns", f->slot_busy_ns);
-    ttf_json_kint(j, "memory_bytes", f->memory_bytes);
-    ttf_json_key(j, "flicker_ppm");
-    ttf_json_array(j);
-    for (unsigned i = 0; i < plan->n_shots; i++)
-        ttf_json_int(j, f->flicker_ppm[i]);
-    ttf_json_array_end(j);
+    ttf_plan_figures_put(plan, f, j);
     ttf_json_key(j, "lamps");
     ttf_json_array(j);
     (void)!shadow_with(c->d->shadow, put_lamp_figures, both, NULL);
@@ -164,18 +152,6 @@ static void put_figures(struct ttf_json *j, struct checked *c)
         ttf_json_kint(j, "slots_that_fit", c->disk.slots_that_fit);
     }
     ttf_json_object_end(j);
-}
-
-static int finish(struct ttf_json *json, char **ret, struct ttf_err *err)
-{
-    const char *text;
-    size_t bytes;
-    int r = ttf_json_finish(json, &text, &bytes);
-
-    if (r == 0 && !(*ret = strdup(text)))
-        r = -ENOMEM;
-    ttf_json_free(json);
-    return r < 0 ? ttf_err_set(err, r, NULL, "no memory") : 0;
 }
 
 int check_plan(struct daemon *d, const char *name, const char *yaml, size_t bytes, char **ret_json,
@@ -207,12 +183,12 @@ int check_plan(struct daemon *d, const char *name, const char *yaml, size_t byte
     if (r < 0) {
         struct ttf_err finished = {0};
 
-        r = finish(&j, ret_json, &finished);
+        r = daemon_give(&j, ret_json, &finished);
         if (r < 0)
             *err = finished;
         return r;
     }
-    return finish(&j, ret_json, err);
+    return daemon_give(&j, ret_json, err);
 }
 
 /* ---- what the box is made of ---- */
@@ -283,5 +259,5 @@ int check_devices(struct daemon *d, char **ret_json, struct ttf_err *err)
         ttf_json_free(&j);
         return r;
     }
-    return finish(&j, ret_json, err);
+    return daemon_give(&j, ret_json, err);
 }

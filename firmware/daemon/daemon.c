@@ -43,6 +43,13 @@ void daemon_tell_state(struct daemon *d)
     ttf_json_free(&json);
 }
 
+int daemon_give(struct ttf_json *json, char **ret, struct ttf_err *err)
+{
+    int r = ttf_json_take(json, ret, NULL);
+
+    return r < 0 ? ttf_err_set(err, r, NULL, "no memory") : 0;
+}
+
 void daemon_does(struct daemon *d, enum doing doing, const char *why, int64_t retry_ns)
 {
     if (situation_set(d->situation, doing, why, retry_ns))

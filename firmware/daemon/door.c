@@ -17,18 +17,6 @@ static struct daemon *of(struct ttf_http_box *box)
     return (struct daemon *)box;
 }
 
-static int finish(struct ttf_json *json, char **ret, struct ttf_err *err)
-{
-    const char *text;
-    size_t bytes;
-    int r = ttf_json_finish(json, &text, &bytes);
-
-    if (r == 0 && !(*ret = strdup(text)))
-        r = -ENOMEM;
-    ttf_json_free(json);
-    return r < 0 ? ttf_err_set(err, r, NULL, "no memory") : 0;
-}
-
 /* ---- status ---- */
 
 static void put_disk(struct daemon *d, struct ttf_json *json)
@@ -61,7 +49,7 @@ static int door_status(struct ttf_http_box *box, char **ret_json, struct ttf_err
     situation_status(d->situation, &json);
     put_disk(d, &json);
     ttf_json_object_end(&json);
-    return finish(&json, ret_json, err);
+    return daemon_give(&json, ret_json, err);
 }
 
 /* ---- plans and boards ---- */
@@ -142,7 +130,7 @@ static int started(struct daemon *d, const char *dataset, char **ret_json, struc
     ttf_json_object(&json);
     ttf_json_kstring(&json, "dataset", dataset);
     ttf_json_object_end(&json);
-    return finish(&json, ret_json, err);
+    return daemon_give(&json, ret_json, err);
 }
 
 static int go_on(struct daemon *d, char **ret_json, struct ttf_err *err)
@@ -194,7 +182,7 @@ static int show(struct daemon *d, int64_t number, char **ret_json, struct ttf_er
     ttf_json_init(&json, false);
     r = asks_show(d->asks, number, &json);
     if (r == 0)
-        return finish(&json, ret_json, err);
+        return daemon_give(&json, ret_json, err);
     ttf_json_free(&json);
     return ttf_err_set(err, r, NULL, "nothing of this number was asked, or long ago");
 }

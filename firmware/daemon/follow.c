@@ -45,9 +45,7 @@ char *follow_readings(const struct ttf_slot_record *record)
 {
     const struct ttf_shot none = {0}, *shot = &none;
     struct ttf_json json;
-    char *copy = NULL;
-    const char *text;
-    size_t bytes;
+    char *text = NULL;
 
     for (unsigned i = 0; i < record->n_images; i++)
         if (record->images[i].n_shots > 0)
@@ -58,10 +56,7 @@ char *follow_readings(const struct ttf_slot_record *record)
     put_lamps(shot, &json);
     put_sensors(record, &json);
     ttf_json_object_end(&json);
-    if (ttf_json_finish(&json, &text, &bytes) == 0)
-        copy = strdup(text);
-    ttf_json_free(&json);
-    return copy;
+    return ttf_json_take(&json, &text, NULL) == 0 ? text : NULL;
 }
 
 static int on_line(void *ctx, const struct ttf_growth_line *line, struct ttf_err *err)

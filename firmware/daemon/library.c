@@ -72,15 +72,10 @@ static int list(struct ttf_io *io, const char *folder, unsigned max, bool folder
 
 static int finish(struct ttf_json *json, int r, char **ret, struct ttf_err *err)
 {
-    const char *text;
-    size_t bytes;
-
     if (r == 0)
-        r = ttf_json_finish(json, &text, &bytes);
-    if (r == 0 && !(*ret = strdup(text)))
-        r = -ENOMEM;
+        return daemon_give(json, ret, err);
     ttf_json_free(json);
-    return r < 0 ? ttf_err_set(err, r, NULL, "%s", strerrordesc_np(-r)) : 0;
+    return ttf_err_set(err, r, NULL, "%s", strerrordesc_np(-r));
 }
 
 /* ---- plans ---- */

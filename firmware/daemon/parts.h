@@ -65,6 +65,9 @@ bool daemon_told_to_end(const struct daemon *d);
 /* Tells whoever listens what the box does now. */
 void daemon_tell_state(struct daemon *d);
 
+/* The text of a writer that is done with, as whoever asks by HTTP gets it: by malloc. -ENOMEM; json is freed. */
+TTF_MUST_USE int daemon_give(struct ttf_json *json, char **ret, struct ttf_err *err);
+
 /* What the box does, and, where it is something else than before, that it does. */
 void daemon_does(struct daemon *d, enum doing doing, const char *why, int64_t retry_ns);
 

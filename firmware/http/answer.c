@@ -328,8 +328,7 @@ enum MHD_Result answer_error(struct MHD_Connection *connection, const char *meth
     unsigned status = status_of(err->code);
     struct MHD_Response *response = NULL;
     struct ttf_json json;
-    const char *text;
-    char *copy;
+    char *text;
     size_t bytes;
 
     ttf_json_init(&json, false);
@@ -340,12 +339,11 @@ enum MHD_Result answer_error(struct MHD_Connection *connection, const char *meth
     if (*err->hint)
         ttf_json_kstring(&json, "hint", err->hint);
     ttf_json_object_end(&json);
-    if (ttf_json_finish(&json, &text, &bytes) == 0 && (copy = strdup(text))) {
-        response = MHD_create_response_from_buffer(bytes, copy, MHD_RESPMEM_MUST_FREE);
+    if (ttf_json_take(&json, &text, &bytes) == 0) {
+        response = MHD_create_response_from_buffer(bytes, text, MHD_RESPMEM_MUST_FREE);
         if (!response)
-            free(copy);
+            free(text);
     }
-    ttf_json_free(&json);
     if (response) {
         put_common(response, "application/json", false);
         if (status == MHD_HTTP_UNAUTHORIZED)

@@ -140,9 +140,6 @@ int chart_text(const char *dataset, const struct chart_points *points,
                size_t *ret_bytes)
 {
     struct ttf_json json;
-    const char *text;
-    size_t bytes;
-    int r;
 
     ttf_json_init(&json, false);
     ttf_json_object(&json);
@@ -157,15 +154,5 @@ int chart_text(const char *dataset, const struct chart_points *points,
         put_series(&json, points, &points->series[i]);
     ttf_json_array_end(&json);
     ttf_json_object_end(&json);
-    r = ttf_json_finish(&json, &text, &bytes);
-    if (r == 0) {
-        *ret_text = malloc(bytes + 1);
-        r = *ret_text ? 0 : -ENOMEM;
-    }
-    if (r == 0) {
-        memcpy(*ret_text, text, bytes + 1);
-        *ret_bytes = bytes;
-    }
-    ttf_json_free(&json);
-    return r;
+    return ttf_json_take(&json, ret_text, ret_bytes);
 }

@@ -21,18 +21,12 @@ static int no_dataset(struct ttf_http_request *request)
 /* A JSON writer's text as an answer. */
 static int give(struct ttf_json *json, struct ttf_http_answer *ret)
 {
-    const char *text;
+    char *text;
     size_t bytes;
-    int r = ttf_json_finish(json, &text, &bytes);
-    char *copy = r == 0 ? malloc(bytes + 1) : NULL;
+    int r = ttf_json_take(json, &text, &bytes);
 
-    if (r == 0 && !copy)
-        r = -ENOMEM;
-    if (r == 0) {
-        memcpy(copy, text, bytes + 1);
-        answer_json(ret, copy, bytes);
-    }
-    ttf_json_free(json);
+    if (r == 0)
+        answer_json(ret, text, bytes);
     return r;
 }
 

@@ -136,9 +136,6 @@ static int write_text(const struct ttf_manifest *m, const struct ttf_reader_summ
                       const char *digest, const char *dataset, char **ret_text)
 {
     struct ttf_json json;
-    const char *text;
-    size_t bytes;
-    int r;
 
     ttf_json_init(&json, false);
     ttf_json_object(&json);
@@ -152,13 +149,7 @@ static int write_text(const struct ttf_manifest *m, const struct ttf_reader_summ
         ttf_json_kstring(&json, "digest", digest);
     put_streams(&json, m);
     ttf_json_object_end(&json);
-    r = ttf_json_finish(&json, &text, &bytes);
-    if (r == 0) {
-        *ret_text = strdup(text);
-        r = *ret_text ? 0 : -ENOMEM;
-    }
-    ttf_json_free(&json);
-    return r;
+    return ttf_json_take(&json, ret_text, NULL);
 }
 
 /* By reading all of it. */

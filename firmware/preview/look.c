@@ -9,32 +9,6 @@
 #include "ttf/dataset/copy.h"
 #include "ttf/dataset/manifest.h"
 
-struct newest {
-    const char *folder;
-    int64_t mtime_ns; /* of records.jsonl; 0: none yet */
-    char name[65];
-};
-
-static int look_at(void *ctx, const char *name, bool is_dir)
-{
-    struct newest *newest = ctx;
-    char path[4300];
-    struct stat st;
-    int64_t mtime_ns;
-
-    if (!is_dir || name[0] == '.' || !ttf_name_ok(name))
-        return 0;
-    (void)snprintf(path, sizeof path, "%s/%s/records.jsonl", newest->folder, name);
-    if (stat(path, &st) < 0 || !S_ISREG(st.st_mode))
-        return 0;
-    mtime_ns = (int64_t)st.st_mtim.tv_sec * TTF_NS_PER_S + st.st_mtim.tv_nsec;
-    if (mtime_ns > newest->mtime_ns) {
-        newest->mtime_ns = mtime_ns;
-        (void)snprintf(newest->name, sizeof newest->name, "%s", name);
-    }
-    return 0;
-}
-
 static int take_line(void *ctx, const struct ttf_growth_line *line, struct ttf_err *err)
 {
     struct preview_subject *subject = ctx;
@@ -82,16 +56,15 @@ static int begin(struct ttf_io *io, const char *folder, const char *name,
 int preview_find(struct ttf_io *io, const char *folder, struct preview_subject *subject,
                  struct ttf_err *err)
 {
-    struct newest newest = {.folder = folder};
-    char path[4300];
-    int r = io->ops->list(io, folder, look_at, &newest);
+    char path[4300], newest[65];
+    int r = ttf_growth_newest(io, folder, newest);
 
+    if (r == -ENOENT)
+        return r;
     if (r < 0)
         return ttf_err_set(err, r, folder, "cannot be listed");
-    if (newest.mtime_ns == 0)
-        return -ENOENT;
-    if (strcmp(newest.name, subject->name) != 0) {
-        r = begin(io, folder, newest.name, subject, err);
+    if (strcmp(newest, subject->name) != 0) {
+        r = begin(io, folder, newest, subject, err);
         if (r < 0)
             return r;
     }

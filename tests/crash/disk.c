@@ -332,6 +332,7 @@ static int op_stat(struct ttf_io *io, const char *path, struct ttf_io_stat *ret)
         return node;
     ret->is_dir = disk->nodes[node]->is_dir;
     ret->is_regular = !ret->is_dir;
+    ret->mtime_ns = 0;
     ret->bytes = ret->is_dir ? 0 : (int64_t)disk->nodes[node]->bytes[0]->n;
     return 0;
 }

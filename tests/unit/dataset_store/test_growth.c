@@ -8,8 +8,11 @@
 #include <cmocka.h>
 
 #include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "store_test.h"
@@ -199,6 +202,35 @@ static void another_file_or_a_shorter_one_is_noticed(void **state)
     assert_int_equal(look(records, &before, &seen), -ENOENT);
 }
 
+static void written_at(const char *path, time_t s)
+{
+    const struct timespec times[2] = {{.tv_sec = s}, {.tv_sec = s}};
+
+    assert_int_equal(utimensat(AT_FDCWD, path, times, 0), 0);
+}
+
+static void the_dataset_whose_records_came_last_is_found(void **state)
+{
+    struct ttf_io *io = ttf_io_posix();
+    const char *folder = in(*state, ".");
+    char name[65] = "";
+
+    assert_int_equal(ttf_growth_newest(io, folder, name), -ENOENT);
+    ttf_writer_close(small_create(io, in(*state, "grass")));
+    ttf_writer_close(small_create(io, in(*state, "banana")));
+    written_at(in(*state, "grass/records.jsonl"), 2000);
+    written_at(in(*state, "banana/records.jsonl"), 1000);
+    assert_int_equal(ttf_growth_newest(io, folder, name), 0);
+    assert_string_equal(name, "grass");
+    written_at(in(*state, "banana/records.jsonl"), 3000);
+    assert_int_equal(ttf_growth_newest(io, folder, name), 0);
+    assert_string_equal(name, "banana");
+    /* What is hidden is no dataset of anybody's. */
+    assert_int_equal(rename(in(*state, "banana"), in(*state, ".banana")), 0);
+    assert_int_equal(ttf_growth_newest(io, folder, name), 0);
+    assert_string_equal(name, "grass");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -209,6 +241,8 @@ int main(void)
                                         folder_teardown),
         cmocka_unit_test_setup_teardown(what_is_refused_comes_again, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(damage_is_passed_over_and_counted, folder_setup,
+                                        folder_teardown),
+        cmocka_unit_test_setup_teardown(the_dataset_whose_records_came_last_is_found, folder_setup,
                                         folder_teardown),
         cmocka_unit_test_setup_teardown(another_file_or_a_shorter_one_is_noticed, folder_setup,
                                         folder_teardown),

@@ -14,6 +14,7 @@
 #include "ttf/base/err.h"
 #include "ttf/dataset/calibration.h"
 #include "ttf/dataset/develop.h"
+#include "ttf/dataset/json_writer.h"
 #include "ttf/hal/box.h"
 
 #define TTF_PLAN_SHOTS_MAX    8
@@ -112,6 +113,10 @@ struct ttf_plan_figures {
  */
 TTF_MUST_USE int ttf_plan_check(const struct ttf_plan *plan, const struct ttf_box *box,
                                 struct ttf_plan_figures *ret, struct ttf_err *err);
+
+/* Title, counts, times, sizes and flicker as keys of the object that is being written: what `plan check` and a box say alike. */
+void ttf_plan_figures_put(const struct ttf_plan *plan, const struct ttf_plan_figures *figures,
+                          struct ttf_json *json);
 
 /* The resolved plan as JSON (plans/N.json), units normalised; free with free(). */
 TTF_MUST_USE int ttf_plan_json(const struct ttf_plan *plan, char **ret_text, struct ttf_err *err);

@@ -27,8 +27,9 @@ struct ttf_io_stat {
     bool is_dir;
     bool is_regular;
     int64_t bytes;
-    uint64_t device; /* of the file system it lies on; 0: not known */
-    uint64_t inode;  /* its number there: with device, whether two names are of one folder */
+    uint64_t device;  /* of the file system it lies on; 0: not known */
+    uint64_t inode;   /* its number there: with device, whether two names are of one folder */
+    int64_t mtime_ns; /* when it was written last, since 1970; 0: not known */
 };
 
 struct ttf_io_space {

@@ -58,6 +58,9 @@ void ttf_json_raw(struct ttf_json *json, const char *text);
 /* 0 and the zero-terminated text (belongs to json), or the error that stuck. */
 TTF_MUST_USE int ttf_json_finish(struct ttf_json *json, const char **ret_text, size_t *ret_bytes);
 
+/* The same, the text the caller's, to be given back by free; of json nothing is left, also on failure. ret_bytes: NULL allowed. */
+TTF_MUST_USE int ttf_json_take(struct ttf_json *json, char **ret_text, size_t *ret_bytes);
+
 /* Frees the text. */
 void ttf_json_free(struct ttf_json *json);
 
