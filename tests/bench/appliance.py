@@ -200,6 +200,13 @@ def run(args, folder):
     return seen, speeds, rss, out
 
 
+def not_captured(folder):
+    """What the records say of slots that have no picture."""
+    with open(f"{folder}/data/run/records.jsonl", encoding="utf-8") as records:
+        slots = [json.loads(line) for line in records]
+    return [(s["index"], s["result"], s.get("reason", "")) for s in slots if s.get("result", "captured") != "captured"]
+
+
 def report(args, folder, seen, speeds, rss, cyclic):
     info = json.loads(subprocess.run([args.ttfbox, "info", f"{folder}/data/run", "--json"], capture_output=True, text=True,
                                      check=True).stdout.splitlines()[-1])
@@ -212,6 +219,8 @@ def report(args, folder, seen, speeds, rss, cyclic):
     lost = args.slots - info["captured"] if "captured" in info else info["slots"] - info["results"]["captured"]
     print(f"slots {info['slots']} at {args.interval_ms} ms, {args.clients} clients, load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
     print(f"not captured: {lost}; verify: exit {verified}")
+    for index, result, reason in not_captured(folder)[:20]:
+        print(f"  slot {index} {result}: {reason}")
     print(f"wake-up: p50 {percentile(wakeup, 0.5):.3f} ms, p99 {p99:.3f} ms, max {max(wakeup, default=float('nan')):.3f} ms ({len(wakeup)} slots)")
     print(f"slot error: p50 {percentile(error, 0.5):.3f} ms, p99 {percentile(error, 0.99):.3f} ms, max {max(error, default=float('nan')):.3f} ms")
     if not args.untimed:
