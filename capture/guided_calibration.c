@@ -227,3 +227,18 @@ int ttf_guided_flat(const struct ttf_guided_config *config, struct ttf_calibrati
     ttf_raw_sum_free(&sum);
     return r;
 }
+
+int ttf_guided_chart(const struct ttf_guided_config *config, const struct ttf_chart_view *view,
+                     const struct ttf_chart *chart, struct ttf_calibration *calibration,
+                     struct ttf_err *err)
+{
+    struct ttf_raw_sum sum = {0};
+    int r = ttf_guided_frames(config, true, &sum, err);
+
+    if (r == 0)
+        r = ttf_calibration_fit_chart(calibration, &sum, view, chart, err);
+    if (r == 0)
+        r = ttf_calibration_name(calibration, err);
+    ttf_raw_sum_free(&sum);
+    return r;
+}

@@ -31,15 +31,7 @@ struct flat_figures {
     size_t saturated;
 };
 
-static int32_t signal_16(const struct ttf_calibration *calibration, const struct ttf_raw_sum *flat,
-                         size_t i, uint16_t black)
-{
-    int32_t signal = (int32_t)calibration_mean_16(flat, i) - 16 * (int32_t)black;
-
-    return calibration->has_dark ? signal - calibration->dark_offset_16[i] : signal;
-}
-
-static bool is_hot(const struct ttf_calibration *calibration, uint32_t x, uint32_t y)
+bool calibration_is_hot(const struct ttf_calibration *calibration, uint32_t x, uint32_t y)
 {
     unsigned low = 0, high = calibration->n_hot;
     uint32_t key = y << 16 | x;
@@ -68,7 +60,7 @@ static int64_t block_mean(const struct ttf_calibration *calibration, const int32
 
     for (uint32_t y = y0 + position / 2; y < y0 + BLOCK && y < height; y += 2) {
         for (uint32_t x = x0 + position % 2; x < x0 + BLOCK && x < width; x += 2) {
-            if (is_hot(calibration, x, y))
+            if (calibration_is_hot(calibration, x, y))
                 continue;
             sum += signal[(size_t)y * width + x];
             n++;
@@ -198,7 +190,7 @@ static int32_t *signals_of(const struct ttf_calibration *calibration,
     limit_16 = 16u * black + 16u * (uint32_t)(white - black) / 1000u * SATURATED_PER_MILLE;
     *ret_saturated = 0;
     for (size_t i = 0; i < n; i++) {
-        signal[i] = signal_16(calibration, flat, i, black);
+        signal[i] = calibration_signal_16(calibration, flat, i, black);
         *ret_saturated += calibration_mean_16(flat, i) > limit_16;
     }
     return signal;

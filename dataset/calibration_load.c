@@ -100,10 +100,33 @@ static void get_hot(struct loader *loader, const json_t *array, struct ttf_calib
     calibration_sort_hot(ret);
 }
 
+static void get_chart(struct loader *loader, const json_t *chart, struct ttf_calibration *ret)
+{
+    const json_t *corners = json_object_get(chart, "corners");
+    struct ttf_chart_fit *fit = &ret->chart;
+
+    ret->has_chart = true;
+    fit->frames = (unsigned)get_int(loader, chart, "frames", 1, 65535);
+    if (json_array_size(corners) != 8)
+        complain(loader, "corners", "has not eight numbers");
+    for (size_t i = 0; i < 8 && loader->r == 0; i++)
+        fit->view.corners[i / 2][i % 2] =
+            get_double(loader, json_array_get(corners, i), "corners", 0, 65535);
+    fit->light = get_double(loader, json_object_get(chart, "light"), "light", 0, 1e3);
+    fit->delta_e_before_mean = get_double(loader, json_object_get(chart, "delta_e_before_mean"),
+                                          "delta_e_before_mean", 0, 1e3);
+    fit->delta_e_mean =
+        get_double(loader, json_object_get(chart, "delta_e_mean"), "delta_e_mean", 0, 1e3);
+    fit->delta_e_max =
+        get_double(loader, json_object_get(chart, "delta_e_max"), "delta_e_max", 0, 1e3);
+    fit->worst = (unsigned)get_int(loader, chart, "worst", 1, TTF_CHART_PATCHES) - 1;
+}
+
 static void get_parts(struct loader *loader, const json_t *root, struct ttf_calibration *ret)
 {
     const json_t *dark = json_object_get(root, "dark"), *flat = json_object_get(root, "flat");
     const json_t *matrix = json_object_get(root, "colour_matrix");
+    const json_t *chart = json_object_get(root, "chart");
 
     if (dark) {
         ret->has_dark = true;
@@ -126,6 +149,8 @@ static void get_parts(struct loader *loader, const json_t *root, struct ttf_cali
     for (size_t i = 0; matrix && i < 9 && loader->r == 0; i++)
         ret->colour_matrix[i] =
             get_double(loader, json_array_get(matrix, i), "colour_matrix", -1e3, 1e3);
+    if (chart)
+        get_chart(loader, chart, ret);
     get_hot(loader, json_object_get(root, "hot"), ret);
 }
 

@@ -10,6 +10,7 @@
 
 #define CALIBRATION_FORMAT "ttf-calibration"
 #define CALIBRATION_MAJOR  1
+#define CALIBRATION_MINOR  1 /* 1: "chart" */
 
 /* "RGGB", ..., "" for none; and back, -ENOENT. */
 const char *calibration_cfa_name(enum ttf_cfa cfa);
@@ -26,6 +27,31 @@ static inline uint32_t calibration_mean_16(const struct ttf_raw_sum *sum, size_t
 {
     return (uint32_t)(((uint64_t)sum->sum[i] * 16 + sum->n / 2) / sum->n);
 }
+
+/* The same above black, and above the calibration's dark where there is one. */
+static inline int32_t calibration_signal_16(const struct ttf_calibration *calibration,
+                                            const struct ttf_raw_sum *sum, size_t i, uint16_t black)
+{
+    int32_t signal = (int32_t)calibration_mean_16(sum, i) - 16 * (int32_t)black;
+
+    return calibration->has_dark ? signal - calibration->dark_offset_16[i] : signal;
+}
+
+/* How much more light the flat's settings gather than the frame's; a control the camera lacks (0) counts as equal. */
+static inline double calibration_exposure_ratio(const struct ttf_exposure *flat,
+                                                const struct ttf_exposure *frame)
+{
+    double ratio = 1.0;
+
+    if (flat->exposure_ns > 0 && frame->exposure_ns > 0)
+        ratio *= (double)flat->exposure_ns / (double)frame->exposure_ns;
+    if (flat->gain_milli > 0 && frame->gain_milli > 0)
+        ratio *= (double)flat->gain_milli / (double)frame->gain_milli;
+    return ratio;
+}
+
+/* Whether pixel (x, y) is among those not to be believed. */
+bool calibration_is_hot(const struct ttf_calibration *calibration, uint32_t x, uint32_t y);
 
 /* Whether frames can be fitted into the calibration. what: "dark", "flat". */
 TTF_MUST_USE int calibration_check_sum(const struct ttf_calibration *calibration,

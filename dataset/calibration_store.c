@@ -116,6 +116,26 @@ static void json_settings(struct ttf_json *json, const struct ttf_exposure *sett
     ttf_json_kint(json, "lens_mdpt", settings->lens_mdpt);
 }
 
+static void json_chart(struct ttf_json *json, const struct ttf_chart_fit *fit)
+{
+    ttf_json_key(json, "chart");
+    ttf_json_object(json);
+    ttf_json_kint(json, "frames", fit->frames);
+    ttf_json_key(json, "corners");
+    ttf_json_array(json);
+    for (int i = 0; i < 4; i++) {
+        ttf_json_double(json, fit->view.corners[i][0]);
+        ttf_json_double(json, fit->view.corners[i][1]);
+    }
+    ttf_json_array_end(json);
+    ttf_json_kdouble(json, "light", fit->light);
+    ttf_json_kdouble(json, "delta_e_before_mean", fit->delta_e_before_mean);
+    ttf_json_kdouble(json, "delta_e_mean", fit->delta_e_mean);
+    ttf_json_kdouble(json, "delta_e_max", fit->delta_e_max);
+    ttf_json_kint(json, "worst", fit->worst + 1);
+    ttf_json_object_end(json);
+}
+
 static void json_parts(struct ttf_json *json, const struct ttf_calibration *calibration)
 {
     if (calibration->has_dark) {
@@ -150,6 +170,8 @@ static void json_parts(struct ttf_json *json, const struct ttf_calibration *cali
     for (int i = 0; i < 9; i++)
         ttf_json_double(json, calibration->colour_matrix[i]);
     ttf_json_array_end(json);
+    if (calibration->has_chart)
+        json_chart(json, &calibration->chart);
 }
 
 static int save_json(const struct ttf_calibration *calibration, struct ttf_io *io,
@@ -168,7 +190,7 @@ static int save_json(const struct ttf_calibration *calibration, struct ttf_io *i
     ttf_json_object(&json);
     ttf_json_kstring(&json, "name", CALIBRATION_FORMAT);
     ttf_json_kint(&json, "major", CALIBRATION_MAJOR);
-    ttf_json_kint(&json, "minor", 0);
+    ttf_json_kint(&json, "minor", CALIBRATION_MINOR);
     ttf_json_object_end(&json);
     ttf_json_kstring(&json, "id", calibration->id);
     ttf_json_kstring(&json, "camera", calibration->camera);

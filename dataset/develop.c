@@ -125,18 +125,6 @@ uint32_t ttf_develop_height(const struct ttf_develop *develop)
     return develop->config.region.height;
 }
 
-/* How much more light the flat's settings gather than the frame's; a control the camera lacks (0) counts as equal. */
-static double exposure_ratio(const struct ttf_exposure *flat, const struct ttf_exposure *frame)
-{
-    double ratio = 1.0;
-
-    if (flat->exposure_ns > 0 && frame->exposure_ns > 0)
-        ratio *= (double)flat->exposure_ns / (double)frame->exposure_ns;
-    if (flat->gain_milli > 0 && frame->gain_milli > 0)
-        ratio *= (double)flat->gain_milli / (double)frame->gain_milli;
-    return ratio;
-}
-
 static int begin_run(struct develop_run *run, const struct ttf_develop *develop,
                      const struct ttf_raw_sum *raw, struct ttf_err *err)
 {
@@ -160,8 +148,9 @@ static int begin_run(struct develop_run *run, const struct ttf_develop *develop,
     run->mean = (float)(1.0 / ((double)raw->n * (double)(1u << shift)));
     run->black = (float)(develop->black >> shift);
     if (calibration && calibration->has_flat)
-        run->level = (float)(exposure_ratio(&calibration->flat_settings, &raw->settings) /
-                             calibration->flat_level);
+        run->level =
+            (float)(calibration_exposure_ratio(&calibration->flat_settings, &raw->settings) /
+                    calibration->flat_level);
     else
         run->level = (float)(1.0 / (double)((develop->white - develop->black) >> shift));
     return 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cmd_calibrate.c: `ttfbox calibrate dark | flat | report`. */
+/* cmd_calibrate.c: `ttfbox calibrate dark | flat | chart | report`. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "box.h"
+#include "calibrate_chart.h"
 #include "commands.h"
 #include "ttf/capture/guided_calibration.h"
 #include "ttf/config/plan_file.h"
@@ -16,8 +17,15 @@
 #define REFLECTANCE_DEFAULT 0.9
 #define TRUTH_SIDE          16 /* pixels of the coarse look at a simulated target */
 
+enum part {
+    DARK,
+    FLAT,
+    CHART
+};
+
 /* One calibration being made. */
 struct guided {
+    enum part part;
     struct ttf_plan plan; /* whose shot it is for; a plain one without --plan */
     struct ttf_plan_shot shot;
     struct ttf_box box;
@@ -67,8 +75,9 @@ static int choose_shot(struct cli *cli, struct guided *g)
 }
 
 /* What there is in CAL already; -EEXIST if it has the very part that is to be made. */
-static int open_folder(struct cli *cli, struct guided *g, bool flat)
+static int open_folder(struct cli *cli, struct guided *g)
 {
+    static const char *const names[] = {"dark", "flat", "chart"};
     const char *folder = cli->opt.output;
     char path[4096];
     struct ttf_io_stat st;
@@ -81,8 +90,10 @@ static int open_folder(struct cli *cli, struct guided *g, bool flat)
     r = ttf_calibration_load(cli->io, folder, &g->calibration, &cli->err);
     if (r < 0)
         return r;
-    if (flat ? g->calibration.has_flat : g->calibration.has_dark) {
-        ttf_err_set(&cli->err, -EEXIST, folder, "holds a %s already", flat ? "flat" : "dark");
+    if ((g->part == DARK && g->calibration.has_dark) ||
+        (g->part == FLAT && g->calibration.has_flat) ||
+        (g->part == CHART && g->calibration.has_chart)) {
+        ttf_err_set(&cli->err, -EEXIST, folder, "holds a %s already", names[g->part]);
         ttf_err_hint(&cli->err, "nothing is overwritten: make a new calibration with another -o");
         return -EEXIST;
     }
@@ -116,7 +127,27 @@ static int simulated_reflectance(struct cli *cli, const struct guided *g, double
 
 static void say_report(struct cli *cli, const struct ttf_calibration *c, const char *folder);
 
-static int acquire(struct cli *cli, struct guided *g, bool flat)
+/* The frames, fitted into the calibration. */
+static int take(struct cli *cli, struct guided *g, struct ttf_guided_config *config)
+{
+    struct ttf_chart_view view;
+    struct ttf_chart chart;
+    int r = 0;
+
+    if (g->part == DARK)
+        return ttf_guided_dark(config, &g->calibration, &cli->err);
+    if (g->part == FLAT) {
+        if (g->box.simulated && cli->opt.reflectance == 0)
+            r = simulated_reflectance(cli, g, &config->reflectance);
+        return r < 0 ? r : ttf_guided_flat(config, &g->calibration, &cli->err);
+    }
+    r = calibrate_chart_corners(cli, &g->box, &view);
+    if (r == 0)
+        r = calibrate_chart_values(cli, &g->box, &chart);
+    return r < 0 ? r : ttf_guided_chart(config, &view, &chart, &g->calibration, &cli->err);
+}
+
+static int acquire(struct cli *cli, struct guided *g)
 {
     struct ttf_guided_config config = {
         .box = &g->box,
@@ -126,15 +157,11 @@ static int acquire(struct cli *cli, struct guided *g, bool flat)
         .frames = cli->opt.frames ? (unsigned)cli->opt.frames : FRAMES_DEFAULT,
         .reflectance = cli->opt.reflectance > 0 ? cli->opt.reflectance : REFLECTANCE_DEFAULT,
     };
-    int r = 0;
+    int r;
 
     if (cli->opt.frames > 1000)
         return ttf_err_set(&cli->err, -EINVAL, "--frames", "more than 1000");
-    if (flat && g->box.simulated && cli->opt.reflectance == 0)
-        r = simulated_reflectance(cli, g, &config.reflectance);
-    if (r == 0)
-        r = flat ? ttf_guided_flat(&config, &g->calibration, &cli->err)
-                 : ttf_guided_dark(&config, &g->calibration, &cli->err);
+    r = take(cli, g, &config);
     if (r < 0)
         return r;
     g->calibration.simulated = g->box.simulated;
@@ -146,7 +173,7 @@ static int acquire(struct cli *cli, struct guided *g, bool flat)
     return r;
 }
 
-static int calibrate(struct cli *cli, bool flat)
+static int calibrate(struct cli *cli, enum part part)
 {
     struct guided *g = calloc(1, sizeof *g);
     struct ttf_board *board = calloc(1, sizeof *board);
@@ -155,9 +182,10 @@ static int calibrate(struct cli *cli, bool flat)
 
     if (!g || !board)
         goto out;
+    g->part = part;
     r = cli_need(cli, cli->opt.output, "-o", "say where the calibration goes, as -o cal");
     if (r == 0)
-        r = open_folder(cli, g, flat);
+        r = open_folder(cli, g);
     if (r == 0)
         r = cli_load_board(cli, board);
     if (r == 0)
@@ -169,7 +197,7 @@ static int calibrate(struct cli *cli, bool flat)
     if (r == 0)
         r = choose_shot(cli, g);
     if (r == 0)
-        r = acquire(cli, g, flat);
+        r = acquire(cli, g);
     if (r == 0)
         say_report(cli, &g->calibration, cli->opt.output);
 out:
@@ -185,12 +213,17 @@ out:
 
 int cmd_calibrate_dark(struct cli *cli)
 {
-    return calibrate(cli, false);
+    return calibrate(cli, DARK);
 }
 
 int cmd_calibrate_flat(struct cli *cli)
 {
-    return calibrate(cli, true);
+    return calibrate(cli, FLAT);
+}
+
+int cmd_calibrate_chart(struct cli *cli)
+{
+    return calibrate(cli, CHART);
 }
 
 /* Least and greatest gain of the flat: how even the light is. */
@@ -258,6 +291,7 @@ static void say_report(struct cli *cli, const struct ttf_calibration *c, const c
     ttf_json_kdouble(j, "flat_gain_min", lo);
     ttf_json_kdouble(j, "flat_gain_max", hi);
     ttf_json_kdouble(j, "flat_level", c->flat_level);
+    calibrate_chart_say(cli, c);
 }
 
 int cmd_calibrate_report(struct cli *cli)

@@ -121,6 +121,34 @@ static const struct cli_command COMMANDS[] = {
                       "in the simulated box"}},
     },
     {
+        .name = "calibrate chart",
+        .args = "",
+        .summary = "measure how the camera's colours become those of a display",
+        .text =
+            "Photographs a colour chart of 24 patches in the sample's place, under the lamps and "
+            "at "
+            "the exposure of the flat, which CAL must hold, and fits the matrix that brings the "
+            "camera's colours to sRGB's: grey stays grey. Says how far the patches are off before "
+            "and after (CIEDE2000). Refuses corners that do not fit, saturated or uneven patches, "
+            "and a chart of other colours.",
+        .run = cmd_calibrate_chart,
+        .options = {BOARD_OPTIONS,
+                    {OPT_PLAN, NULL},
+                    {OPT_SHOT, NULL},
+                    {OPT_EXPOSURE, NULL},
+                    {OPT_FRAMES, "frames to average (default: 64)"},
+                    {OPT_CORNERS, NULL},
+                    {OPT_VALUES, NULL},
+                    {OPT_OUTPUT, "the calibration folder CAL"},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox calibrate chart --plan week.yaml -o cal "
+                      "--corners 210,118,1630,121,1622,1071,214,1066",
+                      NULL},
+                     {"ttfbox calibrate chart --scene chart -o cal", "in the simulated box"}},
+    },
+    {
         .name = "calibrate report",
         .args = "CAL",
         .summary = "say what a calibration holds",

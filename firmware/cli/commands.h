@@ -45,6 +45,7 @@ const struct cli_command *cli_command_find(int n, char *const *words, int *ret_w
 int cmd_board_probe(struct cli *cli);
 int cmd_calibrate_dark(struct cli *cli);
 int cmd_calibrate_flat(struct cli *cli);
+int cmd_calibrate_chart(struct cli *cli);
 int cmd_calibrate_report(struct cli *cli);
 int cmd_capture(struct cli *cli);
 int cmd_develop(struct cli *cli);

@@ -32,6 +32,15 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
     [OPT_REFLECTANCE] = {"reflectance", 0, "SHARE", CLI_DECIMAL, O(reflectance), 0.01, 1,
                          "the even target's reflectance, 0..1 (default: 0.9; the simulated "
                          "'white' is known and needs none)"},
+    [OPT_CORNERS] =
+        {"corners", 0, "X,Y,...", CLI_TEXT, O(corners), 0, 0,
+         "eight numbers: x and y in the frame's pixels of the corners of the chart's "
+         "field of patches, from 'dark skin' along the first row, clockwise (the page's "
+         "live view picks them; of the simulated 'chart' they are known)"},
+    [OPT_VALUES] = {"values", 0, "FILE", CLI_TEXT, O(values), 0, 0,
+                    "L*, a* and b* (D50) of the chart's 24 patches, a line each, or a CGATS file "
+                    "(default: the ColorChecker Classic since November 2014; the simulated 'chart' "
+                    "is known)"},
     [OPT_REHEARSE] = {"rehearse", 0, "N", CLI_WHOLE, O(rehearse), 1, 1000,
                       "try N slots at once and report; the dataset stays unsealed"},
     [OPT_NO_SPEED_CHECK] = {"no-speed-check", 0, NULL, CLI_FLAG, O(no_speed_check), 0, 0,

@@ -57,6 +57,8 @@ enum cli_option {
     OPT_STREAM,
     OPT_BRACKET,
     OPT_WITH_EXCLUDED,
+    OPT_CORNERS,
+    OPT_VALUES,
     OPT_SIZE,
     OPT_BLOCK,
     OPT_OVERLAP,
@@ -122,6 +124,7 @@ enum cli_option {
 /* Values as given; what was not given has the value the option's table names. */
 struct cli_options {
     const char *board, *scene, *output, *calibration, *plan, *shot, *to, *gaps, *order, *transfer;
+    const char *corners, *values;
     const char *listen, *token_file, *box, *only, *beside;
     bool follow, list, usb;
     const char *bundle, *root, *script, *slots, *tag, *author;

@@ -70,6 +70,8 @@ static const struct cfg_field SENSOR[] = {
      "electrons/s of green on white in nominal light", 0, 0},
     {"channel_gain", cfg_double3, S(channel_gain), 0.001, 100, "response of R, G, B to white", 0,
      0},
+    {"colour_mix", cfg_double_ratio, S(colour_mix), 0, 0.3,
+     "share of each other colour in a colour", 0, 0},
     {"noise", cfg_bool, S(noise), NO_LIMIT, "shot and read noise and PRNU: true or false", 0, 0},
     {0}};
 

@@ -23,6 +23,7 @@ setting() { # KEY: of the board's image
     sed -n "s/^$1=//p" "$conf"
 }
 arch=$(setting arch) kernel=$(setting kernel) firmware=$(setting firmware) packages=$(setting packages)
+role=$(sed -n 's/^  usb_role: *\([a-z]*\).*/\1/p' "boards/$board/board.yaml")
 
 # What this machine's own apt has of Debian and of Raspberry Pi; and a file of further sources, for what the machine
 # does not use itself.
@@ -104,7 +105,7 @@ make_system() { # DISK-ID
     echo "image: making the system of $board" >&2
     # shellcheck disable=SC2016 # the hook's own $1
     mmdebstrap --quiet --variant=custom --architectures="$arch" --setup-hook="tar -C \"\$1\" --numeric-owner -xf $base" \
-        --customize-hook="sync-in $overlay /" --customize-hook='chroot "$1" sh /debs/finish.sh' \
+        --customize-hook="sync-in $overlay /" --customize-hook='chroot "$1" sh /debs/finish.sh '"${role:-none}" \
         bookworm "$work/system.tar" "$work/sources.list" >"$work/mmdebstrap.log" 2>&1 ||
         { tail -n 30 "$work/mmdebstrap.log" >&2; exit 1; }
 }

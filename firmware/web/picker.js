@@ -148,9 +148,15 @@ export class Picker {
   }
 }
 
-/* As a plan's lines, and the corners as four points. */
-export function pickedText({ region, reference, corners }) {
+/* The option that says where a chart lies; "" until all four corners are there. */
+export function cornersOption({ corners }) {
+  return corners.length === 4 ? `--corners ${corners.map((p) => `${p.x},${p.y}`).join(",")}` : "";
+}
+
+/* As a plan's lines, and the corners as `ttfbox calibrate chart` takes them. */
+export function pickedText(marks) {
+  const { region, reference } = marks, corners = cornersOption(marks);
   const rect = (name, r) => r && `${name}: {x: ${r.x}px, y: ${r.y}px, width: ${r.width}px, height: ${r.height}px}`;
   return [rect("region", region), rect("reference", reference),
-    corners.length === 4 && `# chart corners, ${CORNERS.join(", ")}: ${corners.map((p) => `${p.x},${p.y}`).join(" ")}`].filter(Boolean).join("\n");
+    corners && `# chart: ${corners}`].filter(Boolean).join("\n");
 }

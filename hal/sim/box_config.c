@@ -171,6 +171,7 @@ static int check_sensor(const struct ttf_sim_config *c, struct ttf_err *err)
         {"channel_gain[0]", c->channel_gain[0], 0, 100},
         {"channel_gain[1]", c->channel_gain[1], 0, 100},
         {"channel_gain[2]", c->channel_gain[2], 0, 100},
+        {"colour_mix", c->colour_mix, 0, 0.3},
     };
     int r = check_ranges("", ranges, TTF_COUNT_OF(ranges), err);
 

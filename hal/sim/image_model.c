@@ -27,6 +27,7 @@ struct sim_image_model {
     /* The frame's reflectance before blur, the rows that one row's blur sees: row y at y % rows, 3 x rows x width. */
     float *planes;
     uint32_t rows, filled; /* of the frame, rows before this one have been there */
+    float mix;             /* of each other colour, in what a filter lets through */
     float *line;           /* a few rows */
     size_t line_stride;
 };
@@ -100,6 +101,7 @@ int sim_image_model_create(const struct ttf_sim_config *config, struct ttf_scene
     m->scene = scene;
     optics_init(&m->optics, config);
     m->n_lamps = config->n_lamps;
+    m->mix = (float)config->colour_mix;
     m->rows = 2 * (uint32_t)m->optics.blur_radius + 1;
     m->light_step = config->width > LIGHT_STEPS ? config->width / LIGHT_STEPS : 1;
     m->light_columns = (config->width + m->light_step - 1) / m->light_step + 1;
@@ -243,15 +245,32 @@ static bool is_dark(const struct sim_image_model *m, const struct sim_exposure_l
     return true;
 }
 
+/* What filters that are not sharp make of a row; white stays white. */
+static void mix_colours(float mix, uint32_t w, float *red, float *green, float *blue)
+{
+    for (uint32_t x = 0; x < w; x++) {
+        const float others = mix * (red[x] + green[x] + blue[x]), own = 1.0f - 3.0f * mix;
+
+        red[x] = own * red[x] + others;
+        green[x] = own * green[x] + others;
+        blue[x] = own * blue[x] + others;
+    }
+}
+
 /* Brings the rows of the sample that row y's blur sees. */
 static void draw_rows(struct sim_image_model *m, uint32_t y)
 {
     const struct optics *o = &m->optics;
     const uint32_t last = y + (uint32_t)o->blur_radius;
 
-    for (; m->filled <= last && m->filled < o->height; m->filled++)
-        optics_resample_row(o, m->rgb, m->filled, m->line, plane_row(m, 0, m->filled),
-                            plane_row(m, 1, m->filled), plane_row(m, 2, m->filled));
+    for (; m->filled <= last && m->filled < o->height; m->filled++) {
+        float *red = plane_row(m, 0, m->filled), *green = plane_row(m, 1, m->filled);
+        float *blue = plane_row(m, 2, m->filled);
+
+        optics_resample_row(o, m->rgb, m->filled, m->line, red, green, blue);
+        if (m->mix > 0.0f)
+            mix_colours(m->mix, o->width, red, green, blue);
+    }
 }
 
 int sim_image_expose(struct sim_image_model *m, int64_t elapsed_ns,

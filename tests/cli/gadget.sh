@@ -54,6 +54,9 @@ network=$(cat "$in/network/70-ttfbox-usb.network")
 for line in "MACAddress=$box" DHCPServer=yes EmitRouter=no EmitDNS=no EmitNTP=no LinkLocalAddressing=ipv6; do
     grep -qx "$line" <<<"$network" || fail "the network lacks $line"
 done
+for line in "MACAddress=$box" MACAddressPolicy=none; do
+    grep -qx "$line" "$in/network/70-ttfbox-usb.link" || fail "udev is not told: $line"
+done
 # A network of six addresses: the box has the first, the PC gets one of the others.
 address=$(sed -n 's/^Address=\(.*\)$/\1/p' <<<"$network")
 "$PYTHON" - "$address" <<'END' || fail "the box's address is $address"
@@ -81,7 +84,7 @@ said err 'there is a gadget already'
 expect 0 "$GADGET" --into "$in" unbind
 [ -z "$(cat "$made/UDC")" ] || fail "it is bound still"
 expect 0 "$GADGET" --into "$in" remove
-if [ -e "$made" ] || [ -e "$in/network/70-ttfbox-usb.network" ]; then fail "something is left"; fi
+if [ -e "$made" ] || [ -n "$(ls "$in/network")" ]; then fail "something is left"; fi
 expect 0 "$GADGET" --into "$in" remove
 
 # --- what a start left halfway does not keep the next from it

@@ -28,6 +28,16 @@ for unit in ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-preview ttfbox-alertd; do
     tail -n 1 out
 done
 
+# An image has each of them on; the cable's where the board's port is a PC's device.
+for unit in "$UNITS"/*.service; do
+    grep -E '^ *systemctl enable ' "$SOURCE/firmware/image/finish.sh" | grep -qw "$(basename "$unit")" ||
+        fail "images leave $(basename "$unit") off"
+    # The cable's service reads no settings.
+    [ "$(basename "$unit")" != ttfbox-usbd.service ] || continue
+    grep -E '^Before=' "$SOURCE/firmware/image/root/etc/systemd/system/ttfbox-settings.service" | grep -qw "$(basename "$unit")" ||
+        fail "images start $(basename "$unit") before its settings are there"
+done
+
 # The guardian's watchdog is longer than its round, the daemon's than what its loop arms.
 grep -q '^WatchdogSec=20s' ttfboxd.service || fail "less than the loop's 15 s, or nothing"
 if command -v systemd-sysusers >/dev/null; then

@@ -2,6 +2,7 @@
 """A first boot without screen or network: the settings are taken, the card grows, a capture runs, nothing is open."""
 import json
 import os
+import re
 import subprocess
 import time
 
@@ -24,6 +25,8 @@ reserve: 1MB
 """
 RECORDS = "/var/lib/ttfbox/plan/records.jsonl"
 LOOPBACK = ("0100007F", "00000000000000000000000001000000")  # as /proc/net has them
+DHCP = "00000000:0043"  # networkd's, of the cable's network alone
+SERVICES = ("ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "ttfbox-preview", "ttfbox-alertd")
 STATUS = "systemctl show -P StatusText ttfboxd"
 
 
@@ -40,7 +43,7 @@ def expect_sealed_off(m):
     code, out = m.run("touch /x /etc/x /usr/x; grep ' / ' /proc/mounts")
     assert out.count("Read-only file system") == 3 and " / ext4 ro," in out, out
     code, out = m.run("cat /proc/net/tcp /proc/net/tcp6 /proc/net/udp /proc/net/udp6 2>/dev/null | grep -v local_address")
-    beyond = [line for line in out.splitlines() if line.split()[1].split(":")[0] not in LOOPBACK]
+    beyond = [line for line in out.splitlines() if line.split()[1].split(":")[0] not in LOOPBACK and line.split()[1] != DHCP]
     assert not beyond, "something listens beyond this machine: " + "\n".join(beyond)
     code, out = m.run("ls -d /var/log/journal; journalctl --header --no-pager | grep 'File path' | sort -u")
     assert "/run/log/journal/" in out and "/var/log" not in out.replace("'/var/log/journal'", ""), out
@@ -54,10 +57,25 @@ def expect_sealed_off(m):
 
 
 def exposure(m):
-    for unit in ("ttfboxd", "ttfbox-lampd"):
+    """Of each service at most 2.0; of the one that is root's and ends, told."""
+    for unit in SERVICES + ("ttfbox-gadget",):
         code, out = m.run("systemd-analyze security --no-pager %s.service | tail -n 1" % unit, 120)
         print("    " + out.strip().lstrip("→ "))
-        assert "OK" in out, out
+        level = re.search(r": ([0-9.]+) ", out)
+        assert level and (unit == "ttfbox-gadget" or float(level.group(1)) <= 2.0), out
+
+
+def expect_a_device_of_a_pc(m):
+    """The other end of the cable is this machine, too: a PC's program finds the box by USB and pulls what it has."""
+    code, out = m.run("ttfbox usb list", 60)
+    assert code == 0 and len(out.split()) > 0, out + m.journal()
+    print("    at USB: " + " ".join(out.split()))
+    code, out = m.run("ttfbox pull /tmp/pulled --usb && ttfbox verify -q /tmp/pulled/plan && rm -r /tmp/pulled", 300)
+    assert code == 0, out + m.journal()
+    # Its address on the cable's network, which networkd has given it.
+    code, out = m.run("sed -n 's/^Address=//p' /run/systemd/network/70-ttfbox-usb.network; grep -A 1 '|--' /proc/net/fib_trie")
+    lines = out.split("\n", 1)
+    assert lines[0].split("/")[0] in lines[1], out + m.journal()
 
 
 def a_first_boot_takes_the_settings_and_captures_as_seen_from_outside(board, image):
@@ -65,7 +83,7 @@ def a_first_boot_takes_the_settings_and_captures_as_seen_from_outside(board, ima
     since = time.time()
     with booted.Booted(image) as m:
         print("    its agent answered %.0f s after the kernel's start" % m.booted_s)
-        m.wait("systemctl is-active ttfboxd ttfbox-lampd && %s | grep -q -e capturing -e done" % STATUS, 300)
+        m.wait("systemctl is-active %s ttfbox-gadget && %s | grep -q -e capturing -e done" % (" ".join(SERVICES), STATUS), 300)
         exposure(m)
         code, out = m.run("df --output=size -BM /data | tail -n 1; cat /etc/ttfbox/ttfboxd.yaml; ls /boot/box; "
                           "stat -c %U:%G /var/lib/ttfbox/plan; systemctl is-system-running")
@@ -86,6 +104,7 @@ def a_first_boot_takes_the_settings_and_captures_as_seen_from_outside(board, ima
         assert m.lines() == {lamps.LEFT: 0, lamps.RIGHT: 1}, m.lines()
         code, out = m.run("grep -o '\"zone\":\"[^\"]*\"' %s" % RECORDS)
         assert "Europe/Berlin" in out, out
+        expect_a_device_of_a_pc(m)
         expect_sealed_off(m)
         m.off()
     assert booted.get(image, "ttfbox-problem.txt") is None

@@ -32,4 +32,9 @@ TTF_MUST_USE int ttf_guided_dark(const struct ttf_guided_config *config,
 TTF_MUST_USE int ttf_guided_flat(const struct ttf_guided_config *config,
                                  struct ttf_calibration *calibration, struct ttf_err *err);
 
+/* The same light on a chart in the sample's place: the colour matrix of a calibration that has its flat. */
+TTF_MUST_USE int ttf_guided_chart(const struct ttf_guided_config *config,
+                                  const struct ttf_chart_view *view, const struct ttf_chart *chart,
+                                  struct ttf_calibration *calibration, struct ttf_err *err);
+
 #endif

@@ -15,6 +15,7 @@
 
 #include "ttf/base/err.h"
 #include "ttf/base/frame.h"
+#include "ttf/dataset/chart.h"
 #include "ttf/dataset/io.h"
 
 /*
@@ -50,6 +51,23 @@ struct ttf_hot_pixel {
     uint16_t x, y;
 };
 
+/* A chart as the camera sees it: the corners of its patches' field, x and y in the frame's pixels (0, 0: the first pixel's outer corner). */
+struct ttf_chart_view {
+    double corners
+        [4]
+        [2]; /* of the first patch's own corner, then clockwise: top left, top right, bottom right, bottom left */
+};
+
+/* How well a matrix was fitted. */
+struct ttf_chart_fit {
+    unsigned frames; /* averaged */
+    struct ttf_chart_view view;
+    double light;               /* on the chart, 1: as on the flat */
+    double delta_e_before_mean; /* CIEDE2000 over the patches, without a matrix */
+    double delta_e_mean, delta_e_max;
+    unsigned worst; /* the patch of delta_e_max, from 0 */
+};
+
 /* A calibration. Fields are read freely; made by the functions below. Owns its arrays. */
 struct ttf_calibration {
     char id[64]; /* [a-z0-9-]; from the content's hash when fitted */
@@ -80,6 +98,9 @@ struct ttf_calibration {
 
     /* camera RGB (white balanced by the flat) to linear sRGB, row-major; identity by default */
     double colour_matrix[9];
+    /* what the matrix was fitted from; a remark, not part of the id */
+    bool has_chart;
+    struct ttf_chart_fit chart;
 };
 
 /* Nothing known: identity. */
@@ -102,6 +123,18 @@ TTF_MUST_USE int ttf_calibration_fit_dark(struct ttf_calibration *calibration,
 TTF_MUST_USE int ttf_calibration_fit_flat(struct ttf_calibration *calibration,
                                           const struct ttf_raw_sum *flat, double reflectance,
                                           struct ttf_err *err);
+
+/*
+ * Fits the colour matrix from frames of a chart under the light and in the place of the flat, which must be there: dark, flat
+ * and exposure applied, the middle of each patch averaged, the chart's brightness taken from its grey scale, then each row
+ * by weighted least squares (weights 1 / (Y + 0.02), so that dark patches count as the eye counts them), its three numbers
+ * adding up to 1: what is grey stays grey. Refused with a reason when the camera has no colours, corners do not go round a chart,
+ * patches are saturated, too small or uneven, or when they are not the colours of this chart (mean CIEDE2000 above 8).
+ */
+TTF_MUST_USE int ttf_calibration_fit_chart(struct ttf_calibration *calibration,
+                                           const struct ttf_raw_sum *frames,
+                                           const struct ttf_chart_view *view,
+                                           const struct ttf_chart *chart, struct ttf_err *err);
 
 /* Gives it its id from its content; call after fitting. */
 TTF_MUST_USE int ttf_calibration_name(struct ttf_calibration *calibration, struct ttf_err *err);

@@ -169,7 +169,9 @@ struct ttf_sim_config {
     double
         sensitivity_e; /* electrons per second of a green pixel on a perfect diffuser in nominal light */
     double channel_gain[3]; /* relative response of R, G, B pixels to white */
-    bool noise;             /* false: no shot, read noise and no PRNU */
+    double
+        colour_mix; /* share that a pixel's filter lets through of each other colour, at its own's cost; 0..0.3 */
+    bool noise; /* false: no shot, read noise and no PRNU */
     /* timing and control */
     int64_t exposure_min_ns, exposure_max_ns, exposure_step_ns;
     uint32_t gain_min_milli, gain_max_milli, gain_step_milli;

@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# A camera whose filters are not sharp photographs a colour chart, and from then on sees the colours that a sharp one sees.
+. "$(dirname "$0")/cli.bash"
+
+BOX=(--board sim-small --set sim.sensor.width=240px --set sim.sensor.height=160px --set sim.optics.blur=0px
+    --set sim.optics.perspective=0.06)
+SOFT=(--set sim.sensor.colour_mix=9%)
+plan p.yaml "interval: 1h" "count: 1" "lamps: {mode: continuous}" \
+    "shots: [{lamps: {left: 100%, right: 100%}, exposure: 20ms, average: 4}]" "keep: developed"
+
+for camera in sharp soft; do
+    mix=()
+    [ "$camera" = sharp ] || mix=("${SOFT[@]}")
+    expect 0 "$TTFBOX" calibrate dark "${BOX[@]}" "${mix[@]}" --plan p.yaml --frames 16 -o "$camera"
+    expect 2 "$TTFBOX" calibrate chart "${BOX[@]}" "${mix[@]}" --plan p.yaml --scene chart --frames 4 -o "$camera"
+    said err "no flat yet"
+    expect 0 "$TTFBOX" calibrate flat "${BOX[@]}" "${mix[@]}" --plan p.yaml --scene white --frames 16 -o "$camera"
+    expect 0 "$TTFBOX" capture p.yaml "${BOX[@]}" "${mix[@]}" --scene chart -c "$camera" -o "$camera-plain"
+    expect 0 "$TTFBOX" export "$camera-plain" -o "$camera.npy"
+done
+
+# Not the chart, not where it is.
+expect 2 "$TTFBOX" calibrate chart "${BOX[@]}" "${SOFT[@]}" --plan p.yaml --scene chart --corners 1,2,3 -o soft
+said err "eight numbers"
+expect 2 "$TTFBOX" calibrate chart "${BOX[@]}" "${SOFT[@]}" --plan p.yaml --scene chart --corners 10,10,90,10,90,70,10,70 -o soft
+said err "let the chart fill more of the frame"
+expect 2 "$TTFBOX" calibrate chart "${BOX[@]}" "${SOFT[@]}" --plan p.yaml --scene copper --frames 4 -o soft
+said err "no grey scale"
+expect 2 "$TTFBOX" calibrate chart "${BOX[@]}" "${SOFT[@]}" --plan p.yaml --scene chart --values nowhere.txt -o soft
+expect 0 "$TTFBOX" calibrate report soft --json
+is has_chart false
+
+expect 0 "$TTFBOX" calibrate chart "${BOX[@]}" "${SOFT[@]}" --plan p.yaml --scene chart --frames 16 -o soft
+said out "CIEDE2000"
+expect 0 "$TTFBOX" calibrate report soft --json
+is has_chart true
+"$PYTHON" - out <<'END' || fail "the chart's colours did not come back"
+import json, sys
+said = json.load(open(sys.argv[1], encoding="utf-8"))
+assert said["chart_delta_e_before_mean"] > 3, said
+assert said["chart_delta_e_mean"] < 0.2, said
+END
+expect 2 "$TTFBOX" calibrate chart "${BOX[@]}" "${SOFT[@]}" --plan p.yaml --scene chart -o soft
+said err "holds a chart already"
+
+expect 0 "$TTFBOX" capture p.yaml "${BOX[@]}" "${SOFT[@]}" --scene chart -c soft -o soft-chart
+expect 0 "$TTFBOX" export soft-chart -o soft-chart.npy
+before=$("$PYTHON" "$HERE/pictures.py" mae soft.npy sharp.npy)
+after=$("$PYTHON" "$HERE/pictures.py" mae soft-chart.npy sharp.npy)
+echo "off a sharp camera's colours: $before of full scale without a chart, $after with"
+"$PYTHON" -c "import sys; sys.exit(not ($before > 0.015 and $after < 0.006))" || fail "the colours are not a sharp camera's"
