@@ -51,22 +51,29 @@ static int levels_of(const struct ttf_guided_config *config, unsigned ret[TTF_LA
 }
 
 /* Averages the frames, a set at a time. */
-static int accumulate(struct guide *g, const struct ttf_locked *locked, unsigned frames,
-                      struct ttf_raw_sum *sum, struct ttf_err *err)
+static int accumulate(struct guide *g, const struct ttf_locked *locked,
+                      const struct ttf_guided_config *config, struct ttf_raw_sum *sum,
+                      struct ttf_err *err)
 {
-    while (sum->n < frames) {
+    int64_t give_up_ns = config->patience_ns > 0
+                             ? ttf_clock_now_ns(config->box->clock) + config->patience_ns
+                             : TTF_NS_NEVER;
+
+    while (sum->n < config->frames) {
         struct ttf_image image = {.shots = g->shots};
-        unsigned left = frames - sum->n;
+        unsigned left = config->frames - sum->n;
         unsigned before = sum->n;
         struct ttf_take take = {
             .locked = locked,
-            .give_up_ns = TTF_NS_NEVER,
+            .give_up_ns = give_up_ns,
             .raw = sum,
             .image = &image,
             .shots_room = TTF_SHOOT_TRIES * TTF_CAMERA_SET_MAX,
         };
         int r;
 
+        if (ttf_pulse_stop_wanted(&g->pulse))
+            return ttf_err_set(err, -ECANCELED, g->camera.name, "no picture is wanted any more");
         /* It fills the sum up to `average` frames in all. */
         take.average = before + (left < TTF_CAMERA_SET_MAX ? left : TTF_CAMERA_SET_MAX);
         r = ttf_shoot(&g->camera, &take);
@@ -103,7 +110,7 @@ static int acquire(struct guide *g, const struct ttf_guided_config *config, bool
     if (r < 0)
         return r;
     r = ttf_raw_sum_init(sum, &g->camera.format);
-    return r < 0 ? r : accumulate(g, &locked, config->frames, sum, err);
+    return r < 0 ? r : accumulate(g, &locked, config, sum, err);
 }
 
 static int set_up_camera(struct guide *g, const struct ttf_guided_config *config,
@@ -139,7 +146,7 @@ static int with_devices(struct guide *g, const struct ttf_guided_config *config,
     r = ttf_lamp_driver_begin(&g->lamps, box->lamps, &g->events,
                               ttf_clock_now_ns(box->clock) + TTF_BLOCKING_MAX_NS, err);
     if (r == 0) {
-        ttf_pulse_begin(&g->pulse, box, &g->queue, &g->events, &g->lamps, NULL);
+        ttf_pulse_begin(&g->pulse, box, &g->queue, &g->events, &g->lamps, config->stop);
         r = set_up_camera(g, config, err);
         if (r == 0)
             r = acquire(g, config, lit, sum, err);
