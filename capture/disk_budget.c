@@ -170,6 +170,19 @@ static int try_writing(struct ttf_io *io, const char *folder)
 int ttf_second_storage_check(struct ttf_io *io, const char *path, const struct ttf_plan *plan,
                              bool *ret_same, struct ttf_err *err)
 {
+    int r = ttf_second_storage_look(io, path, plan, ret_same, err);
+
+    if (r < 0 || plan->second_storage[0] == '\0')
+        return r;
+    r = try_writing(io, plan->second_storage);
+    return r < 0 ? ttf_err_set(err, r, "storage.second", "nothing can be written in %s",
+                               plan->second_storage)
+                 : 0;
+}
+
+int ttf_second_storage_look(struct ttf_io *io, const char *path, const struct ttf_plan *plan,
+                            bool *ret_same, struct ttf_err *err)
+{
     static const char field[] = "storage.second";
     const char *second = plan->second_storage;
     struct ttf_io_stat of_first = {0};
@@ -189,9 +202,6 @@ int ttf_second_storage_check(struct ttf_io *io, const char *path, const struct t
         ttf_err_hint(err, "mount the disk, or make the folder");
         return r;
     }
-    r = try_writing(io, second);
-    if (r < 0)
-        return ttf_err_set(err, r, field, "nothing can be written in %s", second);
     if (path[0] == '\0' || existing_folder(io, path, folder, sizeof(folder)) < 0 ||
         io->ops->stat(io, folder, &of_first) < 0 || of_first.device == 0 ||
         of_first.device != of_second.device)

@@ -17,6 +17,7 @@
 
 /* Everything that taking frames needs, without a dataset. */
 struct guide {
+    int64_t give_up_ns;              /* a set of frames is not begun anew after this */
     struct ttf_flicker_frames *each; /* frames go there one by one instead of into a sum; or NULL */
     struct ttf_queue queue;          /* events go here and no further */
     struct ttf_events events;
@@ -62,15 +63,18 @@ static int take_set(struct guide *g, const struct ttf_locked *locked, unsigned u
     struct ttf_image image = {.shots = g->shots};
     struct ttf_take take = {
         .locked = locked,
-        .give_up_ns = TTF_NS_NEVER,
+        .give_up_ns = g->give_up_ns,
         .raw = sum,
         .image = &image,
         .shots_room = TTF_SHOOT_TRIES * TTF_CAMERA_SET_MAX,
         .average = up_to,
     };
     unsigned before = sum->n;
-    int r = ttf_shoot(&g->camera, &take);
+    int r;
 
+    if (ttf_pulse_stop_wanted(&g->pulse))
+        return ttf_err_set(err, -ECANCELED, g->camera.name, "no picture is wanted any more");
+    r = ttf_shoot(&g->camera, &take);
     if (r < 0)
         return r;
     if (sum->n == before)
@@ -83,11 +87,12 @@ static int take_set(struct guide *g, const struct ttf_locked *locked, unsigned u
 }
 
 /* Averages the frames, a set at a time. */
-static int accumulate(struct guide *g, const struct ttf_locked *locked, unsigned frames,
-                      struct ttf_raw_sum *sum, struct ttf_err *err)
+static int accumulate(struct guide *g, const struct ttf_locked *locked,
+                      const struct ttf_guided_config *config, struct ttf_raw_sum *sum,
+                      struct ttf_err *err)
 {
-    while (sum->n < frames) {
-        unsigned left = frames - sum->n;
+    while (sum->n < config->frames) {
+        unsigned left = config->frames - sum->n;
         int64_t start_ns;
         int r =
             take_set(g, locked, sum->n + (left < TTF_CAMERA_SET_MAX ? left : TTF_CAMERA_SET_MAX),
@@ -161,8 +166,11 @@ static int acquire(struct guide *g, const struct ttf_guided_config *config, bool
     r = ttf_raw_sum_init(sum, &g->camera.format);
     if (r < 0)
         return r;
+    g->give_up_ns = config->patience_ns > 0
+                        ? ttf_clock_now_ns(config->box->clock) + config->patience_ns
+                        : TTF_NS_NEVER;
     return g->each ? take_each(g, &locked, config->frames, sum, err)
-                   : accumulate(g, &locked, config->frames, sum, err);
+                   : accumulate(g, &locked, config, sum, err);
 }
 
 static int set_up_camera(struct guide *g, const struct ttf_guided_config *config,
@@ -198,7 +206,7 @@ static int with_devices(struct guide *g, const struct ttf_guided_config *config,
     r = ttf_lamp_driver_begin(&g->lamps, box->lamps, &g->events,
                               ttf_clock_now_ns(box->clock) + TTF_BLOCKING_MAX_NS, err);
     if (r == 0) {
-        ttf_pulse_begin(&g->pulse, box, &g->queue, &g->events, &g->lamps, NULL);
+        ttf_pulse_begin(&g->pulse, box, &g->queue, &g->events, &g->lamps, config->stop);
         r = set_up_camera(g, config, err);
         if (r == 0)
             r = acquire(g, config, lit, sum, err);

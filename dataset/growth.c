@@ -150,6 +150,8 @@ struct newest {
     const char *folder;
     int64_t mtime_ns; /* of records.jsonl; 0: none yet */
     char name[65];
+    int64_t before_ns; /* older than this one, or as old and of a later name: an order of all */
+    char before[65];
 };
 
 static int look_at(void *ctx, const char *name, bool is_dir)
@@ -163,21 +165,38 @@ static int look_at(void *ctx, const char *name, bool is_dir)
     (void)snprintf(path, sizeof path, "%s/%s/records.jsonl", newest->folder, name);
     if (newest->io->ops->stat(newest->io, path, &st) < 0 || !st.is_regular)
         return 0;
-    if (st.mtime_ns > newest->mtime_ns) {
+    if (st.mtime_ns > newest->before_ns ||
+        (st.mtime_ns == newest->before_ns && strcmp(name, newest->before) <= 0))
+        return 0;
+    if (st.mtime_ns > newest->mtime_ns ||
+        (st.mtime_ns == newest->mtime_ns && strcmp(name, newest->name) < 0)) {
         newest->mtime_ns = st.mtime_ns;
         (void)snprintf(newest->name, sizeof newest->name, "%s", name);
     }
     return 0;
 }
 
-int ttf_growth_newest(struct ttf_io *io, const char *folder, char ret_name[65])
+int ttf_growth_nth_newest(struct ttf_io *io, const char *folder, unsigned n, char ret_name[65])
 {
-    struct newest newest = {.io = io, .folder = folder};
-    int r = io->ops->list(io, folder, look_at, &newest);
+    struct newest newest = {.io = io, .folder = folder, .before_ns = INT64_MAX};
+    int r;
 
-    if (r == 0 && newest.mtime_ns == 0)
-        r = -ENOENT;
+    for (unsigned i = 0;; i++) {
+        r = io->ops->list(io, folder, look_at, &newest);
+        if (r == 0 && newest.mtime_ns == 0)
+            r = -ENOENT;
+        if (r < 0 || i == n)
+            break;
+        newest.before_ns = newest.mtime_ns;
+        memcpy(newest.before, newest.name, sizeof newest.before);
+        newest.mtime_ns = 0;
+    }
     if (r == 0)
         memcpy(ret_name, newest.name, sizeof newest.name);
     return r;
+}
+
+int ttf_growth_newest(struct ttf_io *io, const char *folder, char ret_name[65])
+{
+    return ttf_growth_nth_newest(io, folder, 0, ret_name);
 }

@@ -172,6 +172,8 @@ int cmd_pull(struct cli *cli)
     if (r == 0 && usb_box_is(config.box)) {
         r = usb_bridge_begin(config.box, config.follow, config.clock, &bridge, &cli->err);
         config.box = bridge ? usb_bridge_where(bridge) : NULL;
+        config.ended = usb_bridge_ended;
+        config.ended_ctx = bridge;
     }
     if (r == 0)
         r = cli->opt.list ? list(cli, &config) : pull(cli, &config);

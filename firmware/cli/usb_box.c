@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +21,8 @@ struct usb_bridge {
     volatile int stop;
     pthread_t thread;
     bool runs;
+    atomic_int ended; /* 0: it goes on; else why not, and why says it in words */
+    struct ttf_err why;
 };
 
 static const char *after(const char *text, const char *prefix)
@@ -51,10 +54,23 @@ int usb_box_link(const char *box, struct ttf_usb_link **ret, struct ttf_err *err
 static void *run(void *ctx)
 {
     struct usb_bridge *b = ctx;
+    int r = ttf_usb_bridge_run(&b->config, &b->why);
 
-    /* What goes wrong is seen by who asks at the socket: it no longer answers. */
-    (void)!ttf_usb_bridge_run(&b->config, NULL);
+    atomic_store(&b->ended, r);
+    /* Who waits to be let in is turned away at once, and asks why. */
+    (void)close(b->socket.fd);
+    b->socket.fd = -1;
     return NULL;
+}
+
+int usb_bridge_ended(void *bridge, struct ttf_err *err)
+{
+    struct usb_bridge *b = bridge;
+    int r = atomic_load(&b->ended);
+
+    if (r < 0 && err)
+        *err = b->why;
+    return r;
 }
 
 /* Where others of this machine have no way in: the user's own folder of the session, else a fresh one. */
@@ -135,11 +151,11 @@ void usb_bridge_end(struct usb_bridge *bridge)
     if (bridge->runs)
         (void)pthread_join(bridge->thread, NULL);
     ttf_usb_link_destroy(bridge->config.link);
-    if (bridge->socket.fd >= 0) {
+    if (bridge->socket.fd >= 0)
         (void)close(bridge->socket.fd);
+    if (bridge->folder[0]) {
         (void)unlink(bridge->where + strlen("unix:"));
-    }
-    if (bridge->folder[0])
         (void)rmdir(bridge->folder);
+    }
     free(bridge);
 }

@@ -25,6 +25,10 @@ TTF_MUST_USE int usb_bridge_begin(const char *box, bool wait, struct ttf_clock *
                                   struct usb_bridge **ret, struct ttf_err *err);
 const char *
 usb_bridge_where(const struct usb_bridge *bridge); /* "unix:PATH", as long as it lives */
-void usb_bridge_end(struct usb_bridge *bridge);    /* NULL allowed */
+
+/* 0, or why it will never serve again (-EPROTONOSUPPORT: the box speaks another version): of ttf_pull_config.ended. Any thread. */
+TTF_MUST_USE int usb_bridge_ended(void *bridge, struct ttf_err *err);
+
+void usb_bridge_end(struct usb_bridge *bridge); /* NULL allowed */
 
 #endif

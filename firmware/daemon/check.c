@@ -53,7 +53,8 @@ static int against_disk(struct checked *c, struct ttf_err *err)
         (void)snprintf(err->where, sizeof err->where, "count");
         r = -EINVAL;
     }
-    if (r == 0 && ttf_second_storage_check(c->d->io, path, plan, NULL, err) < 0)
+    /* A look alone: whoever checks a plan writes nothing anywhere, and nothing beside a run. */
+    if (r == 0 && ttf_second_storage_look(c->d->io, path, plan, NULL, err) < 0)
         r = -EINVAL;
     return r;
 }

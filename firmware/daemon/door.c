@@ -125,6 +125,7 @@ static int started(struct daemon *d, const char *dataset, char **ret_json, struc
     struct ttf_json json;
 
     log_line(LOG_LEVEL_NOTICE, "asked", "for=start dataset=\"%s\"", dataset);
+    __atomic_store_n(&d->view_stop, 1, __ATOMIC_SEQ_CST);
     ttf_gate_open(d->wake);
     ttf_json_init(&json, false);
     ttf_json_object(&json);

@@ -8,7 +8,9 @@
 
 struct reading {
     struct daemon *d;
-    char *last; /* readings of the newest slot among what is new; NULL */
+    const char *dataset;
+    bool second; /* it is the second storage's */
+    char *last;  /* readings of the newest slot among what is new; NULL */
 };
 
 static void put_lamps(const struct ttf_shot *shot, struct ttf_json *json)
@@ -66,12 +68,12 @@ static int on_line(void *ctx, const struct ttf_growth_line *line, struct ttf_err
     struct ttf_segment segment;
 
     if (strcmp(line->type, "segment") == 0 && ttf_growth_segment(line, &segment, err) == 0)
-        situation_segment(reading->d->situation, &segment);
+        situation_segment(reading->d->situation, reading->dataset, reading->second, &segment);
     if (strcmp(line->type, "slot") == 0 && ttf_growth_slot(line, &record, err) == 0) {
         char *readings =
             record.n_images > 0 || record.n_sensors > 0 ? follow_readings(&record) : NULL;
 
-        situation_record(reading->d->situation, &record, readings);
+        situation_record(reading->d->situation, reading->dataset, &record, readings);
         if (readings) {
             free(reading->last);
             reading->last = readings;
@@ -89,23 +91,42 @@ bool follow_elsewhere(const struct follow *follow, struct daemon *d)
     return strcmp(dataset, follow->dataset) != 0;
 }
 
+/* What is new in one of the two. A dataset that was begun anew is forgotten with all that was known of it. */
+static void read_new(struct follow *follow, struct reading *reading, const char *folder)
+{
+    struct ttf_growth *growth = reading->second ? &follow->second : &follow->first;
+    struct daemon *d = reading->d;
+    char path[512 + 96];
+    int r;
+
+    (void)snprintf(path, sizeof path, "%s/%s/records.jsonl", folder, follow->dataset);
+    r = ttf_growth_read(d->io, path, growth, 0, on_line, reading, NULL);
+    if (r != -ESTALE)
+        return;
+    memset(growth, 0, sizeof *growth);
+    if (!reading->second) {
+        situation_forget(d->situation, follow->dataset);
+        memset(&follow->second, 0, sizeof follow->second);
+    }
+    (void)!ttf_growth_read(d->io, path, growth, 0, on_line, reading, NULL);
+}
+
 void follow_read(struct follow *follow, struct daemon *d)
 {
     struct reading reading = {.d = d};
-    char dataset[65], path[512 + 96];
-    int r;
+    char dataset[65], second[512];
 
     (void)situation_dataset(d->situation, dataset);
     if (strcmp(dataset, follow->dataset) != 0) {
         memset(follow, 0, sizeof *follow);
         memcpy(follow->dataset, dataset, sizeof follow->dataset);
     }
-    (void)snprintf(path, sizeof path, "%s/%s/records.jsonl", d->config.data, dataset);
-    r = ttf_growth_read(d->io, path, &follow->growth, 0, on_line, &reading, NULL);
-    if (r == -ESTALE) {
-        memset(&follow->growth, 0, sizeof follow->growth);
-        situation_forget(d->situation);
-        (void)!ttf_growth_read(d->io, path, &follow->growth, 0, on_line, &reading, NULL);
+    reading.dataset = follow->dataset;
+    read_new(follow, &reading, d->config.data);
+    situation_get_second(d->situation, second);
+    if (*second) {
+        reading.second = true;
+        read_new(follow, &reading, second);
     }
     if (reading.last)
         ttf_http_events_publish(d->events, "readings", reading.last);

@@ -8,7 +8,7 @@
 
 struct follow {
     char dataset[65];
-    struct ttf_growth growth;
+    struct ttf_growth first, second; /* where it began; where it went on when that storage failed */
 };
 
 /* What is new, into the situation; the last slot's lamps and sensors as an event. */

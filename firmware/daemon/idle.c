@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "idle.h"
 
+#include <errno.h>
+
 #include "light.h"
 #include "log.h"
 #include "view.h"
 
 #define LOOK_NS (250 * TTF_NS_PER_MS) /* how soon an end is seen while nothing runs */
+#define WORK_NS (2 * TTF_NS_PER_MIN)  /* that devices may take over a picture: lamps warm up, too */
 
 /* A short press: the light says anew what is, beginning with a wink. */
 static void look_at_button(struct ttf_panel *panel, enum ttf_led led)
@@ -25,11 +28,37 @@ static bool goes_on(struct daemon *d, int64_t generation)
     return !daemon_told_to_end(d) && orders_generation(d->orders) == generation;
 }
 
+struct working {
+    struct daemon *d;
+    int64_t generation;
+    struct ttf_watchdog *watchdog;
+};
+
+/* The watchdog's time is that of a picture meanwhile; one that is done with anything else is ended by whoever decides. */
+static int work(void *ctx, struct workshop_job *job, struct ttf_err *err)
+{
+    struct working *working = ctx;
+    struct daemon *d = working->d;
+    int r;
+
+    __atomic_store_n(&d->view_stop, 0, __ATOMIC_SEQ_CST);
+    if (!goes_on(
+            d, working->generation)) /* decided before this, it has set nothing that is seen now */
+        return ttf_err_set(err, -EBUSY, NULL, "a run has the devices");
+    if (working->watchdog)
+        (void)!ttf_watchdog_arm(working->watchdog, WORK_NS);
+    r = view_work(d, job, err);
+    if (working->watchdog)
+        (void)!ttf_watchdog_arm(working->watchdog, d->manager.watchdog_ns);
+    return r;
+}
+
 void idle(struct daemon *d, int64_t generation, int64_t for_ns, enum ttf_led led)
 {
     int64_t now_ns = ttf_clock_now_ns(d->clock);
     int64_t until_ns = for_ns == TTF_NS_NEVER ? TTF_NS_NEVER : now_ns + for_ns;
     struct ttf_watchdog *watchdog;
+    struct working working;
     struct ttf_panel *light;
     bool worked = false;
     int fed = 0;
@@ -37,13 +66,14 @@ void idle(struct daemon *d, int64_t generation, int64_t for_ns, enum ttf_led led
     if (daemon_told_to_end(d))
         return;
     watchdog = manager_watchdog(&d->manager);
+    working = (struct working){d, generation, watchdog};
     light = light_show(&d->board, d->clock, led);
     while (goes_on(d, generation) && now_ns < until_ns) {
         if (!worked)
             (void)!ttf_gate_wait(d->wake,
                                  until_ns - now_ns < LOOK_NS ? until_ns : now_ns + LOOK_NS);
         /* One at a time: who looks through the camera without an end keeps nothing else from being done. */
-        worked = goes_on(d, generation) && workshop_work(d->workshop, view_work, d);
+        worked = goes_on(d, generation) && workshop_work(d->workshop, work, &working);
         view_close(d, false);
         look_at_button(light, led);
         if (watchdog && fed == 0)

@@ -14,6 +14,7 @@
 #include "devices.h"
 #include "follow.h"
 #include "log.h"
+#include "preview_watch.h"
 #include "ttf/http/listen.h"
 #include "ttf/http/server.h"
 #include "ttf/http/token.h"
@@ -21,6 +22,7 @@
 #define LOOK_NS    (50 * TTF_NS_PER_MS)
 #define AGAIN_NS   (5 * TTF_NS_PER_S)  /* until a socket is tried again */
 #define TICK_NS    (10 * TTF_NS_PER_S) /* that listeners hear something */
+#define PREVIEW_NS (2 * TTF_NS_PER_S)  /* until the preview's state is looked at again */
 #define NICE       5                   /* behind everything that a slot waits for */
 #define LAST_CLASS ((2 << 13) | 7)     /* of those who share the disk fairly, the last */
 #define BOX_NAMES  3                   /* that it has by itself */
@@ -30,10 +32,11 @@ struct keeper {
     pthread_t thread;
     int stop; /* atomically */
     struct follow follow;
+    struct preview_watch preview;
     struct ttf_http_server *server;
     bool listening[TTF_DAEMON_LISTEN_MAX], complained[TTF_DAEMON_LISTEN_MAX];
     bool complained_of_server;
-    int64_t again_ns, save_ns, tick_ns;
+    int64_t again_ns, save_ns, tick_ns, preview_ns;
 };
 
 /* ---- sockets ---- */
@@ -117,13 +120,18 @@ static void open_sockets(struct keeper *k, int64_t now_ns)
             listen_at(k, i);
 }
 
-/* What was decided and the disk did not take, until it does. */
-static void save_orders(struct keeper *k, int64_t now_ns)
+/* What was decided and the disk did not take, until it does; and what it did not give. */
+static void keep_orders(struct keeper *k, int64_t now_ns)
 {
     if (now_ns < k->save_ns)
         return;
     k->save_ns = now_ns + AGAIN_NS;
     (void)!orders_save(k->d->orders, NULL);
+    if (orders_read_again(k->d->orders)) {
+        log_line(LOG_LEVEL_NOTICE, "orders", "read=%s", "late");
+        __atomic_store_n(&k->d->view_stop, 1, __ATOMIC_SEQ_CST);
+        ttf_gate_open(k->d->wake);
+    }
 }
 
 /* ---- what happens ---- */
@@ -166,6 +174,9 @@ static void tell_letter(struct keeper *k, const struct letter *letter)
     struct daemon *d = k->d;
     bool other = situation_letter(d->situation, letter);
 
+    /* Of a run before: whoever wants to know reads its records, which lie under its name. */
+    if (!situation_is_of(d->situation, letter) && letter->kind != TTF_PROGRESS_ALARM)
+        return;
     if (letter->kind == TTF_PROGRESS_SLOT)
         tell_slot(d, letter);
     else if (letter->kind == TTF_PROGRESS_EVENT)
@@ -225,11 +236,15 @@ static void *keep(void *ctx)
         int64_t now_ns = ttf_clock_now_ns(clock);
 
         open_sockets(k, now_ns);
-        save_orders(k, now_ns);
+        keep_orders(k, now_ns);
         if (follow_elsewhere(&k->follow, k->d))
             follow_read(&k->follow, k->d);
         empty_mailbox(k);
         tell_answers(k->d);
+        if (now_ns >= k->preview_ns) {
+            preview_watch_look(&k->preview, k->d);
+            k->preview_ns = now_ns + PREVIEW_NS;
+        }
         if (now_ns >= k->tick_ns) {
             ttf_http_events_tick(k->d->events);
             k->tick_ns = now_ns + TICK_NS;

@@ -16,6 +16,7 @@
 struct letter {
     enum ttf_progress_kind kind;
     int result;
+    int64_t run; /* of the mailbox, then */
     int64_t index, total, now_ns, error_ns, wakeup_ns;
     char text[256]; /* cut */
 };
@@ -23,6 +24,7 @@ struct letter {
 struct mailbox {
     uint32_t in, out; /* counts of letters, atomically */
     uint32_t dropped;
+    int64_t run; /* which one says what is put in from now on; between runs alone */
     struct letter letters[MAILBOX_ROOM];
 };
 

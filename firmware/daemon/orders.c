@@ -7,23 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ttf/dataset/json_parse.h"
-#include "ttf/dataset/json_writer.h"
-
-#define FILE_MAX ((size_t)1 << 20)
+#include "orders_file.h"
 
 struct orders {
-    struct ttf_io *io;
-    char folder[512], path[528];
-    char configured[65], configuration[1024];
+    struct orders_file file;
+    char configured[65];
     pthread_mutex_t lock; /* over what follows */
     struct order order;
     bool unsaved; /* the disk did not take it */
+    bool unseen;  /* there was no file yet: its disk may come late */
+    int unread;   /* there is one, and this error of the disk, for which it cannot be read */
+    struct ttf_err why_unread;
     volatile int *flag;
     int flag_value;
 };
-
-static const char *const STATES[] = {"none", "running", "stopped", "done"};
 
 void order_free(struct order *order)
 {
@@ -38,96 +35,80 @@ static void copy(char *ret, size_t size, const char *text)
     (void)snprintf(ret, size, "%s", text ? text : "");
 }
 
-static void configured_order(struct orders *o)
+/* The lock is held; what is there is let go of. */
+static void hold(struct orders *o, const struct order *order)
 {
-    order_free(&o->order);
-    copy(o->order.dataset, sizeof o->order.dataset, o->configured);
-    o->order.state = *o->configured ? ORDER_RUN : ORDER_NONE;
-}
+    int64_t generation = o->order.generation + 1;
 
-static int read_order(struct orders *o, const json_t *object)
-{
-    const char *state = json_string_value(json_object_get(object, "state"));
-    const char *yaml = json_string_value(json_object_get(object, "plan_yaml"));
-    const char *under = json_string_value(json_object_get(object, "configuration"));
-    bool same = under && strcmp(under, o->configuration) == 0;
-    struct order order = {.by_request = yaml != NULL};
-
-    for (unsigned i = ORDER_RUN; i <= ORDER_DONE; i++)
-        if (state && strcmp(state, STATES[i]) == 0)
-            order.state = (enum order_state)i;
-    copy(order.dataset, sizeof order.dataset,
-         json_string_value(json_object_get(object, "dataset")));
-    copy(order.plan, sizeof order.plan, json_string_value(json_object_get(object, "plan")));
-    if (state && strcmp(state, STATES[ORDER_NONE]) == 0)
-        return 0; /* nobody had decided anything */
-    if (order.state == ORDER_NONE || !*order.dataset)
-        return -EINVAL;
-    /* What the configuration names now, and did not then, nobody has stopped. */
-    if (!same && (!order.by_request || order.state != ORDER_RUN))
-        return 0;
-    if (yaml && !(order.yaml = strdup(yaml)))
-        return -ENOMEM;
-    order_free(&o->order);
-    o->order = order;
-    return 0;
-}
-
-static int load(struct orders *o, struct ttf_err *err)
-{
-    char *text = NULL;
-    json_t *object;
-    size_t bytes;
-    int r = ttf_io_slurp(o->io, o->path, FILE_MAX, &text, &bytes, err);
-
-    configured_order(o);
-    if (r == -ENOENT)
-        return 0;
-    if (r < 0)
-        return r;
-    r = ttf_json_parse(text, bytes, &object, NULL);
-    free(text);
-    if (r == 0) {
-        r = read_order(o, object);
-        json_decref(object);
-    }
-    if (r == -EINVAL) {
-        ttf_err_set(err, r, o->path, "does not say what was to run");
-        ttf_err_hint(err,
-                     "remove it: the configuration holds then, or a run is to be asked for anew");
-    }
-    return r;
+    if (o->order.yaml != order->yaml)
+        order_free(&o->order);
+    o->order = *order;
+    o->order.generation = generation;
 }
 
 static int save(struct orders *o, const struct order *order, struct ttf_err *err)
 {
-    /* The configuration's run is looked at anew at each boot: a longer plan goes on. */
-    bool anew = order->state == ORDER_DONE && !order->by_request;
-    struct ttf_json json;
-    const char *text;
-    size_t bytes;
-    int r;
+    int r = orders_file_write(&o->file, order, err);
 
-    ttf_json_init(&json, true);
-    ttf_json_object(&json);
-    ttf_json_kstring(&json, "state", STATES[anew ? ORDER_RUN : order->state]);
-    ttf_json_kstring(&json, "dataset", order->dataset);
-    ttf_json_kstring(&json, "configuration", o->configuration);
-    if (order->by_request) {
-        ttf_json_kstring(&json, "plan", order->plan);
-        ttf_json_kstring(&json, "plan_yaml", order->yaml);
-    }
-    ttf_json_object_end(&json);
-    r = ttf_json_finish(&json, &text, &bytes);
-    if (r < 0)
-        ttf_err_set(err, r, o->path, "no memory");
-    else
-        r = ttf_io_mkdirs(o->io, o->folder, err);
-    if (r == 0)
-        r = ttf_io_write_file(o->io, o->path, text, bytes, err);
-    ttf_json_free(&json);
     o->unsaved = r < 0;
+    if (r == 0) { /* whatever stood there before is over */
+        o->unseen = false;
+        o->unread = 0;
+    }
     return r;
+}
+
+static struct order configured_order(const struct orders *o)
+{
+    struct order order = {.state = *o->configured ? ORDER_RUN : ORDER_NONE};
+
+    copy(order.dataset, sizeof order.dataset, o->configured);
+    return order;
+}
+
+/* Nobody knows what was decided: nothing runs, so that nothing is done to a sample that nobody wants done. */
+static struct order unknown_order(struct orders *o)
+{
+    struct order order = {.state = ORDER_STOPPED};
+    bool aside = orders_file_put_aside(&o->file) == 0;
+
+    copy(order.dataset, sizeof order.dataset, o->configured);
+    (void)snprintf(order.why, sizeof order.why,
+                   "what was to run could not be understood (%.300s%s): start it, or another one",
+                   o->file.path, aside ? ".unreadable" : "");
+    return order;
+}
+
+static bool is_same(const struct order *a, const struct order *b)
+{
+    return a->state == b->state && a->by_request == b->by_request &&
+           strcmp(a->dataset, b->dataset) == 0 && strcmp(a->plan, b->plan) == 0 &&
+           strcmp(a->yaml ? a->yaml : "", b->yaml ? b->yaml : "") == 0;
+}
+
+/* The lock is held. Of what was not read yet. */
+static void read_file(struct orders *o)
+{
+    struct order order = {0};
+    struct ttf_err err = {0};
+    int r = orders_file_read(&o->file, &order, &err);
+
+    o->unread = r < 0 && r != -ENOENT && r != -EINVAL ? r : 0;
+    o->why_unread = err;
+    if (o->unread)
+        return; /* nothing is begun by guess, and nothing that goes on is ended by one */
+    o->unseen = r == -ENOENT;
+    if (r == -EINVAL)
+        order = unknown_order(o);
+    else if (r <= 0)
+        order = configured_order(o);
+    if (o->order.generation > 0 && is_same(&o->order, &order)) {
+        order_free(&order);
+        return;
+    }
+    hold(o, &order);
+    if (r == -EINVAL)
+        (void)!save(o, &order, NULL);
 }
 
 /* It may stand there all the same (a folder that could not be synced): what holds is written back, at once or by orders_save. */
@@ -141,21 +122,16 @@ int orders_create(struct ttf_io *io, const char *folder, const char *configured,
                   const char *configuration, struct orders **ret, struct ttf_err *err)
 {
     struct orders *o = calloc(1, sizeof *o);
-    int r;
 
     if (!o)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
-    o->io = io;
-    copy(o->folder, sizeof o->folder, folder);
-    (void)snprintf(o->path, sizeof o->path, "%s/run.json", o->folder);
+    o->file.io = io;
+    copy(o->file.folder, sizeof o->file.folder, folder);
+    (void)snprintf(o->file.path, sizeof o->file.path, "%s/run.json", o->file.folder);
+    copy(o->file.configuration, sizeof o->file.configuration, configuration);
     copy(o->configured, sizeof o->configured, configured);
-    copy(o->configuration, sizeof o->configuration, configuration);
     (void)pthread_mutex_init(&o->lock, NULL);
-    r = load(o, err);
-    if (r < 0) {
-        orders_destroy(o);
-        return r;
-    }
+    read_file(o);
     *ret = o;
     return 0;
 }
@@ -188,17 +164,6 @@ int orders_get(struct orders *o, struct order *ret)
     return r;
 }
 
-/* The lock is held; what is there is let go of. */
-static void hold(struct orders *o, const struct order *order)
-{
-    int64_t generation = o->order.generation + 1;
-
-    if (o->order.yaml != order->yaml)
-        order_free(&o->order);
-    o->order = *order;
-    o->order.generation = generation;
-}
-
 void orders_flag(struct orders *o, volatile int *flag, int value)
 {
     o->flag = flag;
@@ -212,13 +177,49 @@ static void swap_flag(struct orders *o, int from, int to)
                                           __ATOMIC_SEQ_CST);
 }
 
-int orders_take(struct orders *o, struct order *ret)
+/* The lock is held. What ran under another decision than the one that was read now is ended. */
+static bool read_again(struct orders *o)
+{
+    int64_t generation = o->order.generation;
+    bool ran = o->order.state == ORDER_RUN;
+
+    if (!o->unread && !o->unseen)
+        return false;
+    if (o->unseen && o->unsaved)
+        return false; /* what was decided since then holds, and is on its way there */
+    read_file(o);
+    if (o->order.generation == generation)
+        return false;
+    if (ran)
+        swap_flag(o, 0, o->flag_value);
+    return true;
+}
+
+bool orders_read_again(struct orders *o)
+{
+    bool other;
+
+    (void)pthread_mutex_lock(&o->lock);
+    other = read_again(o);
+    (void)pthread_mutex_unlock(&o->lock);
+    return other;
+}
+
+int orders_take(struct orders *o, struct order *ret, struct ttf_err *err)
 {
     int r;
 
     (void)pthread_mutex_lock(&o->lock);
+    (void)read_again(o);
     swap_flag(o, o->flag_value, 0);
-    r = copy_order(o, ret);
+    r = o->unread ? o->unread : copy_order(o, ret);
+    if (r < 0 && err)
+        *err = o->why_unread;
+    if (r < 0) {
+        *ret = (struct order){.generation = o->order.generation};
+        if (!o->unread)
+            ttf_err_set(err, r, NULL, "no memory");
+    }
     (void)pthread_mutex_unlock(&o->lock);
     return r;
 }
@@ -267,8 +268,13 @@ static int change(struct orders *o, enum order_state from, enum order_state to,
     (void)pthread_mutex_lock(&o->lock);
     order = o->order;
     order.state = to;
-    r = o->order.state == from ? save(o, &order, err)
-                               : ttf_err_set(err, -ENOENT, NULL, "%s", otherwise);
+    order.why[0] = '\0';
+    if (o->unread)
+        r = ttf_err_set(err, -EAGAIN, o->file.path, "cannot be read yet, and says what runs");
+    else if (o->order.state != from || !*order.dataset)
+        r = ttf_err_set(err, -ENOENT, NULL, "%s", otherwise);
+    else
+        r = save(o, &order, err);
     if (r == 0)
         hold(o, &order);
     /* Under the same lock as the state: it is never a run of a later decision that it ends. */

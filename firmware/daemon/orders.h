@@ -30,12 +30,16 @@ struct order {
     bool by_request;  /* else the configuration's */
     char dataset[65]; /* its name */
     char plan[65];    /* its name, of one by request */
+    char why[400];    /* STOPPED: by whom else than a person; empty: by one */
     char *yaml;       /* the plan by request, as it was then; by malloc */
 };
 
 struct orders;
 
-/* configured: the configuration's dataset (its name), "" for none; configuration: a text that tells it from others. */
+/*
+ * configured: the configuration's dataset (its name), "" for none; configuration: a text that tells it from others. A file that
+ * says nothing that can be understood is put aside, and the order is STOPPED, with why. -ENOMEM.
+ */
 TTF_MUST_USE int orders_create(struct ttf_io *io, const char *folder, const char *configured,
                                const char *configuration, struct orders **ret, struct ttf_err *err);
 void orders_destroy(struct orders *orders); /* NULL allowed */
@@ -48,14 +52,22 @@ void orders_flag(struct orders *orders, volatile int *flag, int value);
 TTF_MUST_USE int orders_get(struct orders *orders, struct order *ret);
 void order_free(struct order *order);
 
-/* The same for whoever acts on it: a stop that the flag still tells of is of one before, and is taken out of it. */
-TTF_MUST_USE int orders_take(struct orders *orders, struct order *ret);
+/*
+ * The same for whoever acts on it: a stop that the flag still tells of is of one before, and is taken out of it. Errors of the
+ * disk, for which what was decided cannot be read yet; *ret has the generation then, and nothing else.
+ */
+TTF_MUST_USE int orders_take(struct orders *orders, struct order *ret, struct ttf_err *err);
+
+/* Looks for a file that was not there, or could not be read: its disk may have come late. true: something else holds now, and what
+ * ran under what was held until then is told to end. */
+bool orders_read_again(struct orders *orders);
+
 int64_t orders_generation(struct orders *orders); /* of what holds now */
 
 /* Each on the disk before it returns. -EBUSY: a run is under way; errors of the disk, and nothing has changed. */
 TTF_MUST_USE int orders_start(struct orders *orders, const char *plan, const char *yaml,
                               const char *dataset, struct ttf_err *err);
-/* -ENOENT: nothing runs (stop), nothing was stopped (go_on). */
+/* -ENOENT: nothing runs (stop), nothing was stopped (go_on). -EAGAIN: what was decided before cannot be read yet. */
 TTF_MUST_USE int orders_stop(struct orders *orders, struct ttf_err *err);
 TTF_MUST_USE int orders_go_on(struct orders *orders, struct ttf_err *err);
 

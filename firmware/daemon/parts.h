@@ -41,6 +41,8 @@ struct daemon {
     int64_t wait_ns;           /* before what failed is tried again */
     struct ttf_box view;       /* kept open for a while between pictures; n_cameras 0: not */
     int64_t viewed_ns;
+    volatile int
+        view_stop; /* atomically: not 0: a run wants the devices, no picture does any more */
 
     pthread_mutex_t plans; /* over their files: one change at a time */
 

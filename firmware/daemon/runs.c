@@ -230,8 +230,9 @@ static void one_run(struct daemon *d, const struct order *order)
     if (r > 0)
         return;
     (void)snprintf(path, sizeof path, "%s/%s", d->config.data, order->dataset);
-    situation_run(d->situation, order);
+    d->mailbox->run = situation_run(d->situation, order);
     if (r == 0) {
+        situation_second(d->situation, ttf_plan_file_plan(d->run.file)->second_storage);
         workshop_open(d->workshop, false);
         view_close(d, true);
         daemon_does(d, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
@@ -251,17 +252,21 @@ static void one_run(struct daemon *d, const struct order *order)
 static void rest(struct daemon *d, const struct order *order)
 {
     if (order->state == ORDER_STOPPED) {
-        situation_run(d->situation, order);
-        manager_status(&d->manager, "stopped by a person: %s", order->dataset);
+        const char *why = *order->why ? order->why : "stopped by a person";
+        char quoted[500];
+
+        if (*order->dataset)
+            (void)situation_run(d->situation, order);
+        manager_status(&d->manager, "%s: %s", why, order->dataset);
         if (situation_doing(d->situation) != DOING_STOPPED)
-            log_line(LOG_LEVEL_NOTICE, "resting", "why=\"stopped by a person\" dataset=\"%s\"",
-                     order->dataset);
-        daemon_does(d, DOING_STOPPED, "stopped by a person", TTF_NS_UNKNOWN);
+            log_line(*order->why ? LOG_LEVEL_ERROR : LOG_LEVEL_NOTICE, "resting",
+                     "why=%s dataset=\"%s\"", log_text(why, quoted, sizeof quoted), order->dataset);
+        daemon_does(d, DOING_STOPPED, why, TTF_NS_UNKNOWN);
     } else {
         if (order->state == ORDER_NONE)
             manager_status(&d->manager, "idle");
         else
-            situation_run(d->situation, order);
+            (void)situation_run(d->situation, order);
         if (order->state == ORDER_DONE) /* it is that by its seal alone */
             situation_sealed(d->situation);
         daemon_does(d, DOING_IDLE, NULL, TTF_NS_UNKNOWN);
@@ -277,9 +282,10 @@ void runs_live(struct daemon *d)
     workshop_open(d->workshop, true);
     while (!daemon_told_to_end(d)) {
         struct order order = {0};
+        struct ttf_err err = {0};
 
-        if (orders_take(d->orders, &order) < 0) {
-            idle(d, order.generation, d->config.retry_ns, TTF_LED_STOPPED);
+        if (orders_take(d->orders, &order, &err) < 0) {
+            wait_to_try_again(d, &order, &err);
         } else if (order.state == ORDER_RUN) {
             one_run(d, &order);
         } else {

@@ -20,12 +20,14 @@ struct situation {
     char why[512];
     int64_t retry_at_ns; /* TTF_NS_UNKNOWN: never */
     bool has_run, by_request, sealed;
-    char dataset[65], plan[65];
+    int64_t run; /* its number */
+    char dataset[65], plan[65], second[512];
     int64_t total, slot_bytes; /* 0: not known */
     int64_t counts[TTF_RESULT_COUNT];
     int64_t next_index; /* -1: not known */
+    int64_t last_index; /* of a record that was counted; -1: none */
     struct ttf_segment segment;
-    bool has_segment;
+    bool has_segment, in_second; /* the segment is one of the second storage */
     bool has_last;
     struct letter last;
     char *readings; /* JSON; NULL */
@@ -48,7 +50,7 @@ struct situation *situation_create(struct ttf_clock *clock)
     if (!s)
         return NULL;
     s->clock = clock;
-    s->next_index = -1;
+    s->next_index = s->last_index = -1;
     s->retry_at_ns = TTF_NS_UNKNOWN;
     (void)pthread_mutex_init(&s->lock, NULL);
     return s;
@@ -78,32 +80,59 @@ static void unlock(struct situation *s)
 static void forget(struct situation *s)
 {
     memset(s->counts, 0, sizeof s->counts);
-    s->next_index = -1;
-    s->has_segment = s->has_last = s->sealed = false;
+    s->next_index = s->last_index = -1;
+    s->has_segment = s->in_second = s->has_last = s->sealed = false;
     free(s->readings);
     s->readings = NULL;
 }
 
-void situation_forget(struct situation *s)
+/* The lock is held. */
+static bool is_about(const struct situation *s, const char *dataset)
+{
+    return strcmp(s->dataset, dataset) == 0;
+}
+
+void situation_forget(struct situation *s, const char *dataset)
 {
     lock(s);
-    forget(s);
+    if (is_about(s, dataset))
+        forget(s);
     unlock(s);
 }
 
-void situation_run(struct situation *s, const struct order *order)
+void situation_second(struct situation *s, const char *folder)
 {
     lock(s);
+    (void)snprintf(s->second, sizeof s->second, "%s", folder);
+    unlock(s);
+}
+
+void situation_get_second(struct situation *s, char ret[512])
+{
+    lock(s);
+    memcpy(ret, s->second, sizeof s->second);
+    unlock(s);
+}
+
+int64_t situation_run(struct situation *s, const struct order *order)
+{
+    int64_t run;
+
+    lock(s);
     if (!s->has_run || strcmp(s->dataset, order->dataset) != 0) {
+        s->run += s->has_run;
         forget(s);
         s->total = s->slot_bytes = 0;
+        s->second[0] = '\0';
     }
     s->has_run = true;
     s->by_request = order->by_request;
     s->sealed = s->sealed || order->state == ORDER_DONE;
     memcpy(s->dataset, order->dataset, sizeof s->dataset);
     memcpy(s->plan, order->plan, sizeof s->plan);
+    run = s->run;
     unlock(s);
+    return run;
 }
 
 void situation_slot_bytes(struct situation *s, int64_t bytes)
@@ -178,6 +207,10 @@ bool situation_letter(struct situation *s, const struct letter *letter)
     before = s->doing;
     if (letter->kind == TTF_PROGRESS_ALARM)
         add_alarm(s, letter->text);
+    if (letter->run != s->run) {
+        unlock(s);
+        return false;
+    }
     if (letter->kind == TTF_PROGRESS_ARMED || letter->kind == TTF_PROGRESS_SLOT)
         s->total = letter->total;
     if (letter->kind == TTF_PROGRESS_ARMED) {
@@ -198,26 +231,47 @@ bool situation_letter(struct situation *s, const struct letter *letter)
     return other;
 }
 
-void situation_segment(struct situation *s, const struct ttf_segment *segment)
+bool situation_is_of(struct situation *s, const struct letter *letter)
+{
+    bool is;
+
+    lock(s);
+    is = letter->run == s->run;
+    unlock(s);
+    return is;
+}
+
+void situation_segment(struct situation *s, const char *dataset, bool second,
+                       const struct ttf_segment *segment)
 {
     lock(s);
-    if (s->has_segment && segment->segment < s->segment.segment) {
+    /* A late correction of one that is over is passed over; those of the second storage are numbered anew. */
+    if (!is_about(s, dataset) ||
+        (s->has_segment && (s->in_second > second ||
+                            (s->in_second == second && segment->segment < s->segment.segment)))) {
         unlock(s);
-        return; /* a late correction of one that is over */
+        return;
     }
     s->segment = *segment;
     s->has_segment = true;
+    s->in_second = second;
     if (s->next_index < segment->first_index)
         s->next_index = segment->first_index;
     unlock(s);
 }
 
-void situation_record(struct situation *s, const struct ttf_slot_record *record,
-                      const char *readings)
+void situation_record(struct situation *s, const char *dataset,
+                      const struct ttf_slot_record *record, const char *readings)
 {
     char *copy = readings ? strdup(readings) : NULL;
 
     lock(s);
+    if (!is_about(s, dataset) || record->index <= s->last_index) {
+        unlock(s);
+        free(copy);
+        return;
+    }
+    s->last_index = record->index;
     s->counts[record->result]++;
     if (s->next_index <= record->index)
         s->next_index = record->index + 1;

@@ -34,8 +34,8 @@ struct situation;
 struct situation *situation_create(struct ttf_clock *clock); /* NULL: no memory */
 void situation_destroy(struct situation *situation);         /* NULL allowed */
 
-/* Which run it is about from now on; what was known of another one is forgotten. */
-void situation_run(struct situation *situation, const struct order *order);
+/* Which run it is about from now on; what was known of another one is forgotten. Returns its number, another one for each dataset. */
+int64_t situation_run(struct situation *situation, const struct order *order);
 void situation_slot_bytes(struct situation *situation, int64_t bytes);
 void situation_sealed(struct situation *situation);
 
@@ -46,17 +46,26 @@ bool situation_set(struct situation *situation, enum doing doing, const char *wh
 bool situation_turn(struct situation *situation, enum doing from, enum doing to);
 enum doing situation_doing(struct situation *situation);
 
-/* What a run said. true: it does something else now. */
+/* What a run said. true: it does something else now. Of another run than the one it is about, alarms alone are taken. */
 bool situation_letter(struct situation *situation, const struct letter *letter);
+bool situation_is_of(struct situation *situation, const struct letter *letter);
 
-/* What its records say, in their order; a dataset that is begun anew is forgotten first. */
-void situation_forget(struct situation *situation);
-void situation_segment(struct situation *situation, const struct ttf_segment *segment);
-void situation_record(struct situation *situation, const struct ttf_slot_record *record,
-                      const char *readings);
+/*
+ * What the records of a dataset say, in their order; one that is begun anew is forgotten first. Nothing happens where it is about
+ * another by now. second: of the dataset in the second storage, which goes on where the first one ends. A slot counts once.
+ */
+void situation_forget(struct situation *situation, const char *dataset);
+void situation_segment(struct situation *situation, const char *dataset, bool second,
+                       const struct ttf_segment *segment);
+void situation_record(struct situation *situation, const char *dataset,
+                      const struct ttf_slot_record *record, const char *readings);
 
 /* The dataset's name, and whether a run is under way into it. */
 bool situation_dataset(struct situation *situation, char ret[65]);
+
+/* The folder of the run's second storage; "": it has none. Another run has none until it is said. */
+void situation_second(struct situation *situation, const char *folder);
+void situation_get_second(struct situation *situation, char ret[512]);
 
 /* Members of the status: state, why, time, run, readings, alarms. */
 void situation_status(struct situation *situation, struct ttf_json *json);

@@ -10,14 +10,16 @@
 #include "ttf/dataset/develop.h"
 #include "ttf/dataset/image_file.h"
 
-#define OPEN_NS    (10 * TTF_NS_PER_S) /* that devices are kept for the next picture */
-#define FIRST_NS   (20 * TTF_NS_PER_MS)
-#define LONGEST_NS (2 * TTF_NS_PER_S) /* whoever waits, and the watchdog, wait no longer */
-#define TRIES      3
-#define WANTED     0.18 /* of full scale, on the average */
-#define NEAR       2.0  /* times too much or too little that will do */
-#define SIDE       1600
-#define QUALITY    85
+#define OPEN_NS     (10 * TTF_NS_PER_S) /* that devices are kept for the next picture */
+#define FIRST_NS    (20 * TTF_NS_PER_MS)
+#define LONGEST_NS  (2 * TTF_NS_PER_S)  /* an exposure */
+#define PATIENCE_NS (5 * TTF_NS_PER_S)  /* for a frame, whatever the camera does */
+#define ALL_NS      (10 * TTF_NS_PER_S) /* no further try after this */
+#define TRIES       3
+#define WANTED      0.18 /* of full scale, on the average */
+#define NEAR        2.0  /* times too much or too little that will do */
+#define SIDE        1600
+#define QUALITY     85
 
 static int open_devices(struct daemon *d, struct ttf_err *err)
 {
@@ -109,7 +111,12 @@ static int take(struct daemon *d, const struct ttf_http_view *view, struct ttf_r
                 struct ttf_err *err)
 {
     struct ttf_plan_shot shot = {0};
-    struct ttf_guided_config config = {.box = &d->view, .shot = &shot, .frames = 1};
+    struct ttf_guided_config config = {.box = &d->view,
+                                       .shot = &shot,
+                                       .frames = 1,
+                                       .stop = &d->view_stop,
+                                       .patience_ns = PATIENCE_NS};
+    int64_t until_ns = ttf_clock_now_ns(d->clock) + ALL_NS;
     const struct ttf_camera_caps *caps;
     int r = shot_of(d, view, &shot, err);
 
@@ -121,7 +128,10 @@ static int take(struct daemon *d, const struct ttf_http_view *view, struct ttf_r
         int64_t before = shot.exposure.exposure_ns;
 
         r = ttf_guided_frames(&config, view->n_lamps > 0, ret, err);
-        if (r < 0 || view->exposure_ns > 0 || caps->exposure_max_ns == 0 || i + 1 == TRIES)
+        if (r == -ECANCELED)
+            return ttf_err_set(err, -EBUSY, NULL, "a run has the devices");
+        if (r < 0 || view->exposure_ns > 0 || caps->exposure_max_ns == 0 || i + 1 == TRIES ||
+            ttf_clock_now_ns(d->clock) > until_ns)
             return r;
         level = level_of(ret);
         level = level < WANTED / 64 ? WANTED / 64 : level;

@@ -14,12 +14,16 @@
 #include "access.h"
 #include "answer.h"
 
+/* For a body, however it dribbles in: one of 256 KiB over the slowest of networks takes some seconds. */
+#define BODY_NS (60 * TTF_NS_PER_S)
+
 struct call {
     struct ttf_http_match match;
     struct ttf_http_request request;
     struct ttf_http_answer answer;
     char *body;
     size_t expected, room; /* bytes of it; that fit, so far */
+    int64_t until_ns;      /* by when all of it is to be there */
     bool judged, ran;
     int r; /* of the handler */
 };
@@ -233,6 +237,7 @@ static enum MHD_Result on_headers(const struct call_socket *socket,
     if (expected == 0)
         return MHD_YES;
     call->expected = (size_t)expected;
+    call->until_ns = ttf_clock_now_ns(socket->calls->clock) + BODY_NS;
     if (judge(socket, call, connection, method, url, &err) < 0)
         return refuse(connection, url, &err);
     return MHD_YES;
@@ -254,11 +259,13 @@ static bool make_room(struct call *call, size_t bytes)
     return true;
 }
 
-static enum MHD_Result on_body(struct call *call, const char *data, size_t *bytes)
+static enum MHD_Result on_body(const struct calls *calls, struct call *call, const char *data,
+                               size_t *bytes)
 {
     size_t room = call->expected - call->request.body_bytes;
 
-    if (!call->judged || *bytes > room || !make_room(call, call->request.body_bytes + *bytes))
+    if (!call->judged || *bytes > room || ttf_clock_now_ns(calls->clock) > call->until_ns ||
+        !make_room(call, call->request.body_bytes + *bytes))
         return MHD_NO;
     memcpy(call->body + call->request.body_bytes, data, *bytes);
     call->request.body_bytes += *bytes;
@@ -330,12 +337,12 @@ static enum MHD_Result on_whole(const struct call_socket *socket, struct call *c
         (void)too_many(&err);
         return refuse(connection, url, &err);
     }
-    if (!call->match.route->slow) {
+    if (call->match.route->lane == TTF_HTTP_AT_ONCE) {
         handle(call);
         return send_it(call, connection, socket->calls, method);
     }
     MHD_suspend_connection(connection);
-    if (slow_put(socket->calls->slow, call) < 0)
+    if (slow_put(socket->calls->lanes[call->match.route->lane], call) < 0)
         call_cancel(call);
     return MHD_YES;
 }
@@ -351,7 +358,7 @@ enum MHD_Result call_on(void *ctx, struct MHD_Connection *connection, const char
     if (!*of_request)
         return on_headers(socket, connection, url, method, of_request);
     if (*data_bytes > 0)
-        return on_body(*of_request, data, data_bytes);
+        return on_body(socket->calls, *of_request, data, data_bytes);
     return on_whole(socket, *of_request, connection, url, method);
 }
 

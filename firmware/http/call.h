@@ -17,8 +17,9 @@ struct calls {
     struct ttf_io *io;
     struct summaries *summaries;
     struct derived *derived;
-    struct slow *slow;
+    struct slow *lanes[TTF_HTTP_LANES]; /* none of TTF_HTTP_AT_ONCE */
     struct limits *limits;
+    struct ttf_clock *clock;
     struct ttf_http_box *box;
     struct ttf_http_events *events;
     const char *token;

@@ -7,15 +7,12 @@
 #include "chart_text.h"
 #include "history.h"
 
-/* Read at most at one request, some tenths of a second on a small board: who asks again gets more. */
-#define BYTES_AT_ONCE ((int64_t)4 << 20)
-
 int charts_answer(struct ttf_http_request *request, struct ttf_http_answer *ret)
 {
     const struct history_of *of = NULL;
     char *text = NULL;
     size_t bytes = 0;
-    int r = history_hold(request, BYTES_AT_ONCE, &of);
+    int r = history_hold(request, HISTORY_AT_ONCE, &of);
 
     if (r < 0)
         return r;

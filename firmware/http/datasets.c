@@ -107,6 +107,36 @@ static void tag_by_stat(struct ttf_http_answer *ret, const struct stat *st)
                    (unsigned long)st->st_mtim.tv_nsec);
 }
 
+/*
+ * A file that grows may lose its end as well (what a power cut left half is cut off at the next start), also while it is sent.
+ * The kernel sends nothing then, for ever, and a client waits in vain; read here, its end is an error that cuts the connection.
+ */
+static ssize_t growing_read(void *ctx, int64_t offset, void *buf, size_t n)
+{
+    ssize_t got = pread(*(int *)ctx, buf, n, offset);
+
+    return got < 0 ? -errno : got;
+}
+
+static void growing_done(void *ctx)
+{
+    (void)close(*(int *)ctx);
+    free(ctx);
+}
+
+static int send_growing(struct ttf_http_request *request, const char *path,
+                        struct ttf_http_answer *ret)
+{
+    int *file = malloc(sizeof *file);
+
+    if (!file)
+        return ttf_err_set(&request->err, -ENOMEM, path, "no memory");
+    *file = ret->fd;
+    ret->fd = -1;
+    ret->source = (struct answer_source){growing_read, growing_done, file};
+    return 0;
+}
+
 static int open_file(struct ttf_http_request *request, const char *path,
                      struct ttf_http_answer *ret)
 {
@@ -114,6 +144,7 @@ static int open_file(struct ttf_http_request *request, const char *path,
     char where[4096 + 80];
     struct stat st;
     int fd = folder_file(request->folder, name, path, &st);
+    bool grows;
 
     if (fd == -ENOENT && folder_dataset(request->folder, name, where, sizeof where) == -ENOENT)
         return no_dataset(request);
@@ -125,7 +156,8 @@ static int open_file(struct ttf_http_request *request, const char *path,
     ret->bytes = st.st_size;
     ret->type = type_of(path);
     ret->ranges = true;
-    if (folder_grows(path, listed_sealed(request->derived->listed, request->folder, name)))
+    grows = folder_grows(path, listed_sealed(request->derived->listed, request->folder, name));
+    if (grows)
         ret->bytes = folder_whole_lines(fd, st.st_size);
     else if (listed_sha256(request->derived->listed, request->folder, name, path, ret->sha256) == 0)
         (void)snprintf(ret->etag, sizeof ret->etag, "%s", ret->sha256);
@@ -133,7 +165,7 @@ static int open_file(struct ttf_http_request *request, const char *path,
         return ttf_err_set(&request->err, (int)ret->bytes, path, "cannot be read");
     if (!*ret->etag)
         tag_by_stat(ret, &st);
-    return 0;
+    return grows && ret->bytes > 0 ? send_growing(request, path, ret) : 0;
 }
 
 int datasets_records(struct ttf_http_request *request, struct ttf_http_answer *ret)

@@ -28,6 +28,9 @@ struct history_of {
     size_t n_lines, lines_room;
 };
 
+/* What a request reads at the most, some tenths of a second on a small board: who asks again gets more. */
+#define HISTORY_AT_ONCE ((int64_t)4 << 20)
+
 struct history *history_create(void); /* NULL: no memory */
 void history_destroy(struct history *history);
 

@@ -27,7 +27,8 @@ struct place {
 struct list {
     char dataset[65]; /* empty: free */
     uint64_t used, inode;
-    int64_t bytes, mtime_ns; /* read so far, to the end of a line; of the file then */
+    int64_t bytes;                /* read so far, to the end of a line */
+    int64_t file_bytes, mtime_ns; /* of the file then */
     struct place *place;
     size_t room, n;
     bool too_long;
@@ -188,7 +189,7 @@ static int follow(struct list *list, int fd, const struct stat *st)
     char dataset[65];
     uint64_t used = list->used;
 
-    if (list->inode == st->st_ino && list->mtime_ns == mtime_ns)
+    if (list->inode == st->st_ino && list->mtime_ns == mtime_ns && list->file_bytes == st->st_size)
         return 0;
     if (list->inode != st->st_ino || st->st_size <= list->bytes) {
         memcpy(dataset, list->dataset, sizeof dataset);
@@ -198,6 +199,7 @@ static int follow(struct list *list, int fd, const struct stat *st)
     }
     list->inode = st->st_ino;
     list->mtime_ns = mtime_ns;
+    list->file_bytes = st->st_size;
     return read_on(list, fd);
 }
 

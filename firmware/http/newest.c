@@ -115,7 +115,8 @@ int newest_find(const struct folder *folder, const char *dataset, struct newest 
     if (fd < 0)
         return ttf_err_set(err, fd, dataset, "has no records");
     whole = folder_whole_lines(fd, st.st_size);
-    for (int64_t bytes = LOOK_FIRST; whole > 0 && r == -ENOENT; bytes *= 8) {
+    for (int64_t bytes = LOOK_FIRST; whole > 0 && r == -ENOENT;
+         bytes = bytes * 8 < LOOK_MOST ? bytes * 8 : LOOK_MOST) {
         int64_t part = bytes < whole ? bytes : whole;
 
         r = look(fd, whole, part, ret);

@@ -52,6 +52,18 @@ static int copy_texts(struct ttf_http_server *server, const struct ttf_http_conf
     return 0;
 }
 
+/* An order may wait for devices, or look at a long dataset: two such leave room for a stop. */
+static int make_lanes(struct calls *calls, struct ttf_err *err)
+{
+    static const unsigned N_THREADS[TTF_HTTP_LANES] = {
+        [TTF_HTTP_ORDERS] = 4, [TTF_HTTP_WORK] = 2, [TTF_HTTP_PICTURES] = 2};
+    int r = 0;
+
+    for (int i = TTF_HTTP_AT_ONCE + 1; i < TTF_HTTP_LANES && r == 0; i++)
+        r = slow_create(N_THREADS[i], &calls->lanes[i], err);
+    return r;
+}
+
 static int make_parts(struct ttf_http_server *server, const struct ttf_http_config *config,
                       struct ttf_err *err)
 {
@@ -66,13 +78,14 @@ static int make_parts(struct ttf_http_server *server, const struct ttf_http_conf
     if (copy_texts(server, config) < 0 || !calls->summaries || !calls->derived || !calls->limits)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     calls->io = config->io;
+    calls->clock = config->clock;
     calls->box = config->box;
     calls->events = config->events;
     calls->token = server->token;
     calls->names = (const char *const *)server->names;
     if (calls->events)
         events_open(calls->events);
-    return slow_create(&calls->slow, err);
+    return make_lanes(calls, err);
 }
 
 int ttf_http_server_create(const struct ttf_http_config *config, struct ttf_http_server **ret,
@@ -142,10 +155,12 @@ void ttf_http_server_destroy(struct ttf_http_server *server)
     }
     if (server->calls.events)
         events_close(server->calls.events);
-    slow_stop(server->calls.slow);
+    for (int i = 0; i < TTF_HTTP_LANES; i++)
+        slow_stop(server->calls.lanes[i]);
     for (unsigned i = 0; i < server->n_sockets; i++)
         MHD_stop_daemon(server->sockets[i].daemon);
-    slow_destroy(server->calls.slow);
+    for (int i = 0; i < TTF_HTTP_LANES; i++)
+        slow_destroy(server->calls.lanes[i]);
     folder_close(&server->calls.folder);
     summaries_destroy(server->calls.summaries);
     derived_destroy(server->calls.derived);

@@ -8,7 +8,6 @@
 
 #include "call.h"
 
-#define THREADS 2
 #define WAITING 32
 
 struct slow {
@@ -18,7 +17,7 @@ struct slow {
     unsigned first, n;
     bool stopped;
     unsigned n_threads;
-    pthread_t threads[THREADS];
+    pthread_t threads[SLOW_THREADS_MAX];
 };
 
 static struct call *take(struct slow *slow)
@@ -51,7 +50,7 @@ static void *work(void *ctx)
     return NULL;
 }
 
-int slow_create(struct slow **ret, struct ttf_err *err)
+int slow_create(unsigned threads, struct slow **ret, struct ttf_err *err)
 {
     struct slow *slow = calloc(1, sizeof *slow);
 
@@ -59,7 +58,7 @@ int slow_create(struct slow **ret, struct ttf_err *err)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     (void)pthread_mutex_init(&slow->lock, NULL);
     (void)pthread_cond_init(&slow->changed, NULL);
-    for (; slow->n_threads < THREADS; slow->n_threads++) {
+    for (; slow->n_threads < threads; slow->n_threads++) {
         int r = -pthread_create(&slow->threads[slow->n_threads], NULL, work, slow);
 
         if (r < 0) {

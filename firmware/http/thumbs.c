@@ -197,20 +197,27 @@ static bool read_index(const char *text, int64_t *ret)
     return true;
 }
 
-/* -ENOENT: no such slot; -ENODATA: it has no image. */
+/* -ENOENT: no such slot, or it has no image; -EAGAIN: that is not known yet. */
 static int find_file(struct ttf_http_request *request, const char *folder, int64_t index,
                      struct wanted *wanted)
 {
     const struct history_of *of = NULL;
     struct ttf_growth at = {0};
     char path[4096 + 96];
-    int r = history_hold(request, 0, &of);
+    int r = history_hold(request, HISTORY_AT_ONCE, &of);
+    bool more = r > 0;
 
     if (r < 0)
         return r;
     at.inode = of->growth.inode;
     at.bytes = history_find(of, index);
     history_release(request);
+    if (at.bytes < 0 && more) {
+        r = ttf_err_set(&request->err, -EAGAIN, request->match->path,
+                        "the records have not been read up to there yet");
+        ttf_err_hint(&request->err, "ask again");
+        return r;
+    }
     if (at.bytes < 0)
         return ttf_err_set(&request->err, -ENOENT, request->match->path, "there is no such slot");
     (void)snprintf(path, sizeof path, "%s/records.jsonl", folder);

@@ -100,9 +100,13 @@ static void read_state(struct ttf_io *io, struct preview_cache *cache)
         cache->generation = (int)json_integer_value(json_object_get(json, "generation"));
         cache->images = json_integer_value(json_object_get(json, "images"));
         cache->tried_images = json_integer_value(json_object_get(json, "tried_images"));
+        cache->tries = json_integer_value(json_object_get(json, "tries"));
+        cache->tried_utc_ns = json_integer_value(json_object_get(json, "tried_utc_ns"));
         (void)json_object_del(json, "state");
         (void)json_object_del(json, "why");
         (void)json_object_del(json, "tried_images");
+        (void)json_object_del(json, "tries");
+        (void)json_object_del(json, "tried_utc_ns");
         cache->kept = json_dumps(json, JSON_COMPACT);
     }
     json_decref(json);
@@ -135,7 +139,7 @@ void preview_cache_close(struct preview_cache *cache)
     free(cache->kept);
     cache->kept = NULL;
     cache->generation = 0;
-    cache->images = cache->tried_images = 0;
+    cache->images = cache->tried_images = cache->tries = cache->tried_utc_ns = 0;
     cache->uuid[0] = '\0';
 }
 
@@ -225,12 +229,17 @@ int preview_cache_commit(struct ttf_io *io, struct preview_cache *cache,
 }
 
 int preview_cache_fail(struct ttf_io *io, struct preview_cache *cache,
-                       const struct preview_subject *subject, const char *why, struct ttf_err *err)
+                       const struct preview_subject *subject, const char *why, int64_t utc_ns,
+                       struct ttf_err *err)
 {
     json_t *json = NULL;
+    char path[4300];
     char *text;
     int r;
 
+    (void)snprintf(path, sizeof path, "%s/making", cache->path);
+    drop(path);
+    cache->tries = cache->tried_images == subject->images ? cache->tries + 1 : 1;
     if (!cache->kept || ttf_json_parse(cache->kept, strlen(cache->kept), &json, NULL) < 0)
         json = json_object();
     (void)json_object_set_new(json, "state", json_string("failed"));
@@ -238,6 +247,8 @@ int preview_cache_fail(struct ttf_io *io, struct preview_cache *cache,
     (void)json_object_set_new(json, "dataset", json_string(subject->name));
     (void)json_object_set_new(json, "uuid", json_string(subject->uuid));
     (void)json_object_set_new(json, "tried_images", json_integer(subject->images));
+    (void)json_object_set_new(json, "tries", json_integer(cache->tries));
+    (void)json_object_set_new(json, "tried_utc_ns", json_integer(utc_ns));
     if (!json_object_get(json, "frames"))
         (void)json_object_set_new(json, "frames", json_array());
     text = json_dumps(json, JSON_COMPACT);
@@ -246,4 +257,34 @@ int preview_cache_fail(struct ttf_io *io, struct preview_cache *cache,
     free(text);
     json_decref(json);
     return r;
+}
+
+/* ---- of datasets that are gone ---- */
+
+struct sweep {
+    struct ttf_io *io;
+    const char *folder;
+};
+
+static int look_for_dataset(void *ctx, const char *name, bool is_dir)
+{
+    const struct sweep *sweep = ctx;
+    struct ttf_io_stat st;
+    char path[4300];
+
+    (void)snprintf(path, sizeof path, "%s/%s", sweep->folder, name);
+    if (!is_dir || sweep->io->ops->stat(sweep->io, path, &st) != -ENOENT)
+        return 0;
+    (void)snprintf(path, sizeof path, "%s/.preview/%s", sweep->folder, name);
+    drop(path);
+    return 0;
+}
+
+void preview_cache_sweep(struct ttf_io *io, const char *folder)
+{
+    struct sweep sweep = {io, folder};
+    char path[4200];
+
+    (void)snprintf(path, sizeof path, "%s/.preview", folder);
+    (void)io->ops->list(io, path, look_for_dataset, &sweep);
 }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/statvfs.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -71,10 +72,18 @@ static int end_of(int status, struct ttf_err *err)
                        WTERMSIG(status), WTERMSIG(status) == SIGXFSZ ? "too large" : "killed");
 }
 
+bool preview_has_room(const struct preview_options *options, int64_t bytes)
+{
+    struct statvfs v;
+
+    return statvfs(options->folder, &v) == 0 && (int64_t)v.f_bavail * (int64_t)v.f_frsize >= bytes;
+}
+
 static int wait_for(const struct preview_options *options, struct ttf_clock *clock, pid_t child,
                     struct ttf_err *err)
 {
     int64_t until_ns = ttf_clock_now_ns(clock) + GRACE * options->time_ns + TTF_NS_PER_MIN;
+    bool room = true;
     int status = 0;
 
     for (;;) {
@@ -85,15 +94,19 @@ static int wait_for(const struct preview_options *options, struct ttf_clock *clo
             return end_of(status, err);
         if (got < 0 && errno != EINTR)
             return ttf_err_set(err, -errno, NULL, "the synthesis is lost");
-        if (*options->stop || now_ns > until_ns)
+        /* Others write, too: what is left is the capture's. */
+        room = preview_has_room(options, options->room_bytes / 2);
+        if (*options->stop || now_ns > until_ns || !room)
             break;
         (void)ttf_clock_wait_until(clock, now_ns + LOOK_NS);
     }
     (void)kill(child, SIGKILL);
     while (waitpid(child, &status, 0) < 0 && errno == EINTR)
         ;
-    return *options->stop ? -ECANCELED
-                          : ttf_err_set(err, -ETIME, NULL, "the synthesis took too long");
+    if (*options->stop)
+        return -ECANCELED;
+    return room ? ttf_err_set(err, -ETIME, NULL, "the synthesis took too long")
+                : ttf_err_set(err, -ENOSPC, NULL, "room became short while it was made");
 }
 
 static int run_once(const struct preview_options *options, struct ttf_clock *clock,

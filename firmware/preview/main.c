@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "log.h"
@@ -15,9 +14,13 @@
 #include "ttf/config/daemon_file.h"
 #include "ttf/config/units.h"
 
-#define LOOK_NS    (2 * TTF_NS_PER_S)
-#define STOP_NS    (100 * TTF_NS_PER_MS) /* how soon a stop is seen */
-#define IMAGES_MIN 8                     /* fewer show no evolution */
+#define LOOK_NS      (2 * TTF_NS_PER_S)
+#define STOP_NS      (100 * TTF_NS_PER_MS) /* how soon a stop is seen */
+#define IMAGES_MIN   8                     /* fewer show no evolution */
+#define LOOK_MOST_NS (10 * TTF_NS_PER_MIN) /* from look to look where looking fails */
+#define TRIES_MOST   5                     /* of the last refresh, of a dataset that has ended */
+#define RETRY_WAIT \
+    6 /* times --every before the second one (an hour), then twice as long each time */
 
 /* A signal handler can reach nothing but a global. */
 static volatile int stop_asked;
@@ -143,30 +146,38 @@ static int take_options(struct preview_options *o, int argc, char **argv)
 
 /* ---- a refresh ---- */
 
-static bool has_room(const struct preview_options *o)
-{
-    struct statvfs v;
-
-    return statvfs(o->folder, &v) == 0 &&
-           (int64_t)v.f_bavail * (int64_t)v.f_frsize >= o->room_bytes;
-}
-
-/* Is it worth another preview? */
-static bool is_due(const struct preview_subject *s, const struct preview_cache *cache)
-{
-    int64_t before = cache->images > cache->tried_images ? cache->images : cache->tried_images;
-
-    if (s->images < IMAGES_MIN || s->images <= before)
-        return false;
-    return s->ended || s->images > before + before / 10;
-}
-
 static int64_t utc_ns(struct ttf_clock *clock)
 {
     struct ttf_utc utc;
 
     ttf_clock_utc(clock, &utc);
     return utc.utc_ns;
+}
+
+/* Whether the last one failed for what may have passed since: memory was short, or the processor taken. */
+static bool is_worth_a_retry(const struct preview_options *o, const struct preview_subject *s,
+                             const struct preview_cache *cache, int64_t now_utc_ns)
+{
+    int64_t waited_ns = now_utc_ns - cache->tried_utc_ns;
+
+    if (!s->ended || cache->tries < 1 || cache->tries >= TRIES_MOST ||
+        cache->tried_images != s->images || cache->images >= s->images)
+        return false;
+    /* A clock that was set back says nothing of how long it was. */
+    return waited_ns < 0 || waited_ns >= (RETRY_WAIT << (cache->tries - 1)) * o->every_ns;
+}
+
+/* Is it worth another preview? */
+static bool is_due(const struct preview_options *o, const struct preview_subject *s,
+                   const struct preview_cache *cache, int64_t now_utc_ns)
+{
+    int64_t before = cache->images > cache->tried_images ? cache->images : cache->tried_images;
+
+    if (s->images < IMAGES_MIN)
+        return false;
+    if (s->images <= before)
+        return is_worth_a_retry(o, s, cache, now_utc_ns);
+    return s->ended || s->images > before + before / 10;
 }
 
 static int refresh(const struct preview_options *o, struct ttf_io *io, struct ttf_clock *clock,
@@ -193,7 +204,7 @@ static int refresh(const struct preview_options *o, struct ttf_io *io, struct tt
     ttf_err_text(err, why, sizeof why);
     log_line(LOG_LEVEL_WARNING, "failed", "dataset=\"%s\" images=%" PRId64 " why=%s", subject->name,
              subject->images, log_text(why, quoted, sizeof quoted));
-    return preview_cache_fail(io, cache, subject, why, err);
+    return preview_cache_fail(io, cache, subject, why, utc_ns(clock), err);
 }
 
 static void rest(struct ttf_clock *clock, int64_t for_ns)
@@ -217,39 +228,68 @@ static int look(const struct preview_options *o, struct ttf_io *io, struct ttf_c
         (*last_ns != TTF_NS_UNKNOWN && ttf_clock_now_ns(clock) - *last_ns < o->every_ns))
         return 0;
     r = preview_cache_open(io, o->folder, subject, &cache, err);
-    if (r == 0 && is_due(subject, &cache) && has_room(o)) {
+    if (r == 0 && is_due(o, subject, &cache, utc_ns(clock)) && preview_has_room(o, o->room_bytes)) {
         *last_ns = ttf_clock_now_ns(clock);
+        preview_cache_sweep(io, o->folder);
         r = refresh(o, io, clock, subject, &cache, err);
     }
     preview_cache_close(&cache);
     return r;
 }
 
+/* What is wrong is said once, until something else is. */
+static void complain(char said[700], const char *word, const char *text)
+{
+    char quoted[800];
+
+    if (strcmp(said, text) == 0)
+        return;
+    log_line(LOG_LEVEL_WARNING, word, "why=%s", log_text(text, quoted, sizeof quoted));
+    (void)snprintf(said, 700, "%s", text);
+}
+
+struct complaints {
+    char failed[700], passed_over[700];
+};
+
+/* How long to rest now. The folder may be away for a while: whoever captures into it will see to it. */
+static int64_t judge(struct complaints *said, const struct preview_subject *subject, int r,
+                     struct ttf_err *err, int64_t rested_ns)
+{
+    char why[700];
+
+    if (*subject->passed_over)
+        complain(said->passed_over, "passed over", subject->passed_over);
+    if (r >= 0 || r == -ECANCELED)
+        return LOOK_NS;
+    complain(said->failed, "retry", ttf_err_text(err, why, sizeof why));
+    memset(err, 0, sizeof *err);
+    return 2 * rested_ns < LOOK_MOST_NS ? 2 * rested_ns : LOOK_MOST_NS;
+}
+
 static int live(const struct preview_options *o, struct ttf_clock *clock, struct ttf_err *err)
 {
     struct preview_subject *subject = calloc(1, sizeof *subject);
+    struct complaints *said = calloc(1, sizeof *said);
     struct ttf_io *io = ttf_io_posix();
-    int64_t last_ns = TTF_NS_UNKNOWN;
-    char why[700], quoted[800];
-    int r = subject ? 0 : -ENOMEM, lock = -1;
+    int64_t last_ns = TTF_NS_UNKNOWN, rest_ns = LOOK_NS;
+    int r = subject && said ? 0 : -ENOMEM, lock = -1;
 
     if (r == 0)
         r = lock = preview_cache_lock(io, o->folder, err);
+    if (r >= 0)
+        preview_cache_sweep(io, o->folder);
     while (r >= 0 && !stop_asked) {
         r = look(o, io, clock, subject, &last_ns, err);
-        if (r < 0 && r != -ECANCELED) {
-            /* The folder may be away for a while: whoever captures into it will see to it. */
-            log_line(LOG_LEVEL_WARNING, "retry", "why=%s",
-                     log_text(ttf_err_text(err, why, sizeof why), quoted, sizeof quoted));
-            memset(err, 0, sizeof *err);
-        }
+        rest_ns = judge(said, subject, r, err, rest_ns);
         if (o->once)
             break;
         r = 0;
-        rest(clock, LOOK_NS);
+        rest(clock, rest_ns);
     }
     if (lock >= 0)
         (void)close(lock);
+    free(said);
     free(subject);
     return r == -ECANCELED ? 0 : r;
 }

@@ -43,9 +43,11 @@ struct preview_subject {
     struct ttf_growth growth;
     int64_t images; /* slots with an image */
     int64_t last_index;
+    char passed_over[65]; /* the newest folder, if its manifest cannot be read; empty: none */
 };
 
-/* The dataset whose records grew last, read on to its present end. -ENOENT: there is none. */
+/* The dataset whose records grew last, read on to its present end; folders whose manifest cannot be read are passed over.
+ * -ENOENT: there is none. */
 TTF_MUST_USE int preview_find(struct ttf_io *io, const char *folder,
                               struct preview_subject *subject, struct ttf_err *err);
 
@@ -55,6 +57,7 @@ struct preview_cache {
     char path[4200]; /* FOLDER/.preview/NAME */
     int generation;  /* in force; 0: none */
     int64_t images, tried_images;
+    int64_t tries, tried_utc_ns; /* that failed, with tried_images; the last of them */
     char uuid[37];
     char *kept; /* the state in force, as JSON; NULL: none */
 };
@@ -86,14 +89,21 @@ TTF_MUST_USE int preview_cache_commit(struct ttf_io *io, struct preview_cache *c
                                       const struct preview_made *made, int64_t utc_ns,
                                       struct ttf_err *err);
 
-/* The try failed: what was in force stays, and says so. */
+/* The try failed: what was in force stays, and says so; what was half made goes. */
 TTF_MUST_USE int preview_cache_fail(struct ttf_io *io, struct preview_cache *cache,
                                     const struct preview_subject *subject, const char *why,
-                                    struct ttf_err *err);
+                                    int64_t utc_ns, struct ttf_err *err);
+
+/* Removes the caches of datasets that are gone. */
+void preview_cache_sweep(struct ttf_io *io, const char *folder);
 
 /* ---- child.c ---- */
 
-/* Runs the synthesis into CACHE/making/frames.rgb; what it says goes to CACHE/making/said.json. -EIO, -ETIME, -ECANCELED. */
+/* Is so much free where datasets lie? */
+bool preview_has_room(const struct preview_options *options, int64_t bytes);
+
+/* Runs the synthesis into CACHE/making/frames.rgb; what it says goes to CACHE/making/said.json. -EIO, -ETIME, -ECANCELED;
+ * -ENOSPC: room went below half of what it is to be, and the child was ended. */
 TTF_MUST_USE int preview_synthesize(const struct preview_options *options, struct ttf_clock *clock,
                                     const struct preview_subject *subject,
                                     const struct preview_cache *cache, struct ttf_err *err);

@@ -35,7 +35,7 @@ static int walk(struct grown *grown, int64_t from, grown_line_fn *fn, void *ctx,
         char *line = buf, *end;
 
         if (got < 0)
-            r = (int)got;
+            r = complain(grown, (int)got, "cannot be read", err);
         if (got <= 0)
             break;
         n += (size_t)got;

@@ -17,6 +17,7 @@ struct coming {
     int64_t bytes;    /* there */
     int64_t expected; /* -1: not known */
     struct ttf_sha256 hash;
+    int ours; /* what failed here, not on the wire; 0 */
 };
 
 static void place(const struct landing *landing, const char *path, const char *end,
@@ -51,7 +52,7 @@ static int on_begin(void *ctx, int64_t first)
     if (first == c->bytes)
         return 0;
     /* The whole, although a part was asked for: it is another entity, or the server knows no parts. */
-    r = c->io->ops->truncate(c->io, c->file, 0);
+    r = c->ours = c->io->ops->truncate(c->io, c->file, 0);
     c->bytes = 0;
     ttf_sha256_init(&c->hash);
     return first == 0 ? r : -EIO;
@@ -65,7 +66,7 @@ static int on_take(void *ctx, const void *data, size_t n)
         return -TTF_EDAMAGED; /* longer than recorded */
     ttf_sha256_add(&c->hash, data, n);
     c->bytes += (int64_t)n;
-    return ttf_io_append_all(c->io, c->file, data, n);
+    return c->ours = ttf_io_append_all(c->io, c->file, data, n);
 }
 
 /* What an earlier pull left of it: hashed, so that the rest can be added. */
@@ -105,9 +106,15 @@ static int fetch(struct landing *landing, struct coming *c, const char *path, co
     r = pull_wire_get(landing->wire, url, c->bytes, -1, sha256, &sink, err);
     if (r == -ERANGE)
         r = -TTF_EDAMAGED; /* shorter than what was here: begun anew by the caller */
-    if (r < 0 && r != -TTF_EDAMAGED && !pull_wire_may_pass(r) && err && err->code == 0)
-        ttf_err_set(err, r, path, "cannot be written: %s", strerrordesc_np(-r));
     return r;
+}
+
+/* Of this machine's disk. */
+static int own(struct landing *landing, int r, const char *place, const char *what,
+               struct ttf_err *err)
+{
+    landing->ours = true;
+    return ttf_err_set(err, r, place, "%s: %s", what, strerrordesc_np(-r));
 }
 
 /* Once: -TTF_EDAMAGED if what came is not it; the temporary file is gone then. */
@@ -123,10 +130,12 @@ static int try_once(struct landing *landing, const char *path, int64_t bytes, co
     place(landing, path, "", final);
     c.file = io->ops->open(io, temporary, TTF_IO_APPEND);
     if (c.file < 0)
-        return ttf_err_set(err, c.file, temporary, "cannot be made: %s", strerrordesc_np(-c.file));
-    r = take_up(&c);
+        return own(landing, c.file, temporary, "cannot be made", err);
+    r = c.ours = take_up(&c);
     if (r == 0)
         r = fetch(landing, &c, path, sha256, err);
+    if (c.ours < 0)
+        r = own(landing, c.ours, temporary, "cannot be written or read", err);
     (void)io->ops->close(io, c.file);
     ttf_sha256_hex(&c.hash, hex);
     if (r == 0 && (strcmp(hex, sha256) != 0 || (bytes >= 0 && c.bytes != bytes)))
@@ -138,8 +147,7 @@ static int try_once(struct landing *landing, const char *path, int64_t bytes, co
     if (r < 0)
         return r;
     r = io->ops->rename(io, temporary, final);
-    return r == 0 ? 0
-                  : ttf_err_set(err, r, final, "cannot be put in place: %s", strerrordesc_np(-r));
+    return r == 0 ? 0 : own(landing, r, final, "cannot be put in place", err);
 }
 
 /* ---- what is there ---- */
@@ -186,6 +194,7 @@ static int come(struct landing *landing, const char *path, int64_t bytes, const 
 {
     int r = make_folder(landing, path, err);
 
+    landing->ours = r < 0;
     if (r == 0)
         r = try_once(landing, path, bytes, sha256, err);
     if (r == -TTF_EDAMAGED) { /* the wire, or a temporary file of another time */
@@ -200,9 +209,9 @@ int landing_ensure(struct landing *landing, const char *path, int64_t bytes, con
 {
     int r = is_there(landing, path, bytes, sha256, trust);
 
-    *ret_came = false;
+    *ret_came = landing->ours = false;
     if (r < 0)
-        return ttf_err_set(err, r, path, "cannot be looked at: %s", strerrordesc_np(-r));
+        return own(landing, r, path, "cannot be looked at", err);
     if (r > 0 && trust == LANDING_SIZE)
         return 0;
     if (r == 0) {
@@ -213,7 +222,11 @@ int landing_ensure(struct landing *landing, const char *path, int64_t bytes, con
     }
     /* What an earlier try brought and did not settle is settled with the rest. */
     (void)snprintf(landing->batch[landing->n_batch++], sizeof landing->batch[0], "%s", path);
-    return landing->n_batch == LANDING_BATCH ? landing_settle(landing, err) : 0;
+    if (landing->n_batch < LANDING_BATCH)
+        return 0;
+    r = landing_settle(landing, err);
+    landing->ours = r < 0;
+    return r;
 }
 
 int landing_put(struct landing *landing, const char *path, const void *data, size_t n,
@@ -245,8 +258,8 @@ static int sync_folder(struct landing *landing, const char *path)
     const char *slash = strrchr(path, '/');
     char whole[PATH_SIZE];
 
-    (void)snprintf(whole, sizeof whole, "%s/%.*s", landing->folder, slash ? (int)(slash - path) : 0,
-                   path);
+    (void)snprintf(whole, sizeof whole, "%s%s%.*s", landing->folder, slash ? "/" : "",
+                   slash ? (int)(slash - path) : 0, path);
     return landing->io->ops->sync_dir(landing->io, whole);
 }
 

@@ -19,6 +19,7 @@ struct landing {
     const char *name;   /* the dataset's */
     const char *folder; /* where it is laid, DEST/NAME */
     char made[256];     /* the folder inside it that was made last */
+    bool ours; /* of the last file: what failed is this machine's, and says nothing about the box */
     int failed; /* of settling, once and for all: a second sync may well say that all is well */
     unsigned n_batch;
     char batch[LANDING_BATCH][192]; /* paths of those that came since they were settled last */
@@ -38,7 +39,7 @@ enum landing_trust {
 
 /*
  * Sees to it that folder/path is there, so long (-1: not known) and with this SHA-256 (hex). *ret_came: whether it came over the wire. -TTF_EDAMAGED: what the box gives is not that, twice; nothing is left under the file's name. Errors of
- * the wire and of writing.
+ * the wire; of this machine's disk, with landing->ours.
  */
 TTF_MUST_USE int landing_ensure(struct landing *landing, const char *path, int64_t bytes,
                                 const char *sha256, enum landing_trust trust, bool *ret_came,

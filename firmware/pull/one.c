@@ -16,6 +16,7 @@
 
 #define BATCH_BYTES    ((int64_t)64 << 20)
 #define BATCH_FILES    LANDING_BATCH
+#define BATCH_LINES    ((size_t)4 << 20) /* bytes of lines that name no files, too */
 #define MANIFEST_MAX   ((size_t)1 << 20)
 #define PEOPLE_MAX     ((size_t)64 << 20)
 #define PROGRESS_FILES 8 /* how often it is told within a slot of many */
@@ -32,6 +33,7 @@ struct one {
     const struct one_skips *skips;
     bool changed; /* lines were added or taken back */
     struct one_result *result;
+    int lock; /* handle of the folder, locked; -1 */
     /* lines whose files are here, but perhaps not on the disk yet */
     char *lines;
     size_t lines_bytes, lines_room;
@@ -76,11 +78,12 @@ static int bring(struct one *one, const char *path, int64_t bytes, const char *s
 {
     struct ttf_err why = {0};
     bool came = false;
-    int r = is_skipped(one, path)
-                ? -EIO
-                : landing_ensure(&one->landing, path, bytes, sha256, one->trust, &came, &why);
+    int r = -EIO;
 
-    if (r == -TTF_EDAMAGED || r == -ENOENT || (r == -EIO && one->landing.failed == 0)) {
+    one->landing.ours = false;
+    if (!is_skipped(one, path))
+        r = landing_ensure(&one->landing, path, bytes, sha256, one->trust, &came, &why);
+    if (!one->landing.ours && (r == -TTF_EDAMAGED || r == -ENOENT || r == -EIO)) {
         char text[400];
         const char *what = r == -ENOENT ? "is missing on the box" : "cannot be read on the box";
 
@@ -205,7 +208,8 @@ static int pull_records(struct one *one, struct ttf_err *err)
         r = take_record(one, line, n, err);
         if (r == 0 && keep_line(one, line, n) < 0)
             r = ttf_err_set(err, -ENOMEM, NULL, "no memory");
-        if (r == 0 && (one->batch_bytes >= BATCH_BYTES || one->batch_files >= BATCH_FILES))
+        if (r == 0 && (one->batch_bytes >= BATCH_BYTES || one->batch_files >= BATCH_FILES ||
+                       one->lines_bytes >= BATCH_LINES))
             r = flush(one, err);
         if (r < 0)
             break;
@@ -324,7 +328,9 @@ static int pull_people(struct one *one, const char *file, struct ttf_err *err)
     if (r < 0)
         return r;
     r = ttf_io_slurp(one->config->io, path, PEOPLE_MAX, &ours, &n_ours, NULL);
-    if (r == 0 && (n_ours > n_theirs || memcmp(ours, theirs, n_ours) != 0)) {
+    if (r < 0 && r != -ENOENT) {
+        ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
+    } else if (r == 0 && (n_ours > n_theirs || memcmp(ours, theirs, n_ours) != 0)) {
         char text[160];
 
         (void)snprintf(text, sizeof text, "%s here is not the box's, and stays as it is", file);
@@ -365,6 +371,8 @@ static int pull_manifest(struct one *one, struct ttf_err *err)
     if (r < 0)
         return r;
     r = ttf_io_slurp(io, path, MANIFEST_MAX, &ours, &n_ours, NULL);
+    if (r < 0 && r != -ENOENT)
+        ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
     if (r == 0 && (n_ours != n_theirs || memcmp(ours, theirs, n_ours) != 0))
         r = ttf_err_set(err, -EEXIST, one->folder, "is another dataset than the box's");
     if (r == -EEXIST)
@@ -374,7 +382,9 @@ static int pull_manifest(struct one *one, struct ttf_err *err)
         if (any) {
             r = ttf_err_set(err, -EEXIST, one->folder, "is there, and no dataset");
             ttf_err_hint(err, "move it away, or pull into another folder");
-        } else if (r >= 0 || r == -ENOENT) {
+        } else if (r < 0 && r != -ENOENT) {
+            ttf_err_set(err, r, one->folder, "cannot be listed: %s", strerrordesc_np(-r));
+        } else {
             r = ttf_io_mkdirs(io, one->folder, err);
             if (r == 0)
                 r = landing_put(&one->landing, "dataset.json", theirs, n_theirs, err);
@@ -385,6 +395,37 @@ static int pull_manifest(struct one *one, struct ttf_err *err)
     return r;
 }
 
+/* Two programs that appended to the same records would spoil them for both. */
+static int lock(struct one *one, struct ttf_err *err)
+{
+    struct ttf_io *io = one->config->io;
+    int r;
+
+    one->lock = io->ops->open(io, one->folder, TTF_IO_READ);
+    if (one->lock < 0)
+        return ttf_err_set(err, one->lock, one->folder, "cannot be opened: %s",
+                           strerrordesc_np(-one->lock));
+    r = io->ops->lock(io, one->lock);
+    if (r !=
+        -EAGAIN) /* some file systems know no locks: then nobody guards, and the work goes on */
+        return 0;
+    ttf_err_set(err, -EBUSY, one->folder, "another program is writing this dataset");
+    ttf_err_hint(err, "wait until it is done, or stop it");
+    return -EBUSY;
+}
+
+static int ask_seal(struct one *one, struct seal_state *ret, struct ttf_err *err)
+{
+    int r = seal_ask(one->wire, one->name, ret, err);
+
+    if (r != -EIO)
+        return r;
+    *ret =
+        (struct seal_state){0}; /* the box cannot read all of it itself; what it gives is taken */
+    memset(err, 0, sizeof *err);
+    return 0;
+}
+
 static int pull_all(struct one *one, struct ttf_err *err)
 {
     static const char *const PEOPLE[] = {"notes.jsonl", "samples.json", "report.json"};
@@ -392,11 +433,9 @@ static int pull_all(struct one *one, struct ttf_err *err)
     int r = pull_manifest(one, err);
 
     if (r == 0)
-        r = seal_ask(one->wire, one->name, &state, err);
-    if (r == -EIO) { /* the box cannot read all of it itself; what it gives is taken */
-        state = (struct seal_state){0};
-        r = 0;
-    }
+        r = lock(one, err);
+    if (r == 0)
+        r = ask_seal(one, &state, err);
     if (r == 0) {
         one->slots_there = state.slots;
         one->result->box_sealed = state.sealed;
@@ -430,6 +469,7 @@ int one_pull(const struct ttf_pull_config *config, struct wire *wire, const char
     one->wire = wire;
     one->name = name;
     one->result = ret;
+    one->lock = -1;
     one->skips = skips;
     one->trust = LANDING_HASH;
     (void)snprintf(one->folder, sizeof one->folder, "%s/%s", config->dest, name);
@@ -445,6 +485,8 @@ int one_pull(const struct ttf_pull_config *config, struct wire *wire, const char
     r = pull_all(one, err);
     grown_close(&one->records);
     grown_close(&one->events);
+    if (one->lock >= 0)
+        (void)config->io->ops->close(config->io, one->lock);
     free(one->lines);
     free(one);
     return r;

@@ -13,6 +13,7 @@
 #include "wire.h"
 
 #define LIST_MAX       ((size_t)16 << 20)
+#define NAMES_MAX      10000 /* datasets of a box; more is none that means well */
 #define SUMMARY_MAX    ((size_t)1 << 20)
 #define TRIES          5 /* in a row that bring nothing */
 /* More than a try takes that brings nothing: what is asked for at the beginning of each. */
@@ -74,6 +75,8 @@ static int take_names(const json_t *list, struct names *ret)
     const json_t *item;
     size_t i;
 
+    if (json_array_size(list) > NAMES_MAX)
+        return -EFBIG;
     ret->items = calloc(json_array_size(list) + 1, sizeof *ret->items);
     if (!ret->items)
         return -ENOMEM;
@@ -103,6 +106,9 @@ static int ask_names(struct wire *wire, struct names *ret, struct ttf_err *err)
                            "the box's answer is no JSON");
     r = take_names(json_object_get(json, "datasets"), ret);
     json_decref(json);
+    if (r == -EFBIG)
+        return ttf_err_set(err, r, "/datasets", "the box says that it has more than %d datasets",
+                           NAMES_MAX);
     return r < 0 ? ttf_err_set(err, r, NULL, "no memory") : 0;
 }
 
@@ -227,7 +233,8 @@ static void add_up(const struct item *item, bool pulled, struct ttf_pull_result 
 static bool ends_all(int error)
 {
     return error == -ECANCELED || error == -ENOSPC || error == -ENOMEM || error == -EDQUOT ||
-           error == -EROFS || error == -EACCES || pull_wire_may_pass(error);
+           error == -EROFS || error == -EACCES || error == -EPROTONOSUPPORT ||
+           pull_wire_may_pass(error);
 }
 
 /* All of them once. *ret_open: of some, more may come. The first error, when all had their turn. */
@@ -320,7 +327,7 @@ int ttf_pull(const struct ttf_pull_config *config, struct ttf_pull_result *ret, 
     *ret = (struct ttf_pull_result){0};
     if (!err)
         err = &unwanted;
-    r = pull_wire_create(config->box, config->token, config->stop, &wire, err);
+    r = pull_wire_create(config, &wire, err);
     if (r < 0)
         return r;
     r = pull_with(config, wire, ret, err);
@@ -332,7 +339,7 @@ int ttf_pull_list(const struct ttf_pull_config *config, char **ret_text, struct 
 {
     struct wire *wire;
     size_t n;
-    int r = pull_wire_create(config->box, config->token, config->stop, &wire, err);
+    int r = pull_wire_create(config, &wire, err);
 
     if (r < 0)
         return r;

@@ -15,7 +15,7 @@ struct wire {
     CURL *curl;
     struct curl_slist *headers; /* of every request */
     char base[512];             /* "http://host:port/api/v1" */
-    const volatile int *stop;
+    const struct ttf_pull_config *config;
     int64_t bytes;
     /* of the request under way */
     const struct wire_sink *sink;
@@ -89,22 +89,21 @@ static int set_box(struct wire *wire, const char *box, struct ttf_err *err)
     return 0;
 }
 
-int pull_wire_create(const char *box, const char *token, const volatile int *stop,
-                     struct wire **ret, struct ttf_err *err)
+int pull_wire_create(const struct ttf_pull_config *config, struct wire **ret, struct ttf_err *err)
 {
     struct wire *wire = calloc(1, sizeof *wire);
     int r;
 
     if (!wire)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
-    wire->stop = stop;
-    r = init_curl(wire, token);
+    wire->config = config;
+    r = init_curl(wire, config->token);
     if (r == 0)
         r = set_options(wire);
     if (r < 0)
         ttf_err_set(err, r, "libcurl", "cannot be set up");
     if (r == 0)
-        r = set_box(wire, box, err);
+        r = set_box(wire, config->box, err);
     if (r < 0) {
         pull_wire_destroy(wire);
         return r;
@@ -137,7 +136,7 @@ static int on_progress(void *ctx, curl_off_t a, curl_off_t b, curl_off_t c, curl
     (void)b;
     (void)c;
     (void)d;
-    return wire->stop && *wire->stop != 0;
+    return wire->config->stop && *wire->config->stop != 0;
 }
 
 static long status_of(struct wire *wire)
@@ -197,6 +196,12 @@ static int wire_error(struct wire *wire, CURLcode code, const char *path, struct
     else if (code == CURLE_RECV_ERROR || code == CURLE_SEND_ERROR || code == CURLE_GOT_NOTHING ||
              code == CURLE_PARTIAL_FILE)
         r = -ECONNRESET;
+    if (pull_wire_may_pass(r) && wire->config->ended) {
+        int ended = wire->config->ended(wire->config->ended_ctx, err);
+
+        if (ended < 0)
+            return ended;
+    }
     return ttf_err_set(err, r, path, "the box does not answer: %s", curl_easy_strerror(code));
 }
 

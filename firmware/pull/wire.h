@@ -10,6 +10,7 @@
 
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
+#include "ttf/pull/pull.h"
 
 struct wire;
 
@@ -22,16 +23,16 @@ struct wire_sink {
     void *ctx;
 };
 
-/* box: as in pull.h; token, stop: NULL allowed. All copied or borrowed as long as it lives (stop). -EINVAL: box. */
-TTF_MUST_USE int pull_wire_create(const char *box, const char *token, const volatile int *stop,
-                                  struct wire **ret, struct ttf_err *err);
+/* To config's box, with its token; config is borrowed as long as it lives. -EINVAL: box. */
+TTF_MUST_USE int pull_wire_create(const struct ttf_pull_config *config, struct wire **ret,
+                                  struct ttf_err *err);
 void pull_wire_destroy(struct wire *wire); /* NULL allowed */
 
 /*
  * GET of a path below /api/v1. first > 0 or last >= 0: that part of it, both inclusive, if the entity is still if_tag (NULL:
  * whichever it is); the answer may be the whole all the same (begin is told). 0: it is there. -ERANGE: nothing begins at
  * first. -ENOENT, -EACCES and -EIO by what the box says, in its words. -ECANCELED: told to stop. -ETIMEDOUT, -ECONNREFUSED, -ECONNRESET:
- * the wire.
+ * the wire; what config->ended says in place of these.
  */
 TTF_MUST_USE int pull_wire_get(struct wire *wire, const char *path, int64_t first, int64_t last,
                                const char *if_tag, const struct wire_sink *sink,

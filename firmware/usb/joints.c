@@ -25,7 +25,7 @@ static void leave(struct usb_joint *j, enum usb_joint_state state)
 {
     if (j->fd >= 0)
         (void)close(j->fd);
-    *j = (struct usb_joint){.state = state, .fd = -1};
+    *j = (struct usb_joint){.state = state, .fd = -1, .life = j->life};
 }
 
 /* The socket is done with, whatever the stream still has. */
@@ -69,10 +69,12 @@ void usb_joints_add(struct usb_joints *joints, int fd)
 {
     int id = ttf_mux_open(joints->mux);
 
-    if (id > 0)
-        join(&joints->joint[id - 1], fd);
-    else
+    if (id < 0) {
         (void)close(fd);
+        return;
+    }
+    joints->joint[id - 1].life = ttf_mux_look(joints->mux, (unsigned)id).life;
+    join(&joints->joint[id - 1], fd);
 }
 
 /* What came for the socket. */
@@ -150,13 +152,15 @@ void usb_joints_follow(struct usb_joints *joints, int64_t now_ns)
 
     for (unsigned id = 1; id <= TTF_MUX_STREAMS; id++) {
         struct usb_joint *j = &joints->joint[id - 1];
+        struct ttf_mux_view view = ttf_mux_look(joints->mux, id);
 
         if (!(changed & UINT32_C(1) << (id - 1)) && j->state != USB_JOINT_CALLING)
             continue;
-        if (ttf_mux_look(joints->mux, id).open)
-            follow_one(joints, id, now_ns);
-        else
+        if (!view.open || view.life != j->life) /* what was joined was joined to another stream */
             leave(j, USB_JOINT_NONE);
+        j->life = view.life;
+        if (view.open)
+            follow_one(joints, id, now_ns);
     }
 }
 

@@ -17,6 +17,7 @@ enum usb_joint_state {
 struct usb_joint {
     enum usb_joint_state state;
     int fd;
+    uint32_t life;     /* of the stream that it is for */
     bool read_ended;   /* nothing more comes from the socket */
     bool write_ended;  /* it was told that nothing more comes */
     bool write_broken; /* it takes no more */

@@ -60,6 +60,7 @@ void usb_stream_begin(struct ttf_mux *mux, unsigned id)
 {
     mux->stream[id - 1] =
         (struct usb_stream){.open = true, .credit = mux->peer_window, .allowed = TTF_MUX_WINDOW};
+    mux->lives[id - 1]++;
     usb_mux_mark(mux, id);
 }
 
@@ -87,6 +88,7 @@ struct ttf_mux_view ttf_mux_look(const struct ttf_mux *mux, unsigned id)
     if (!s || !s->open)
         return (struct ttf_mux_view){0};
     return (struct ttf_mux_view){.open = true,
+                                 .life = mux->lives[id - 1],
                                  .readable = s->in.n,
                                  .room = s->ended ? 0 : usb_queue_room(&s->out),
                                  .peer_ended = s->peer_ended,

@@ -44,14 +44,20 @@ static bool may_send(const struct usb_stream *s)
     return s->out.n > 0 && s->credit > 0;
 }
 
-static bool end_is_due(const struct usb_stream *s)
+/*
+ * A box's second CLOSE waits until bytes are there that it has not given back. Without any, the host may have ended it too and
+ * hold the id for free, and the CLOSE would end the next stream of it; with them it cannot, before it has their CREDIT.
+ */
+static bool end_is_due(const struct ttf_mux *mux, const struct usb_stream *s)
 {
-    return (s->gone_due || s->end_due) && s->out.n == 0;
+    bool may_be_late = mux->role == TTF_MUX_BOX && s->close_sent && s->allowed >= TTF_MUX_WINDOW;
+
+    return (s->gone_due || s->end_due) && s->out.n == 0 && !may_be_late;
 }
 
-static bool has_something(const struct usb_stream *s)
+static bool has_something(const struct ttf_mux *mux, const struct usb_stream *s)
 {
-    return s->open && (s->open_due || credit_is_due(s) || may_send(s) || end_is_due(s));
+    return s->open && (s->open_due || credit_is_due(s) || may_send(s) || end_is_due(mux, s));
 }
 
 static void add_number(struct transfer *t, unsigned id, enum usb_frame_type type, uint32_t number)
@@ -67,15 +73,15 @@ static void add_control(struct ttf_mux *mux, unsigned id, struct transfer *t)
     if (s->open_due)
         (void)add(t, id, USB_FRAME_OPEN, 0);
     s->open_due = false;
+    if (end_is_due(mux, s)) { /* before CREDIT, behind which the id may be another stream's */
+        add_number(t, id, USB_FRAME_CLOSE, s->gone_due ? s->gone_reason : TTF_MUX_END);
+        s->gone_due = s->end_due = false;
+        s->close_sent = true;
+    }
     if (credit_is_due(s)) {
         add_number(t, id, USB_FRAME_CREDIT, s->to_return);
         s->allowed += s->to_return;
         s->to_return = 0;
-    }
-    if (end_is_due(s)) {
-        add_number(t, id, USB_FRAME_CLOSE, s->gone_due ? s->gone_reason : TTF_MUX_END);
-        s->gone_due = s->end_due = false;
-        s->close_sent = true;
     }
 }
 
@@ -120,7 +126,7 @@ static void add_streams(struct ttf_mux *mux, struct transfer *t)
     for (unsigned id = 1; id <= TTF_MUX_STREAMS; id++) {
         if (!mux->stream[id - 1].open)
             continue;
-        if (left(t) >= USB_HEADER + USB_NUMBER_SIZE && end_is_due(&mux->stream[id - 1]))
+        if (left(t) >= USB_HEADER + USB_NUMBER_SIZE && end_is_due(mux, &mux->stream[id - 1]))
             add_control(mux, id, t);
         usb_stream_settle(mux, id);
     }
@@ -133,7 +139,7 @@ bool ttf_mux_has_transfer(const struct ttf_mux *mux)
     if (mux->state != USB_MUX_READY)
         return false;
     for (unsigned i = 0; i < TTF_MUX_STREAMS; i++)
-        if (has_something(&mux->stream[i]))
+        if (has_something(mux, &mux->stream[i]))
             return true;
     return false;
 }

@@ -37,6 +37,7 @@ struct ttf_mux {
     unsigned streams; /* ids of both sides */
     unsigned turn;    /* the stream whose DATA goes first next, 0-based */
     uint32_t changed;
+    uint32_t lives[TTF_MUX_STREAMS]; /* how often each id was opened */
     struct usb_stream stream[TTF_MUX_STREAMS];
 };
 

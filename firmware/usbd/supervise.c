@@ -11,6 +11,7 @@
 #include "ttf/base/time.h"
 
 #define AGAIN_NS (100 * TTF_NS_PER_MS)
+#define MOST_NS  (10 * TTF_NS_PER_S) /* between tries of what gives up at once, each time */
 #define LOOK_NS  (100 * TTF_NS_PER_MS)
 #define END_NS   (3 * TTF_NS_PER_S) /* then it is killed */
 
@@ -50,10 +51,21 @@ static void end(pid_t child, struct ttf_clock *clock)
     }
 }
 
+/* How long to wait before the next. One that was killed is needed at once; one that finds that it cannot work will find that again. */
+static int64_t pause_after(int status, int64_t lived_ns, int64_t before_ns)
+{
+    if (WIFSIGNALED(status) || lived_ns > MOST_NS || before_ns == 0)
+        return AGAIN_NS;
+    return 2 * before_ns < MOST_NS ? 2 * before_ns : MOST_NS;
+}
+
 int supervise(const char *const *argv, int fd, struct ttf_clock *clock,
               const volatile sig_atomic_t *stop)
 {
+    int64_t pause_ns = 0;
+
     while (!*stop) {
+        int64_t begun_ns = ttf_clock_now_ns(clock), until_ns;
         pid_t child = begin(argv, fd);
         bool over = child < 0;
         int status = 0;
@@ -68,7 +80,10 @@ int supervise(const char *const *argv, int fd, struct ttf_clock *clock,
             fprintf(stderr, "ttfbox-usbd: ended by %s %d: started again\n",
                     WIFSIGNALED(status) ? "signal" : "exit",
                     WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status));
-            (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + AGAIN_NS);
+            pause_ns = pause_after(status, ttf_clock_now_ns(clock) - begun_ns, pause_ns);
+            until_ns = ttf_clock_now_ns(clock) + pause_ns;
+            while (!*stop && ttf_clock_now_ns(clock) < until_ns)
+                (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + LOOK_NS);
         }
     }
     return 0;

@@ -36,7 +36,7 @@ said() {
 
 # json KEY: a top-level value of the last line of out.
 json() {
-    tail -n 1 "$WORK/out" | "$PYTHON" -c 'import json,sys
+    tail -n 1 "$WORK/out" | "$PYTHON" -I -S -c 'import json,sys
 v = json.load(sys.stdin)
 for k in sys.argv[1].split("."):
     v = v[int(k)] if isinstance(v, list) else v[k]

@@ -23,6 +23,7 @@ def record(path, size):
 RECORDS = {
     "path": record("../../../escaped", 4), "absolute": record("/tmp/escaped", 4), "long": record("frames/main/000000.tif", 10),
     "garbage": b"not a line\n" * 100, "noend": b"x" * 100, "name": b"", "size": record("frames/main/000000.tif", -5), "notes": record("notes.jsonl", 4), "hidden": record(".envrc", 4),
+    "nomanifest": record("frames/main/000000.tif", 1000000), "endless": line({"type": "other", "seq": 0, "text": "x" * 9000}) * 100,
 }
 
 
@@ -42,10 +43,14 @@ class Box(http.server.BaseHTTPRequestHandler):
             self.give(json.dumps({"datasets": [{"name": n} for n in names]}).encode())
         elif path == "/datasets/grass":
             self.give(b'{"name":"grass","slots":1,"sealed":false}')
+        elif path.endswith("/dataset.json") and CASE == "nomanifest":
+            self.give(b'{"error":"it cannot be read"}', 500)
         elif path.endswith("/dataset.json"):
             self.give(b'{"format":{"name":"ttf","major":1,"minor":1}}')
         elif path.endswith("/records"):
             first = int(self.headers.get("Range", "bytes=0-")[6:].split("-")[0])
+            if CASE == "endless" and first < 80 * len(RECORDS[CASE]):
+                first %= len(RECORDS[CASE])
             data = RECORDS[CASE][first:]
             self.give(data, 206) if data else self.give(b"", 416)
         elif path.endswith(".tif"):

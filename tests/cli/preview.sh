@@ -99,6 +99,11 @@ grep -q "Max address space *[0-9]" "/proc/$process/limits" || fail "its memory i
 kill -9 $process
 wait $process 2>/dev/null
 
+# ---- a newest folder that is no dataset any more does not keep it from the others, and is told of once ----
+mkdir -p data/broken
+echo '{"format":' >data/broken/dataset.json
+touch -d tomorrow data/broken/records.jsonl
+
 # ---- it follows by itself; killed again and again, what is in force is whole, and no child goes on ----
 "$PREVIEW" --folder data --ttfbox "$TTFBOX" --room 1MB --every 100ms --eager 2>>log &
 process=$!
@@ -132,6 +137,10 @@ wait $process || fail "told to end it ended with $?"
 [ -e data/.preview/grass/making ] && fail "something half-made is left"
 ls data/.preview/grass/*.tmp 2>/dev/null && fail "a .tmp is left"
 
+told=$(grep -c 'passed over' log)
+if [ "$told" -lt 1 ] || [ "$told" -gt 6 ]; then fail "$told times it said of one folder, at six starts, that it is passed over"; fi
+rm -r data/broken
+
 # ---- a synthesis that fails: said, and what was there stays ----
 capture 200
 expect 0 "$PREVIEW" --folder data --ttfbox /bin/false --room 1MB --eager --once
@@ -140,6 +149,22 @@ is why "the synthesis ended with 1"
 frames_are_there
 refresh --ttfbox "$TTFBOX" # not tried again with the same images
 [ "$(state state)" = failed ] || fail "tried again although nothing is new"
+
+# ---- of a dataset that has ended the last one is tried again, later; what belonged to datasets that are gone goes ----
+mkdir data/.preview/gone data/.preview/gone/g1
+touch -d tomorrow whole/records.jsonl
+mv whole data/ended
+expect 0 "$PREVIEW" --folder data --ttfbox /bin/false --room 1MB --eager --once
+[ ! -e data/.preview/gone ] || fail "the cache of a dataset that is gone stays"
+grep -q '"state":"failed".*"tries":1' data/.preview/ended/state.json || fail "the failure is not said"
+[ ! -e data/.preview/ended/making ] || fail "what was half made stays"
+refresh --every 1h
+grep -q '"state":"failed"' data/.preview/ended/state.json || fail "tried again at once"
+refresh --every 1ms --room 200MB
+grep -q '"state":"ready".*"images":240' data/.preview/ended/state.json || fail "not tried again: $(cat data/.preview/ended/state.json)"
+mv data/ended whole
+refresh --every 1ms # another dataset is the newest: this one's goes
+[ ! -e data/.preview/ended ] || fail "the cache of a dataset that was moved away stays"
 
 # ---- no room: nothing is done ----
 capture 240

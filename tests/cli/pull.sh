@@ -230,7 +230,7 @@ expect 1 "$TTFBOX" pull live --box "$BOX"
 said err 'does not answer'
 
 # --- boxes that mean harm
-for case in path absolute long garbage noend name size notes hidden; do
+for case in path absolute long garbage noend name size notes hidden nomanifest; do
     background "$PYTHON" "$HERE/evil_box.py" $case
     timeout 60 "$TTFBOX" pull "evil-$case/in/here" --box "http://$WHERE" >out 2>err
     code=$?
@@ -241,10 +241,20 @@ for case in path absolute long garbage noend name size notes hidden; do
     for place in notes.jsonl .envrc; do
         [ ! -e "evil-$case/in/here/grass/$place" ] || fail "$case: it wrote $place"
     done
-    [ $code = 3 ] || [ $case = name ] || [ $case = noend ] || fail "$case: exit $code instead of 3"
+    # Without a manifest it is not known whose place it would take.
+    if [ $case = nomanifest ] && { [ $code = 0 ] || [ -e "evil-$case/in/here/grass" ]; }; then fail "$case: exit $code, and something was written"; fi
+    [ $code = 3 ] || [ $case = name ] || [ $case = noend ] || [ $case = nomanifest ] || fail "$case: exit $code instead of 3"
     [ -z "$(find "evil-$case" -size +100k)" ] || fail "$case: it took more than was said"
     drop
 done
+# Records without end that name no file fill the disk, and no memory.
+background "$PYTHON" "$HERE/evil_box.py" endless
+"$PYTHON" -c 'import resource, subprocess, sys
+subprocess.run(sys.argv[1:], check=False, timeout=60)
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)' "$TTFBOX" pull endless --box "http://$WHERE" -q >out 2>err
+[ "$(stat -c %s endless/grass/records.jsonl)" -gt 70000000 ] || fail "the endless records end soon"
+[ "$(tail -n 1 out)" -lt 65536 ] || fail "lines that name no files take $(tail -n 1 out) kB of memory"
+drop
 [ "$digest" = "$(sha256sum whole/SHA256SUMS | cut -c1-64)" ] || fail "the test spoilt its own dataset"
 
 expect 2 "$TTFBOX" pull here

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # modules.sh RIG: drivers that Debian's kernel leaves out, for the kernel of RIG/system/tree: vimc (a camera that
 # libcamera finds), gpio-sim and irq_sim (GPIO lines with a hand on them), i2c-stub (a bus whose chips are registers that
-# scenarios fill) and pwm-pca9685 (PWM channels of a chip on it). Built out of tree from the very source
+# scenarios fill), pwm-pca9685 (PWM channels of a chip on it) and rig-cable (dummy_hcd with the speed of a bus). Built out of tree from the very source
 # package of that kernel, kept in RIG/modules, and put where the guest's modprobe finds them.
 set -euo pipefail
 rig=$(cd "$1" && pwd)
@@ -37,7 +37,7 @@ fetch() { # what the modules are made from, into $out/from
         tar -xO ./usr/src/linux-source-6.1.tar.xz | xz -dc -T0 |
         tar -x -C "$out/from" --strip-components=1 linux-source-6.1/drivers/media/test-drivers/vimc \
             linux-source-6.1/drivers/i2c/i2c-stub.c linux-source-6.1/drivers/pwm/pwm-pca9685.c \
-            linux-source-6.1/drivers/gpio/gpio-sim.c linux-source-6.1/drivers/gpio/gpiolib.h \
+            linux-source-6.1/drivers/usb/gadget/udc/dummy_hcd.c linux-source-6.1/drivers/gpio/gpio-sim.c linux-source-6.1/drivers/gpio/gpiolib.h \
             linux-source-6.1/kernel/irq/irq_sim.c
     # The headers name each other by the places they would be installed at.
     sed -i "s|/usr/src/|$out/from/usr/src/|; s|/usr/lib/|$out/from/usr/lib/|" \
@@ -56,13 +56,22 @@ build() {
         sed 's/irq_to_desc(\([a-z_>.-]*\))/irq_data_to_desc(irq_get_irq_data(\1))/' "$out/from/kernel/irq/irq_sim.c"
         printf 'MODULE_LICENSE("GPL");\n'
     } >"$gpio/irq_sim.c"
-    printf 'obj-m := gpio-sim.o irq_sim.o i2c-stub.o pwm-pca9685.o\n' >"$gpio/Makefile"
+    # dummy_hcd looks at its queues 8,000 times a second, each time with room for what a high-speed bus carries in a millisecond: that costs an
+    # emulated processor most of its time, and is eight times such a bus. Here both are parameters, at first a bus's own. And it serves its queues in
+    # the order of their transfers, so that what goes out waits for all that was to come in; here it gets a packet of each frame.
+    sed -e 's|^#define DUMMY_TIMER_INT_NSECS.*|static unsigned int frame_ns = 1000000, frame_bytes = 512 * 13 * 8;\
+module_param(frame_ns, uint, 0644);\
+module_param(frame_bytes, uint, 0644);|' -e 's|DUMMY_TIMER_INT_NSECS|frame_ns|; s|total = 512.*uframes.*;|total = frame_bytes;|
+        s|if (total <= 0)|if (total <= 0 \&\& usb_urb_dir_in(urb))|; s|\tlimit = total;|\tlimit = usb_urb_dir_in(urb) ? total : max(total, 512);|' \
+        "$out/from/drivers/usb/gadget/udc/dummy_hcd.c" >"$gpio/rig-cable.c"
+    [ "$(diff "$out/from/drivers/usb/gadget/udc/dummy_hcd.c" "$gpio/rig-cable.c" | grep -c '^>')" = 8 ]
+    printf 'obj-m := gpio-sim.o irq_sim.o i2c-stub.o pwm-pca9685.o rig-cable.o\n' >"$gpio/Makefile"
     local folder
     for folder in "$vimc" "$gpio"; do
         make -s -C "$out/from/usr/src/linux-headers-$kernel" ARCH=arm64 CROSS_COMPILE=aarch64-linux-gnu- \
             M="$folder" CONFIG_VIDEO_VIMC=m modules
     done
-    cp "$vimc/vimc.ko" "$gpio/gpio-sim.ko" "$gpio/irq_sim.ko" "$gpio/i2c-stub.ko" "$gpio/pwm-pca9685.ko" "$out/"
+    cp "$vimc/vimc.ko" "$gpio/gpio-sim.ko" "$gpio/irq_sim.ko" "$gpio/i2c-stub.ko" "$gpio/pwm-pca9685.ko" "$gpio/rig-cable.ko" "$out/"
 }
 
 stamp="$kernel $version $(sha256sum <"$0" | cut -c1-64)"

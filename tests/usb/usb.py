@@ -12,6 +12,7 @@ import json
 import os
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import threading
@@ -423,8 +424,56 @@ def strangers(world):
     say("strangers: a second program, a missing box, an address of everybody's are refused; TCP and half-closed clients are served")
 
 
+class LaterBox(threading.Thread):
+    """A box of another version of the protocol: it answers resets, and says so in its HELLO."""
+
+    def __init__(self, world, version):
+        super().__init__(daemon=True)
+        self.version, self.out = version, None
+        self.control = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self.control.connect(world.at("cable"))
+        self.control.send(struct.pack("=QQ", ord("B"), 0))
+
+    def run(self):
+        while True:
+            message, fds, _, _ = socket.recv_fds(self.control, 16, 2)
+            if len(message) < 16:
+                return
+            kind, nonce = struct.unpack("=QQ", message)
+            if chr(kind) == "U":
+                os.close(fds[0])
+                self.out = socket.socket(fileno=fds[1])
+            elif chr(kind) == "X":
+                self.control.send(struct.pack("=QQ", ord("A"), nonce))
+                self.out.send(struct.pack("<HBBI", 0, 6, 0, 0))
+                self.out.send(struct.pack("<HBBIHHIQ", 0, 1, 0, 16, self.version, 32, 1 << 18, nonce))
+
+    def end(self):
+        self.control.shutdown(socket.SHUT_RDWR)
+        self.join(5)
+
+
+def versions(world):
+    """A box of another version is no box to wait for: it is said at once, by all that would use it."""
+    world.cable()
+    box = LaterBox(world, 2)
+    box.start()
+    worst = 0.0
+    for command in (["pull", world.at("no")], ["pull", world.at("no"), "--follow"], ["pull", world.at("no"), "--only", "grass"],
+                    ["pull", "--list"], ["usb", "--listen", "unix:" + world.at("pc")]):
+        begun = time.monotonic()
+        r = subprocess.run([world.ttfbox, *command, "--box", "cable:" + world.at("cable")], capture_output=True, text=True,
+                           timeout=60, check=False)
+        worst = max(worst, time.monotonic() - begun)
+        if r.returncode != 1 or "speaks another version of the protocol" not in r.stderr or worst > 3.0:
+            raise Failed(f"{command} ends with {r.returncode} after {worst:.1f} s: {r.stderr}")
+    box.end()
+    say(f"versions: a box of another version is told from one that is away, after {worst * 1e3:.0f} ms at most")
+
+
 SCENARIOS = {"sizes": sizes, "kills": kills, "usbd-dies": usbd_dies, "daemon-dies": daemon_dies, "unplugs": unplugs,
-             "sleeps": sleeps, "greedy": greedy, "strangers": strangers, "latency": latency, "speed": speed, "listing": listing}
+             "sleeps": sleeps, "greedy": greedy, "strangers": strangers, "versions": versions,
+              "latency": latency, "speed": speed, "listing": listing}
 
 
 def main():

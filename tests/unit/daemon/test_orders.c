@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "orders.h"
@@ -162,19 +163,19 @@ static void a_stop_ends_what_ran_and_never_what_is_taken_up_after_it(void **stat
 
     order_free(&order);
     orders_flag(orders, &flag, 2);
-    assert_int_equal(orders_take(orders, &order), 0);
+    assert_int_equal(orders_take(orders, &order, &err), 0);
     order_free(&order);
     assert_int_equal(orders_stop(orders, &err), 0);
     assert_int_equal(flag, 2);
     assert_int_equal(orders_go_on(orders, &err), 0);
     assert_int_equal(flag, 2); /* the run that was stopped has not ended yet */
-    assert_int_equal(orders_take(orders, &order), 0);
+    assert_int_equal(orders_take(orders, &order, &err), 0);
     assert_int_equal(order.state, ORDER_RUN);
     assert_int_equal(flag, 0);
     order_free(&order);
     flag = 1; /* the program is to end: that stays */
     assert_int_equal(orders_stop(orders, &err), 0);
-    assert_int_equal(orders_take(orders, &order), 0);
+    assert_int_equal(orders_take(orders, &order, &err), 0);
     assert_int_equal(flag, 1);
     order_free(&order);
     orders_destroy(orders);
@@ -212,23 +213,133 @@ static void the_button_holds_also_where_the_disk_does_not_take_it(void **state)
     assert_int_equal(rmdir(folder), 0);
 }
 
-static void a_file_that_says_nothing_is_named(void **state)
+static void put(const char *folder, const char *text)
 {
-    char path[600];
-    struct orders *orders = NULL;
-    struct ttf_err err = {0};
+    char path[700];
     FILE *file;
 
-    (void)snprintf(path, sizeof path, "%s/run.json", (const char *)*state);
+    (void)snprintf(path, sizeof path, "%s/run.json", folder);
     file = fopen(path, "we");
     if (!file) {
-        fail();
+        fail_msg("no %s", path);
         return;
     }
-    fputs("{\"state\":\"walking\"}", file);
+    (void)fputs(text, file);
     assert_int_equal(fclose(file), 0);
-    assert_int_equal(orders_create(ttf_io_posix(), *state, "", "", &orders, &err), -EINVAL);
-    assert_string_equal(err.where, path);
+}
+
+static void
+a_file_that_says_nothing_is_put_aside_and_nothing_runs_until_somebody_says_so(void **state)
+{
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    struct order order;
+    char aside[700];
+
+    (void)snprintf(aside, sizeof aside, "%s/run.json.unreadable", (const char *)*state);
+    put(*state, "{\"state\":\"walking\"}");
+    order = boot(*state, "grass", CONFIGURATION, &orders);
+    assert_int_equal(order.state, ORDER_STOPPED);
+    assert_non_null(strstr(order.why, aside));
+    order_free(&order);
+    orders_destroy(orders);
+    assert_int_equal(access(aside, R_OK), 0);
+    /* So also at the next boot, which finds nothing unreadable. */
+    order = boot(*state, "grass", CONFIGURATION, &orders);
+    assert_int_equal(order.state, ORDER_STOPPED);
+    assert_non_null(strstr(order.why, aside));
+    order_free(&order);
+    assert_int_equal(orders_go_on(orders, &err), 0);
+    orders_destroy(orders);
+    expect(*state, "grass", CONFIGURATION, ORDER_RUN, "grass");
+    assert_int_equal(unlink(aside), 0);
+}
+
+static void a_box_that_has_nothing_configured_does_not_go_on_with_nothing(void **state)
+{
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    struct order order;
+    char aside[700];
+
+    (void)snprintf(aside, sizeof aside, "%s/run.json.unreadable", (const char *)*state);
+    put(*state, "");
+    order = boot(*state, "", "", &orders);
+    assert_int_equal(order.state, ORDER_STOPPED);
+    order_free(&order);
+    assert_int_equal(orders_go_on(orders, &err), -ENOENT);
+    assert_int_equal(orders_start(orders, "week", "interval: 1h\n", "moss", &err), 0);
+    orders_destroy(orders);
+    expect(*state, "", "", ORDER_RUN, "moss");
+    assert_int_equal(unlink(aside), 0);
+}
+
+/* A disk that gives an error for what is read: files cannot be opened. */
+struct bad_disk {
+    struct ttf_io io; /* first */
+    struct ttf_io_ops ops;
+    bool bad;
+};
+
+static int bad_open(struct ttf_io *io, const char *path, enum ttf_io_mode mode)
+{
+    return ((struct bad_disk *)io)->bad ? -EIO : ttf_io_posix()->ops->open(io, path, mode);
+}
+
+static void a_disk_that_cannot_be_read_is_tried_again_and_nothing_is_decided_by_guess(void **state)
+{
+    struct bad_disk disk = {.ops = *ttf_io_posix()->ops};
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    struct order order;
+
+    disk.ops.open = bad_open;
+    disk.io.ops = &disk.ops;
+    order = boot(*state, "grass", CONFIGURATION, &orders);
+    order_free(&order);
+    assert_int_equal(orders_stop(orders, &err), 0);
+    orders_destroy(orders);
+    disk.bad = true;
+    assert_int_equal(orders_create(&disk.io, *state, "grass", CONFIGURATION, &orders, &err), 0);
+    assert_int_equal(orders_take(orders, &order, &err), -EIO);
+    assert_int_equal(order.generation, orders_generation(orders)); /* by which it waits */
+    assert_int_equal(orders_stop(orders, &err), -EAGAIN);
+    assert_false(orders_read_again(orders));
+    disk.bad = false;
+    assert_true(orders_read_again(orders));
+    assert_int_equal(orders_take(orders, &order, &err), 0);
+    assert_int_equal(order.state, ORDER_STOPPED);
+    order_free(&order);
+    orders_destroy(orders);
+}
+
+static void a_disk_that_comes_late_says_what_holds_and_ends_what_began_without_it(void **state)
+{
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    volatile int flag = 0;
+    char folder[600], path[700];
+    struct order order;
+
+    (void)snprintf(folder, sizeof folder, "%s/late", (const char *)*state);
+    (void)snprintf(path, sizeof path, "%s/run.json", folder);
+    order = boot(folder, "grass", CONFIGURATION, &orders);
+    orders_flag(orders, &flag, 2);
+    assert_int_equal(order.state, ORDER_RUN);
+    order_free(&order);
+    assert_false(orders_read_again(orders));
+    assert_int_equal(mkdir(folder, 0755), 0);
+    put(folder,
+        "{\"state\":\"stopped\",\"dataset\":\"grass\",\"configuration\":\"" CONFIGURATION "\"}");
+    assert_true(orders_read_again(orders));
+    assert_int_equal(flag, 2);
+    assert_int_equal(orders_take(orders, &order, &err), 0);
+    assert_int_equal(order.state, ORDER_STOPPED);
+    order_free(&order);
+    assert_false(orders_read_again(orders));
+    orders_destroy(orders);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(folder), 0);
 }
 
 #define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_folder, remove_folder)
@@ -244,7 +355,10 @@ int main(void)
         WITH_FOLDER(the_end_of_a_run_does_not_stop_the_one_that_was_asked_for_meanwhile),
         WITH_FOLDER(a_stop_ends_what_ran_and_never_what_is_taken_up_after_it),
         WITH_FOLDER(the_button_holds_also_where_the_disk_does_not_take_it),
-        WITH_FOLDER(a_file_that_says_nothing_is_named),
+        WITH_FOLDER(a_file_that_says_nothing_is_put_aside_and_nothing_runs_until_somebody_says_so),
+        WITH_FOLDER(a_box_that_has_nothing_configured_does_not_go_on_with_nothing),
+        WITH_FOLDER(a_disk_that_cannot_be_read_is_tried_again_and_nothing_is_decided_by_guess),
+        WITH_FOLDER(a_disk_that_comes_late_says_what_holds_and_ends_what_began_without_it),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

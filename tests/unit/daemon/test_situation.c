@@ -99,15 +99,15 @@ static void a_run_is_followed_from_arming_to_its_end(void **state)
         fail();
         return;
     }
-    situation_run(s, &order);
+    (void)situation_run(s, &order);
     assert_true(situation_set(s, DOING_ARMING, NULL, TTF_NS_UNKNOWN));
     status = status_of(s);
     assert_string_equal(word(status, "state"), "arming");
     assert_int_equal(number(status, "run.next.index"), -1);
     json_decref(status);
-    situation_segment(s, &segment);
+    situation_segment(s, "grass", false, &segment);
     assert_true(situation_letter(s, &letter));
-    situation_record(s, &record, "{\"index\":0,\"lamps\":[],\"sensors\":[]}");
+    situation_record(s, "grass", &record, "{\"index\":0,\"lamps\":[],\"sensors\":[]}");
     letter = letter_of(TTF_PROGRESS_SLOT, 0, TTF_RESULT_CAPTURED);
     assert_false(situation_letter(s, &letter));
     clock.now_ns += 2 * TTF_NS_PER_S;
@@ -153,19 +153,85 @@ static void a_clock_that_nobody_vouches_for_gives_no_utc(void **state)
         fail();
         return;
     }
-    situation_run(s, &order);
+    (void)situation_run(s, &order);
     (void)situation_set(s, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
     segment.segment = 1;
     segment.first_index = 4;
-    situation_segment(s, &segment);
+    situation_segment(s, "grass", false, &segment);
     (void)situation_letter(s, &letter);
     segment.segment = 0; /* a correction of what is over */
     segment.first_index = 0;
-    situation_segment(s, &segment);
+    situation_segment(s, "grass", false, &segment);
     status = status_of(s);
     assert_int_equal(number(status, "run.next.index"), 4);
     assert_int_equal(number(status, "run.next.due_boot_ns"), 0);
     assert_int_equal(number(status, "run.next.due_utc_ns"), -1);
+    json_decref(status);
+    situation_destroy(s);
+}
+
+static void records_and_letters_of_the_run_before_are_not_counted_into_this_one(void **state)
+{
+    struct hand_clock clock = {.base = {.ops = &OPS}, .now_ns = TTF_NS_PER_S};
+    struct situation *s = situation_create(&clock.base);
+    struct order order = {.state = ORDER_RUN, .dataset = "grass"};
+    struct ttf_slot_record record = {.index = 0, .result = TTF_RESULT_CAPTURED};
+    struct letter letter = letter_of(TTF_PROGRESS_SLOT, 6, TTF_RESULT_CAPTURED);
+    json_t *status;
+
+    (void)state;
+    if (!s) {
+        fail();
+        return;
+    }
+    letter.run = situation_run(s, &order);
+    situation_record(s, "grass", &record, NULL);
+    memcpy(order.dataset, "moss", 5);
+    assert_true(situation_run(s, &order) != letter.run);
+    (void)situation_set(s, DOING_CAPTURING, NULL, TTF_NS_UNKNOWN);
+    record.index = 1;
+    situation_record(s, "grass", &record, "{}");
+    assert_false(situation_letter(s, &letter));
+    status = status_of(s);
+    assert_int_equal(number(status, "run.done"), 0);
+    assert_null(json_object_get(json_object_get(status, "run"), "last"));
+    assert_null(json_object_get(status, "readings"));
+    json_decref(status);
+    situation_destroy(s);
+}
+
+static void slots_in_the_second_storage_go_on_being_counted_each_once(void **state)
+{
+    struct hand_clock clock = {.base = {.ops = &OPS}, .now_ns = TTF_NS_PER_S};
+    struct situation *s = situation_create(&clock.base);
+    const struct order order = {.state = ORDER_RUN, .dataset = "grass"};
+    struct ttf_segment segment = {.segment = 3, .interval_ns = TTF_NS_PER_S, .trust = "none"};
+    struct ttf_slot_record record = {.result = TTF_RESULT_CAPTURED};
+    struct letter letter = letter_of(TTF_PROGRESS_ARMED, 0, 0);
+    json_t *status;
+
+    (void)state;
+    if (!s) {
+        fail();
+        return;
+    }
+    (void)situation_run(s, &order);
+    (void)situation_set(s, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
+    (void)situation_letter(s, &letter);
+    situation_segment(s, "grass", false, &segment);
+    for (record.index = 0; record.index < 5; record.index++)
+        situation_record(s, "grass", &record, NULL);
+    segment = (struct ttf_segment){.first_index = 4,
+                                   .origin_ns = 4 * TTF_NS_PER_S,
+                                   .trust = "none",
+                                   .interval_ns = TTF_NS_PER_S};
+    situation_segment(s, "grass", true, &segment); /* numbered anew, from the slot under way on */
+    for (record.index = 4; record.index < 7; record.index++)
+        situation_record(s, "grass", &record, NULL);
+    status = status_of(s);
+    assert_int_equal(number(status, "run.done"), 7);
+    assert_int_equal(number(status, "run.next.index"), 7);
+    assert_true(number(status, "run.next.due_boot_ns") == 7 * TTF_NS_PER_S);
     json_decref(status);
     situation_destroy(s);
 }
@@ -175,6 +241,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_run_is_followed_from_arming_to_its_end),
         cmocka_unit_test(a_clock_that_nobody_vouches_for_gives_no_utc),
+        cmocka_unit_test(records_and_letters_of_the_run_before_are_not_counted_into_this_one),
+        cmocka_unit_test(slots_in_the_second_storage_go_on_being_counted_each_once),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

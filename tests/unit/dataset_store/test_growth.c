@@ -202,6 +202,26 @@ static void another_file_or_a_shorter_one_is_noticed(void **state)
     assert_int_equal(look(records, &before, &seen), -ENOENT);
 }
 
+static void a_copy_in_its_place_is_another_file(void **state)
+{
+    struct ttf_io *io = ttf_io_posix();
+    const char *records = in(*state, "grass/records.jsonl"), *copy = in(*state, "copy");
+    struct ttf_growth growth = {0};
+    struct seen seen = {0};
+    char *text = NULL;
+    size_t n;
+
+    ttf_writer_close(small_create(io, in(*state, "grass")));
+    assert_int_equal(look(records, &growth, &seen), 0);
+    assert_int_equal(ttf_io_slurp(io, records, 1 << 20, &text, &n, NULL), 0);
+    if (!text)
+        return;
+    write_text(copy, text, n);
+    free(text);
+    assert_int_equal(rename(copy, records), 0);
+    assert_int_equal(look(records, &growth, &seen), -ESTALE);
+}
+
 static void written_at(const char *path, time_t s)
 {
     const struct timespec times[2] = {{.tv_sec = s}, {.tv_sec = s}};
@@ -222,6 +242,14 @@ static void the_dataset_whose_records_came_last_is_found(void **state)
     written_at(in(*state, "banana/records.jsonl"), 1000);
     assert_int_equal(ttf_growth_newest(io, folder, name), 0);
     assert_string_equal(name, "grass");
+    assert_int_equal(ttf_growth_nth_newest(io, folder, 1, name), 0);
+    assert_string_equal(name, "banana");
+    assert_int_equal(ttf_growth_nth_newest(io, folder, 2, name), -ENOENT);
+    written_at(in(*state, "banana/records.jsonl"), 2000); /* as old: each is found once */
+    assert_int_equal(ttf_growth_nth_newest(io, folder, 0, name), 0);
+    assert_string_equal(name, "banana");
+    assert_int_equal(ttf_growth_nth_newest(io, folder, 1, name), 0);
+    assert_string_equal(name, "grass");
     written_at(in(*state, "banana/records.jsonl"), 3000);
     assert_int_equal(ttf_growth_newest(io, folder, name), 0);
     assert_string_equal(name, "banana");
@@ -236,6 +264,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(only_what_is_new_is_given, folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(a_long_file_is_given_by_parts, folder_setup,
+                                        folder_teardown),
+        cmocka_unit_test_setup_teardown(a_copy_in_its_place_is_another_file, folder_setup,
                                         folder_teardown),
         cmocka_unit_test_setup_teardown(a_line_that_is_not_whole_waits, folder_setup,
                                         folder_teardown),

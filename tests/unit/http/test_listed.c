@@ -8,9 +8,11 @@
 #include <cmocka.h>
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "described.h"
@@ -127,6 +129,26 @@ static void a_list_that_grows_is_followed_line_by_line(void **state)
     end(&s);
 }
 
+static void lines_that_come_within_one_tick_of_the_disk_s_clock_are_seen(void **state)
+{
+    struct server s = begin(10);
+    char hex[65], *more = lines(10, 12, 'b');
+    struct timespec times[2];
+    struct stat st;
+
+    (void)state;
+    if (!more)
+        return;
+    assert_int_equal(look(&s, 10, hex), -ENODATA);
+    assert_int_equal(stat(SUMS, &st), 0);
+    append(more);
+    free(more);
+    times[0] = times[1] = st.st_mtim;
+    assert_int_equal(utimensat(AT_FDCWD, SUMS, times, 0), 0);
+    assert_int_equal(look(&s, 11, hex), 0);
+    end(&s);
+}
+
 static void a_list_that_was_put_in_its_place_is_another(void **state)
 {
     struct server s = begin(100);
@@ -175,6 +197,9 @@ int main(void)
                                         scratch_make, scratch_remove),
         cmocka_unit_test_setup_teardown(a_list_that_grows_is_followed_line_by_line, scratch_make,
                                         scratch_remove),
+        cmocka_unit_test_setup_teardown(
+            lines_that_come_within_one_tick_of_the_disk_s_clock_are_seen, scratch_make,
+            scratch_remove),
         cmocka_unit_test_setup_teardown(a_list_that_was_put_in_its_place_is_another, scratch_make,
                                         scratch_remove),
         cmocka_unit_test_setup_teardown(what_is_no_line_is_passed_over, scratch_make,

@@ -249,6 +249,81 @@ static void the_box_ends_both_while_the_host_opens_the_id_again(void **state)
     pair_end(&p);
 }
 
+static void a_second_end_of_the_box_never_reaches_the_next_stream(void **state)
+{
+    struct pair p;
+    unsigned id;
+    uint8_t end[TTF_MUX_TRANSFER_MAX], hosts[TTF_MUX_TRANSFER_MAX], late[TTF_MUX_TRANSFER_MAX];
+    size_t n_end, n_hosts, n_late;
+
+    (void)state;
+    pair_begin(&p);
+    id = open_one(&p);
+    ttf_mux_end(p.box, id, TTF_MUX_END);
+    n_end = ttf_mux_give(p.box, end);
+    ttf_mux_end(p.host, id, TTF_MUX_END); /* the two cross */
+    n_hosts = ttf_mux_give(p.host, hosts);
+    ttf_mux_end(p.box, id, TTF_MUX_FAILED); /* before it hears of the host's */
+    n_late = ttf_mux_has_transfer(p.box) ? ttf_mux_give(p.box, late) : 0;
+    assert_int_equal(ttf_mux_take(p.host, end, n_end), 0);
+    assert_int_equal(ttf_mux_open(p.host), (int)id); /* over for the host: another has it */
+    if (n_late > 0)
+        assert_int_equal(ttf_mux_take(p.host, late, n_late), 0);
+    assert_false(ttf_mux_look(p.host, id).peer_ended);
+    assert_int_equal(ttf_mux_take(p.box, hosts, n_hosts), 0);
+    pair_settle(&p);
+    assert_true(carries(&p, p.box, p.host, id, 1000));
+    pair_end(&p);
+}
+
+static void a_second_end_of_the_box_is_told_while_bytes_are_outstanding(void **state)
+{
+    struct pair p;
+    unsigned id;
+
+    (void)state;
+    pair_begin(&p);
+    id = open_one(&p);
+    ttf_mux_end(p.box, id, TTF_MUX_END);
+    pair_settle(&p);
+    ttf_mux_end(p.box, id, TTF_MUX_FAILED);
+    assert_false(ttf_mux_has_transfer(p.box)); /* the host may be ending it, too */
+    assert_int_equal(ttf_mux_write(p.host, id, "too late", 8), 8);
+    assert_int_equal(pair_move(&p, p.host, p.box), 1);
+    assert_int_equal(pair_move(&p, p.box, p.host), 1);
+    assert_true(ttf_mux_look(p.host, id).peer_gone);
+    assert_int_equal(ttf_mux_look(p.host, id).reason, TTF_MUX_FAILED);
+    pair_settle(&p);
+    assert_false(ttf_mux_look(p.host, id).open);
+    assert_false(ttf_mux_look(p.box, id).open);
+    assert_int_equal(open_one(&p), id);
+    assert_true(carries(&p, p.host, p.box, id, 1000));
+    pair_end(&p);
+}
+
+static void an_id_that_another_stream_has_is_known_by_its_life(void **state)
+{
+    struct pair p;
+    unsigned id;
+    uint32_t life;
+
+    (void)state;
+    pair_begin(&p);
+    id = open_one(&p);
+    life = ttf_mux_look(p.box, id).life;
+    ttf_mux_end(p.box, id, TTF_MUX_GONE);
+    pair_settle(&p);
+    assert_int_equal(open_one(&p), id);
+    assert_int_not_equal(ttf_mux_look(p.box, id).life, life);
+    life = ttf_mux_look(p.box, id).life;
+    ttf_mux_reset(p.box, 79);
+    ttf_mux_reset(p.host, 79);
+    pair_settle(&p);
+    assert_int_equal(open_one(&p), id);
+    assert_int_not_equal(ttf_mux_look(p.box, id).life, life);
+    pair_end(&p);
+}
+
 static void there_are_so_many_streams_and_no_more(void **state)
 {
     struct pair p;
@@ -337,6 +412,9 @@ int main(void)
         cmocka_unit_test(a_server_that_is_not_there_is_told),
         cmocka_unit_test(an_end_of_both_that_crosses_does_not_touch_the_next_stream),
         cmocka_unit_test(the_box_ends_both_while_the_host_opens_the_id_again),
+        cmocka_unit_test(a_second_end_of_the_box_never_reaches_the_next_stream),
+        cmocka_unit_test(a_second_end_of_the_box_is_told_while_bytes_are_outstanding),
+        cmocka_unit_test(an_id_that_another_stream_has_is_known_by_its_life),
         cmocka_unit_test(there_are_so_many_streams_and_no_more),
         cmocka_unit_test(a_reset_ends_all_and_what_was_under_way_is_passed_over),
         cmocka_unit_test(the_hello_of_another_reset_is_none),

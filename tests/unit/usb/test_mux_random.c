@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * test_mux_random.c: many streams opened, written, read and ended at random by both sides, with transfers under way in both
- * directions: what is read is what was written, each stream ends, and every id can be used again. The same on each run.
+ * directions: what is read is what was written, each stream ends, no stream is told the end of another that had its id before, and
+ * every id can be used again. The same on each run.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,6 +30,7 @@ struct cable {
 struct flow {
     uint32_t number;
     size_t written, read;
+    unsigned ends; /* bit: a reason by which its writer has ended it */
 };
 
 struct world {
@@ -36,8 +38,9 @@ struct world {
     struct cable cable[2];  /* from that side */
     struct flow flow[2][TTF_MUX_STREAMS];
     bool known[2][TTF_MUX_STREAMS]; /* open when it was looked at last */
-    uint32_t opened;
+    uint32_t opened, told;
     uint64_t random;
+    bool quiet; /* streams are opened and ended more than they are written to */
     size_t most_held;
 };
 
@@ -67,6 +70,29 @@ static void give(struct world *w, unsigned side)
     c->count += c->n[at] > 0;
 }
 
+/* What a stream is told of the other side's end is what that side has said of this very stream. */
+static void check_end(struct world *w, unsigned side, unsigned i)
+{
+    struct ttf_mux_view view = ttf_mux_look(w->mux[side], i + 1);
+    const struct flow *own = &w->flow[side][i], *others = &w->flow[!side][i];
+    unsigned said = others->number == own->number ? others->ends : 0;
+
+    /* GONE is also the answer to an end of ours that ends both directions. */
+    if (own->ends & ~(1u << TTF_MUX_END))
+        said |= 1u << TTF_MUX_GONE;
+    if (view.open && view.peer_ended && !(said & 1u << view.reason))
+        fail_msg("stream %u of side %u, the %u. opened, is told an end %d that is not its own",
+                 i + 1, side, own->number, (int)view.reason);
+    w->told += view.open && view.peer_ended;
+}
+
+static void end(struct world *w, unsigned side, unsigned i, enum ttf_mux_reason reason)
+{
+    if (ttf_mux_look(w->mux[side], i + 1).open)
+        w->flow[side][i].ends |= 1u << reason;
+    ttf_mux_end(w->mux[side], i + 1, reason);
+}
+
 /* A new life of an id, as the box learns of it: in the order in which the host began them, so that both number alike. */
 static void learn(struct world *w, unsigned side)
 {
@@ -79,10 +105,10 @@ static void learn(struct world *w, unsigned side)
             fail_msg("a stream changed, and nobody was told");
         if (side == 1 && open && !w->known[1][i]) {
             /* What the host writes is in this flow's number since it opened it. */
-            w->flow[1][i].number = w->flow[0][i].number;
-            w->flow[1][i].written = w->flow[1][i].read = 0;
+            w->flow[1][i] = (struct flow){.number = w->flow[0][i].number};
         }
         w->known[side][i] = open;
+        check_end(w, side, i);
     }
 }
 
@@ -134,17 +160,17 @@ static void read_some(struct world *w, unsigned side, unsigned i)
 
 static void act(struct world *w, unsigned side)
 {
-    unsigned i = draw(w, TTF_MUX_STREAMS), what = draw(w, 100);
+    unsigned i = draw(w, w->quiet ? 3 : TTF_MUX_STREAMS), what = draw(w, 100);
     int id;
 
-    if (what < 3 && side == 0 && (id = ttf_mux_open(w->mux[0])) > 0) {
+    if (what < (w->quiet ? 20 : 3) && side == 0 && (id = ttf_mux_open(w->mux[0])) > 0) {
         w->flow[0][id - 1] = (struct flow){.number = ++w->opened};
-    } else if (what < 40) {
+    } else if (what < (w->quiet ? 22 : 40)) {
         write_some(w, side, i);
-    } else if (what < 75) {
+    } else if (what < (w->quiet ? 35 : 75)) {
         read_some(w, side, i);
-    } else if (what < 78) {
-        ttf_mux_end(w->mux[side], i + 1, (enum ttf_mux_reason)draw(w, 4));
+    } else if (what < (w->quiet ? 65 : 78)) {
+        end(w, side, i, draw(w, 2) ? TTF_MUX_END : (enum ttf_mux_reason)draw(w, 4));
     } else if (what < 89) {
         give(w, side);
     } else {
@@ -164,7 +190,7 @@ static void wind_up(struct world *w)
         for (unsigned side = 0; side < 2; side++) {
             for (unsigned i = 0; i < TTF_MUX_STREAMS; i++) {
                 read_some(w, side, i);
-                ttf_mux_end(w->mux[side], i + 1, TTF_MUX_END);
+                end(w, side, i, TTF_MUX_END);
             }
             give(w, side);
             learn(w, side);
@@ -178,11 +204,12 @@ static void wind_up(struct world *w)
                 fail_msg("stream %u of side %u does not end", i + 1, side);
 }
 
-static void run(uint64_t seed)
+static void run(uint64_t seed, bool quiet)
 {
     static struct world w;
 
     memset(&w, 0, sizeof w);
+    w.quiet = quiet;
     w.random = seed * UINT64_C(0x9e3779b97f4a7c15);
     for (unsigned side = 0; side < 2; side++) {
         assert_int_equal(ttf_mux_create(side ? TTF_MUX_BOX : TTF_MUX_HOST, &w.mux[side]), 0);
@@ -196,6 +223,8 @@ static void run(uint64_t seed)
         act(&w, draw(&w, 2));
     if (w.opened < 100)
         fail_msg("only %u streams were opened", w.opened);
+    if (w.told == 0)
+        fail_msg("no stream was told an end");
     if (w.most_held > 2 * (size_t)TTF_MUX_STREAMS * TTF_MUX_WINDOW)
         fail_msg("%zu bytes were held", w.most_held);
     wind_up(&w);
@@ -210,13 +239,21 @@ static void streams_at_random_carry_what_was_written(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= SEEDS; seed++)
-        run(seed);
+        run(seed, false);
+}
+
+static void no_stream_is_told_the_end_of_another(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= SEEDS; seed++)
+        run(seed, true);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(streams_at_random_carry_what_was_written),
+        cmocka_unit_test(no_stream_is_told_the_end_of_another),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

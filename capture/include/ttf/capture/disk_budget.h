@@ -42,4 +42,9 @@ TTF_MUST_USE int ttf_second_storage_check(struct ttf_io *io, const char *path,
                                           const struct ttf_plan *plan, bool *ret_same,
                                           struct ttf_err *err);
 
+/* The same without writing anything: what a look alone can say, at any time and beside any run. */
+TTF_MUST_USE int ttf_second_storage_look(struct ttf_io *io, const char *path,
+                                         const struct ttf_plan *plan, bool *ret_same,
+                                         struct ttf_err *err);
+
 #endif

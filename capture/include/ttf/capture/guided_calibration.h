@@ -15,6 +15,10 @@ struct ttf_guided_config {
     int64_t settle_ns;  /* of the lamps; 0: their warm_up */
     unsigned frames;    /* averaged, 1..1000 */
     double reflectance; /* flat: of the target */
+    const volatile int
+        *stop; /* not 0: no further wait, no further set of frames: -ECANCELED; NULL: none */
+    int64_t
+        patience_ns; /* for the frames, once the lamps have settled: -EIO after it; 0: as long as it takes */
 };
 
 /*

@@ -40,6 +40,10 @@ typedef int ttf_growth_fn(void *ctx, const struct ttf_growth_line *line, struct 
 /* The dataset of a folder whose records came last: the one under way, or the last. -ENOENT: there is none; errors of listing. */
 TTF_MUST_USE int ttf_growth_newest(struct ttf_io *io, const char *folder, char ret_name[65]);
 
+/* The n-th of them from the newest on, 0 being that. -ENOENT: there are not so many. */
+TTF_MUST_USE int ttf_growth_nth_newest(struct ttf_io *io, const char *folder, unsigned n,
+                                       char ret_name[65]);
+
 /*
  * Gives the lines that are new, up to the last line end, at most about max_bytes of them (0: all). 0: there is no more;
  * 1: there is. -ESTALE: the file is another than the one read so far, or lost lines (a power cut): zero *growth, forget

@@ -22,6 +22,15 @@ enum ttf_http_body {
     TTF_HTTP_YAML        /* application/yaml */
 };
 
+/* Where it is answered. Each lane has threads and a queue of its own: nothing in one waits for what is in another. */
+enum ttf_http_lane {
+    TTF_HTTP_AT_ONCE = 0, /* by the thread that has the connection */
+    TTF_HTTP_ORDERS,      /* what the box is told to do: a sync of the disk */
+    TTF_HTTP_WORK,        /* what reads much, or waits for devices */
+    TTF_HTTP_PICTURES,    /* what makes pictures, or waits for one */
+    TTF_HTTP_LANES
+};
+
 /* Bytes: of a plan; of JSON; of what everybody may send. */
 #define TTF_HTTP_BODY_MAX      ((size_t)256 * 1024)
 #define TTF_HTTP_JSON_BODY_MAX ((size_t)32 * 1024)
@@ -40,8 +49,7 @@ struct ttf_http_route {
     enum ttf_http_access access;
     int (*answer)(struct ttf_http_request *request, struct ttf_http_answer *ret);
     enum ttf_http_body body;
-    bool
-        slow; /* takes more than a moment: answered by a thread that holds up no other connection */
+    enum ttf_http_lane lane;
 };
 
 /* The i-th, or NULL. */

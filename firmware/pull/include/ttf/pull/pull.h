@@ -30,6 +30,9 @@ struct ttf_pull_config {
     bool follow;              /* until each is sealed */
     void (*progress)(void *ctx, const struct ttf_pull_progress *progress); /* NULL allowed */
     void *progress_ctx;
+    /* Asked when the wire has failed: 0, or an error and its words if the box will never answer there. NULL allowed. */
+    int (*ended)(void *ctx, struct ttf_err *err);
+    void *ended_ctx;
     const volatile int *stop; /* becomes non-zero: end soon; NULL allowed */
 };
 
@@ -45,9 +48,9 @@ struct ttf_pull_result {
 
 /*
  * 0: all that was asked for is here, or it was told to stop. -TTF_EDAMAGED: all but what is damaged on the box is here
- * (*ret is set). -ENOENT: no such dataset; -EEXIST: something else has its place; -EINVAL: box; -EACCES: the token is asked for;
- * -ECONNREFUSED, -ETIMEDOUT, -ECONNRESET, ...: the box does not answer, or no longer; run it again and it goes on. *ret is set
- * whatever happens.
+ * (*ret is set). -ENOENT: no such dataset; -EEXIST: something else has its place; -EBUSY: another program is writing there; -EINVAL: box; -EACCES: the token is asked for;
+ * -ECONNREFUSED, -ETIMEDOUT, -ECONNRESET, ...: the box does not answer, or no longer; run it again and it goes on; what
+ * config->ended says. *ret is set whatever happens.
  */
 TTF_MUST_USE int ttf_pull(const struct ttf_pull_config *config, struct ttf_pull_result *ret,
                           struct ttf_err *err);

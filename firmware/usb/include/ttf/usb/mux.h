@@ -56,6 +56,7 @@ bool ttf_mux_has_transfer(const struct ttf_mux *mux);
 /* How a stream stands. */
 struct ttf_mux_view {
     bool open;                  /* the id is in use */
+    uint32_t life;              /* another one for each stream that has the id, one after another */
     size_t readable;            /* bytes that came and were not taken */
     size_t room;                /* bytes that ttf_mux_write takes; 0 after an end of ours */
     bool peer_ended;            /* behind what is readable there is no more */
@@ -67,8 +68,8 @@ struct ttf_mux_view {
 /* id: 1..TTF_MUX_STREAMS. */
 struct ttf_mux_view ttf_mux_look(const struct ttf_mux *mux, unsigned id);
 
-/* Bit id - 1 of each stream that may look otherwise than when this was asked last. An id may be over and opened again
- * between two transfers: ask after each of ttf_mux_take and ttf_mux_give. */
+/* Bit id - 1 of each stream that may look otherwise than when this was asked last. Within one transfer an id may be over and
+ * opened again: by its life it is known to be another stream. */
 uint32_t ttf_mux_changed(struct ttf_mux *mux);
 
 /* Of the host: a new stream's id; -EAGAIN: all are in use; -ENOTCONN: not ready. */

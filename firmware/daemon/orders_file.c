@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "orders_file.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ttf/dataset/json_parse.h"
+#include "ttf/dataset/json_writer.h"
+
+#define FILE_MAX ((size_t)1 << 20)
+
+static const char *const STATES[] = {"none", "running", "stopped", "done"};
+
+static void copy(char *ret, size_t size, const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+
+    (void)snprintf(ret, size, "%s", text ? text : "");
+}
+
+static int read_order(const struct orders_file *file, const json_t *object, struct order *ret)
+{
+    const char *state = json_string_value(json_object_get(object, "state"));
+    const char *yaml = json_string_value(json_object_get(object, "plan_yaml"));
+    const char *under = json_string_value(json_object_get(object, "configuration"));
+    bool same = under && strcmp(under, file->configuration) == 0;
+    struct order order = {.by_request = yaml != NULL};
+
+    for (unsigned i = ORDER_RUN; i <= ORDER_DONE; i++)
+        if (state && strcmp(state, STATES[i]) == 0)
+            order.state = (enum order_state)i;
+    copy(order.dataset, sizeof order.dataset, object, "dataset");
+    copy(order.plan, sizeof order.plan, object, "plan");
+    copy(order.why, sizeof order.why, object, "why");
+    if (state && strcmp(state, STATES[ORDER_NONE]) == 0)
+        return 0; /* nobody had decided anything */
+    if (order.state == ORDER_NONE || (!*order.dataset && order.state != ORDER_STOPPED))
+        return -EINVAL;
+    /* What the configuration names now, and did not then, nobody has stopped. */
+    if (!same && (!order.by_request || order.state != ORDER_RUN))
+        return 0;
+    if (yaml && !(order.yaml = strdup(yaml)))
+        return -ENOMEM;
+    *ret = order;
+    return 1;
+}
+
+int orders_file_read(const struct orders_file *file, struct order *ret, struct ttf_err *err)
+{
+    char *text = NULL;
+    json_t *object;
+    size_t bytes;
+    int r = ttf_io_slurp(file->io, file->path, FILE_MAX, &text, &bytes, err);
+
+    if (r == 0)
+        r = ttf_json_parse(text, bytes, &object, NULL);
+    free(text);
+    if (r == 0) {
+        r = read_order(file, object, ret);
+        json_decref(object);
+    }
+    if (r == -ENOMEM)
+        return ttf_err_set(err, r, file->path, "no memory");
+    if (r == -EINVAL || r == -EFBIG)
+        r = ttf_err_set(err, -EINVAL, file->path, "does not say what was to run");
+    return r;
+}
+
+int orders_file_write(const struct orders_file *file, const struct order *order,
+                      struct ttf_err *err)
+{
+    /* The configuration's run is looked at anew at each boot: a longer plan goes on. */
+    bool anew = order->state == ORDER_DONE && !order->by_request;
+    struct ttf_json json;
+    const char *text;
+    size_t bytes;
+    int r;
+
+    ttf_json_init(&json, true);
+    ttf_json_object(&json);
+    ttf_json_kstring(&json, "state", STATES[anew ? ORDER_RUN : order->state]);
+    ttf_json_kstring(&json, "dataset", order->dataset);
+    ttf_json_kstring(&json, "configuration", file->configuration);
+    if (*order->why)
+        ttf_json_kstring(&json, "why", order->why);
+    if (order->by_request) {
+        ttf_json_kstring(&json, "plan", order->plan);
+        ttf_json_kstring(&json, "plan_yaml", order->yaml);
+    }
+    ttf_json_object_end(&json);
+    r = ttf_json_finish(&json, &text, &bytes);
+    if (r < 0)
+        ttf_err_set(err, r, file->path, "no memory");
+    else
+        r = ttf_io_mkdirs(file->io, file->folder, err);
+    if (r == 0)
+        r = ttf_io_write_file(file->io, file->path, text, bytes, err);
+    ttf_json_free(&json);
+    return r;
+}
+
+int orders_file_put_aside(const struct orders_file *file)
+{
+    char aside[sizeof file->path + 16];
+    int r;
+
+    (void)snprintf(aside, sizeof aside, "%s.unreadable", file->path);
+    r = file->io->ops->rename(file->io, file->path, aside);
+    return r < 0 ? r : file->io->ops->sync_dir(file->io, file->folder);
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* orders_file.h: the file in which what was decided outlives a boot. */
+#ifndef DAEMON_ORDERS_FILE_H
+#define DAEMON_ORDERS_FILE_H
+
+#include "orders.h"
+
+struct orders_file {
+    struct ttf_io *io;
+    char folder[512], path[528];
+    char configuration[1024]; /* under which is decided now */
+};
+
+/*
+ * 1: *ret is what holds, to be freed. 0: it says nothing for this configuration. -ENOENT: there is none. -EINVAL: it cannot be
+ * understood, whoever reads it and whenever; else errors of the disk and of memory.
+ */
+TTF_MUST_USE int orders_file_read(const struct orders_file *file, struct order *ret,
+                                  struct ttf_err *err);
+
+TTF_MUST_USE int orders_file_write(const struct orders_file *file, const struct order *order,
+                                   struct ttf_err *err);
+
+/* To where it is in nobody's way, for a person to look at: beside it, as run.json.unreadable. */
+TTF_MUST_USE int orders_file_put_aside(const struct orders_file *file);
+
+#endif
