@@ -39,6 +39,14 @@ def pulled(m, size):
     return max(rates)
 
 
+def beside(m):
+    """Milliseconds of a status, sorted, while a body takes the whole cable."""
+    out = must(m, "rig_usb body %s %slarge >/dev/null 2>&1 & for i in $(seq 100); do rig_usb status %s || break; done; kill $!" % (PC, FILES, PC), 600)
+    took = sorted(float(line.split()[0]) for line in out.splitlines() if line.endswith(" ms"))
+    assert len(took) == 100, out
+    return took
+
+
 def a_pull_is_nearly_as_fast_as_its_cable(m):
     size = cable.dataset(m, 6, 1600, 1200)
     cable.serve(m)
@@ -49,6 +57,7 @@ def a_pull_is_nearly_as_fast_as_its_cable(m):
     cable.beside(m, "large", cable.noise(MIB << 20))
     body = "rig_usb body %s %slarge once" % (PC, FILES)
     thrown = best(m, body)
+    waited = beside(m)
     frame(m, throttle)
     throttled = best(m, body)
     frame(m, WHOLE_FRAME)
@@ -59,9 +68,11 @@ def a_pull_is_nearly_as_fast_as_its_cable(m):
           (whole, thrown, thrown / whole, slow, throttled, throttled / slow, throttled / 35))
     print("    SHA-256 alone %.1f MB/s, writing alone %.1f; a pull of %.0f MB %.1f MB/s, %.3f of the three one after another (%.1f)" %
           (sha256, write, size / 1e6, full, full / serial, serial))
+    print("    the status while a body takes the whole cable: %.1f ms (median), %.1f ms (99 of 100), %.1f ms (longest)" % (waited[50], waited[98], waited[99]))
     assert thrown >= 0.8 * whole, "a body"
     assert throttled >= 0.95 * 35, "a throttled body"
     assert full >= 0.8 * serial, "a pull"
+    assert waited[98] <= 50, "the status"
 
 
 SCENARIOS = [a_pull_is_nearly_as_fast_as_its_cable]
