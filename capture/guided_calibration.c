@@ -10,10 +10,16 @@
 #include "lamp_programme.h"
 #include "plan_figures.h"
 #include "shoot.h"
+#include "ttf/dataset/flicker.h"
+
+#define PHASE_FRAMES   8                      /* after so many the stream begins anew */
+#define PHASE_SHIFT_NS (3700 * TTF_NS_PER_US) /* no simple part of a half-period of 50 or 60 Hz */
 
 /* Everything that taking frames needs, without a dataset. */
 struct guide {
-    struct ttf_queue queue; /* events go here and no further */
+    int64_t give_up_ns;              /* a set of frames is not begun anew after this */
+    struct ttf_flicker_frames *each; /* frames go there one by one instead of into a sum; or NULL */
+    struct ttf_queue queue;          /* events go here and no further */
     struct ttf_events events;
     struct ttf_lamp_driver lamps;
     struct ttf_pulse pulse;
@@ -50,42 +56,90 @@ static int levels_of(const struct ttf_guided_config *config, unsigned ret[TTF_LA
     return 0;
 }
 
+/* Fills the sum up to so many frames in all; when the first of the new ones was exposed. */
+static int take_set(struct guide *g, const struct ttf_locked *locked, unsigned up_to,
+                    struct ttf_raw_sum *sum, int64_t *ret_start_ns, struct ttf_err *err)
+{
+    struct ttf_image image = {.shots = g->shots};
+    struct ttf_take take = {
+        .locked = locked,
+        .give_up_ns = g->give_up_ns,
+        .raw = sum,
+        .image = &image,
+        .shots_room = TTF_SHOOT_TRIES * TTF_CAMERA_SET_MAX,
+        .average = up_to,
+    };
+    unsigned before = sum->n;
+    int r;
+
+    if (ttf_pulse_stop_wanted(&g->pulse))
+        return ttf_err_set(err, -ECANCELED, g->camera.name, "no picture is wanted any more");
+    r = ttf_shoot(&g->camera, &take);
+    if (r < 0)
+        return r;
+    if (sum->n == before)
+        return ttf_err_set(err, -EIO, g->camera.name, "the camera gives no good frame: %s",
+                           image.lacking);
+    if (strstr(image.flags, "wrong-settings"))
+        return ttf_err_set(err, -EIO, g->camera.name, "the camera does not keep its exposure");
+    *ret_start_ns = take.start_ns;
+    return 0;
+}
+
 /* Averages the frames, a set at a time. */
 static int accumulate(struct guide *g, const struct ttf_locked *locked,
                       const struct ttf_guided_config *config, struct ttf_raw_sum *sum,
                       struct ttf_err *err)
 {
-    int64_t give_up_ns = config->patience_ns > 0
-                             ? ttf_clock_now_ns(config->box->clock) + config->patience_ns
-                             : TTF_NS_NEVER;
-
     while (sum->n < config->frames) {
-        struct ttf_image image = {.shots = g->shots};
         unsigned left = config->frames - sum->n;
-        unsigned before = sum->n;
-        struct ttf_take take = {
-            .locked = locked,
-            .give_up_ns = give_up_ns,
-            .raw = sum,
-            .image = &image,
-            .shots_room = TTF_SHOOT_TRIES * TTF_CAMERA_SET_MAX,
-        };
-        int r;
+        int64_t start_ns;
+        int r =
+            take_set(g, locked, sum->n + (left < TTF_CAMERA_SET_MAX ? left : TTF_CAMERA_SET_MAX),
+                     sum, &start_ns, err);
 
-        if (ttf_pulse_stop_wanted(&g->pulse))
-            return ttf_err_set(err, -ECANCELED, g->camera.name, "no picture is wanted any more");
-        /* It fills the sum up to `average` frames in all. */
-        take.average = before + (left < TTF_CAMERA_SET_MAX ? left : TTF_CAMERA_SET_MAX);
-        r = ttf_shoot(&g->camera, &take);
         if (r < 0)
             return r;
-        if (sum->n == before)
-            return ttf_err_set(err, -EIO, g->camera.name, "the camera gives no good frame: %s",
-                               image.lacking);
-        if (strstr(image.flags, "wrong-settings"))
-            return ttf_err_set(err, -EIO, g->camera.name, "the camera does not keep its exposure");
     }
     return 0;
+}
+
+/*
+ * The stream anew, at another moment of the mains: a camera of 25 frames a second sees 100 Hz at the same phase in each of them,
+ * and slots that are minutes apart do not.
+ */
+static int shift_phase(struct guide *g, struct ttf_locked *locked, struct ttf_err *err)
+{
+    struct ttf_camera *camera = g->camera.camera;
+    const struct ttf_exposure asked = locked->asked;
+    int r;
+
+    ttf_camera_stop(camera);
+    r = ttf_pulse_wait(&g->pulse, ttf_clock_now_ns(g->events.clock) + PHASE_SHIFT_NS, true);
+    if (r == 0)
+        r = ttf_camera_start(camera, err);
+    return r < 0 ? r : ttf_shooter_lock(&g->camera, &asked, locked, err);
+}
+
+/* The frames one by one. */
+static int take_each(struct guide *g, struct ttf_locked *locked, unsigned frames,
+                     struct ttf_raw_sum *sum, struct ttf_err *err)
+{
+    int r = ttf_flicker_init(g->each, &g->camera.format, frames, err);
+
+    while (r == 0 && g->each->n < frames) {
+        int64_t start_ns;
+
+        if (g->each->n > 0 && g->each->n % PHASE_FRAMES == 0)
+            r = shift_phase(g, locked, err);
+        if (r < 0)
+            break;
+        ttf_raw_sum_reset(sum);
+        r = take_set(g, locked, 1, sum, &start_ns, err);
+        if (r == 0)
+            r = ttf_flicker_add(g->each, sum, start_ns);
+    }
+    return r;
 }
 
 /* Levels set and settled, exposure locked, frames taken. */
@@ -110,7 +164,13 @@ static int acquire(struct guide *g, const struct ttf_guided_config *config, bool
     if (r < 0)
         return r;
     r = ttf_raw_sum_init(sum, &g->camera.format);
-    return r < 0 ? r : accumulate(g, &locked, config, sum, err);
+    if (r < 0)
+        return r;
+    g->give_up_ns = config->patience_ns > 0
+                        ? ttf_clock_now_ns(config->box->clock) + config->patience_ns
+                        : TTF_NS_NEVER;
+    return g->each ? take_each(g, &locked, config->frames, sum, err)
+                   : accumulate(g, &locked, config, sum, err);
 }
 
 static int set_up_camera(struct guide *g, const struct ttf_guided_config *config,
@@ -159,8 +219,8 @@ static int with_devices(struct guide *g, const struct ttf_guided_config *config,
     return r;
 }
 
-int ttf_guided_frames(const struct ttf_guided_config *config, bool lit, struct ttf_raw_sum *sum,
-                      struct ttf_err *err)
+static int guided(const struct ttf_guided_config *config, bool lit, struct ttf_raw_sum *sum,
+                  struct ttf_flicker_frames *each, struct ttf_err *err)
 {
     struct guide *g;
     int r = check(config, err);
@@ -170,6 +230,7 @@ int ttf_guided_frames(const struct ttf_guided_config *config, bool lit, struct t
     g = calloc(1, sizeof(*g));
     if (!g)
         return ttf_err_set(err, -ENOMEM, config->shot->camera, "no memory to take frames");
+    g->each = each;
     ttf_clock_join(config->box->clock);
     r = with_devices(g, config, lit, sum, err);
     ttf_clock_leave(config->box->clock);
@@ -178,6 +239,12 @@ int ttf_guided_frames(const struct ttf_guided_config *config, bool lit, struct t
         ttf_err_set(err, r, config->shot->camera, "frames cannot be taken: %s",
                     strerrordesc_np(-r));
     return r;
+}
+
+int ttf_guided_frames(const struct ttf_guided_config *config, bool lit, struct ttf_raw_sum *sum,
+                      struct ttf_err *err)
+{
+    return guided(config, lit, sum, NULL, err);
 }
 
 /* What a calibration says of where it comes from. */
@@ -246,6 +313,20 @@ int ttf_guided_chart(const struct ttf_guided_config *config, const struct ttf_ch
         r = ttf_calibration_fit_chart(calibration, &sum, view, chart, err);
     if (r == 0)
         r = ttf_calibration_name(calibration, err);
+    ttf_raw_sum_free(&sum);
+    return r;
+}
+
+int ttf_guided_flicker(const struct ttf_guided_config *config, struct ttf_flicker *ret,
+                       struct ttf_err *err)
+{
+    struct ttf_flicker_frames frames = {0};
+    struct ttf_raw_sum sum = {0};
+    int r = guided(config, true, &sum, &frames, err);
+
+    if (r == 0)
+        r = ttf_flicker_measure(&frames, ret, err);
+    ttf_flicker_free(&frames);
     ttf_raw_sum_free(&sum);
     return r;
 }

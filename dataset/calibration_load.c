@@ -100,6 +100,11 @@ static void get_hot(struct loader *loader, const json_t *array, struct ttf_calib
     calibration_sort_hot(ret);
 }
 
+static double get_figure(struct loader *loader, const json_t *object, const char *field, double min)
+{
+    return get_double(loader, json_object_get(object, field), field, min, 1e6);
+}
+
 static void get_chart(struct loader *loader, const json_t *chart, struct ttf_calibration *ret)
 {
     const json_t *corners = json_object_get(chart, "corners");
@@ -112,14 +117,24 @@ static void get_chart(struct loader *loader, const json_t *chart, struct ttf_cal
     for (size_t i = 0; i < 8 && loader->r == 0; i++)
         fit->view.corners[i / 2][i % 2] =
             get_double(loader, json_array_get(corners, i), "corners", 0, 65535);
-    fit->light = get_double(loader, json_object_get(chart, "light"), "light", 0, 1e3);
-    fit->delta_e_before_mean = get_double(loader, json_object_get(chart, "delta_e_before_mean"),
-                                          "delta_e_before_mean", 0, 1e3);
-    fit->delta_e_mean =
-        get_double(loader, json_object_get(chart, "delta_e_mean"), "delta_e_mean", 0, 1e3);
-    fit->delta_e_max =
-        get_double(loader, json_object_get(chart, "delta_e_max"), "delta_e_max", 0, 1e3);
+    fit->light = get_figure(loader, chart, "light", 0);
+    fit->delta_e_before_mean = get_figure(loader, chart, "delta_e_before_mean", 0);
+    fit->delta_e_mean = get_figure(loader, chart, "delta_e_mean", 0);
+    fit->delta_e_max = get_figure(loader, chart, "delta_e_max", 0);
     fit->worst = (unsigned)get_int(loader, chart, "worst", 1, TTF_CHART_PATCHES) - 1;
+}
+
+static void get_flicker(struct loader *loader, const json_t *flicker, struct ttf_calibration *ret)
+{
+    ret->has_flicker = true;
+    ret->flicker.frames = (unsigned)get_int(loader, flicker, "frames", 1, 65535);
+    get_settings(loader, flicker, &ret->flicker.settings);
+    ret->flicker.mean_level = get_figure(loader, flicker, "mean_level", 0);
+    ret->flicker.frame_rms = get_figure(loader, flicker, "frame_rms", 0);
+    ret->flicker.frame_peak = get_figure(loader, flicker, "frame_peak", 0);
+    ret->flicker.band_rms = get_figure(loader, flicker, "band_rms", 0);
+    ret->flicker.band_peak = get_figure(loader, flicker, "band_peak", 0);
+    ret->flicker.drift_per_min = get_figure(loader, flicker, "drift_per_min", -1e6);
 }
 
 static void get_parts(struct loader *loader, const json_t *root, struct ttf_calibration *ret)
@@ -151,6 +166,8 @@ static void get_parts(struct loader *loader, const json_t *root, struct ttf_cali
             get_double(loader, json_array_get(matrix, i), "colour_matrix", -1e3, 1e3);
     if (chart)
         get_chart(loader, chart, ret);
+    if (json_object_get(root, "flicker"))
+        get_flicker(loader, json_object_get(root, "flicker"), ret);
     get_hot(loader, json_object_get(root, "hot"), ret);
 }
 

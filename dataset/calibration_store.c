@@ -136,6 +136,21 @@ static void json_chart(struct ttf_json *json, const struct ttf_chart_fit *fit)
     ttf_json_object_end(json);
 }
 
+static void json_flicker(struct ttf_json *json, const struct ttf_flicker *flicker)
+{
+    ttf_json_key(json, "flicker");
+    ttf_json_object(json);
+    ttf_json_kint(json, "frames", flicker->frames);
+    json_settings(json, &flicker->settings);
+    ttf_json_kdouble(json, "mean_level", flicker->mean_level);
+    ttf_json_kdouble(json, "frame_rms", flicker->frame_rms);
+    ttf_json_kdouble(json, "frame_peak", flicker->frame_peak);
+    ttf_json_kdouble(json, "band_rms", flicker->band_rms);
+    ttf_json_kdouble(json, "band_peak", flicker->band_peak);
+    ttf_json_kdouble(json, "drift_per_min", flicker->drift_per_min);
+    ttf_json_object_end(json);
+}
+
 static void json_parts(struct ttf_json *json, const struct ttf_calibration *calibration)
 {
     if (calibration->has_dark) {
@@ -172,6 +187,8 @@ static void json_parts(struct ttf_json *json, const struct ttf_calibration *cali
     ttf_json_array_end(json);
     if (calibration->has_chart)
         json_chart(json, &calibration->chart);
+    if (calibration->has_flicker)
+        json_flicker(json, &calibration->flicker);
 }
 
 static int save_json(const struct ttf_calibration *calibration, struct ttf_io *io,

@@ -73,35 +73,3 @@ int calibrate_chart_values(struct cli *cli, const struct ttf_box *box, struct tt
     ttf_chart_classic(ret);
     return 0;
 }
-
-void calibrate_chart_say(struct cli *cli, const struct ttf_calibration *c)
-{
-    const struct ttf_chart_fit *fit = &c->chart;
-    const double *m = c->colour_matrix;
-    struct ttf_json *j = &cli->out;
-
-    ttf_json_kbool(j, "has_chart", c->has_chart);
-    if (!c->has_chart) {
-        cli_say(cli, "chart             none: the camera's colours are taken for sRGB's");
-        return;
-    }
-    cli_say(cli,
-            "chart             %u frames, light %.3f of the flat's, CIEDE2000 %.2f in the mean "
-            "(%.2f without), %.2f at most (%s)",
-            fit->frames, fit->light, fit->delta_e_mean, fit->delta_e_before_mean, fit->delta_e_max,
-            ttf_chart_patch_name(fit->worst));
-    for (int row = 0; row < 3; row++)
-        cli_say(cli, "%s%8.4f %8.4f %8.4f", row ? "                  " : "matrix            ",
-                m[3 * row], m[3 * row + 1], m[3 * row + 2]);
-    ttf_json_kint(j, "chart_frames", fit->frames);
-    ttf_json_kdouble(j, "chart_light", fit->light);
-    ttf_json_kdouble(j, "chart_delta_e_before_mean", fit->delta_e_before_mean);
-    ttf_json_kdouble(j, "chart_delta_e_mean", fit->delta_e_mean);
-    ttf_json_kdouble(j, "chart_delta_e_max", fit->delta_e_max);
-    ttf_json_kstring(j, "chart_worst", ttf_chart_patch_name(fit->worst));
-    ttf_json_key(j, "colour_matrix");
-    ttf_json_array(j);
-    for (int i = 0; i < 9; i++)
-        ttf_json_double(j, m[i]);
-    ttf_json_array_end(j);
-}

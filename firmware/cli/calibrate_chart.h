@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* calibrate_chart.h: where a colour chart lies in the picture, what its colours are, and what came of it. */
+/* calibrate_chart.h: where a colour chart lies in the picture, and what its colours are. */
 #ifndef TTFBOX_CALIBRATE_CHART_H
 #define TTFBOX_CALIBRATE_CHART_H
 
@@ -14,8 +14,5 @@ TTF_MUST_USE int calibrate_chart_corners(struct cli *cli, const struct ttf_box *
 /* --values, or the truth of the simulated sample, or the ColorChecker Classic. */
 TTF_MUST_USE int calibrate_chart_values(struct cli *cli, const struct ttf_box *box,
                                         struct ttf_chart *ret);
-
-/* The report's lines about the matrix. */
-void calibrate_chart_say(struct cli *cli, const struct ttf_calibration *calibration);
 
 #endif

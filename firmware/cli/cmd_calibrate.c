@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cmd_calibrate.c: `ttfbox calibrate dark | flat | chart | report`. */
+/* cmd_calibrate.c: `ttfbox calibrate dark | flat | chart | flicker`. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -8,6 +8,7 @@
 
 #include "box.h"
 #include "calibrate_chart.h"
+#include "calibrate_say.h"
 #include "commands.h"
 #include "ttf/capture/guided_calibration.h"
 #include "ttf/config/plan_file.h"
@@ -20,7 +21,8 @@
 enum part {
     DARK,
     FLAT,
-    CHART
+    CHART,
+    FLICKER
 };
 
 /* One calibration being made. */
@@ -77,13 +79,12 @@ static int choose_shot(struct cli *cli, struct guided *g)
 /* What there is in CAL already; -EEXIST if it has the very part that is to be made. */
 static int open_folder(struct cli *cli, struct guided *g)
 {
-    static const char *const names[] = {"dark", "flat", "chart"};
+    static const char *const names[] = {"dark", "flat", "chart", "flicker"};
     const char *folder = cli->opt.output;
     char path[4096];
     struct ttf_io_stat st;
     int r;
 
-    ttf_calibration_init(&g->calibration);
     (void)snprintf(path, sizeof path, "%s/calibration.json", folder);
     if (cli->io->ops->stat(cli->io, path, &st) < 0)
         return cli_refuse_existing(cli, folder);
@@ -92,7 +93,8 @@ static int open_folder(struct cli *cli, struct guided *g)
         return r;
     if ((g->part == DARK && g->calibration.has_dark) ||
         (g->part == FLAT && g->calibration.has_flat) ||
-        (g->part == CHART && g->calibration.has_chart)) {
+        (g->part == CHART && g->calibration.has_chart) ||
+        (g->part == FLICKER && g->calibration.has_flicker)) {
         ttf_err_set(&cli->err, -EEXIST, folder, "holds a %s already", names[g->part]);
         ttf_err_hint(&cli->err, "nothing is overwritten: make a new calibration with another -o");
         return -EEXIST;
@@ -125,8 +127,6 @@ static int simulated_reflectance(struct cli *cli, const struct guided *g, double
     return 0;
 }
 
-static void say_report(struct cli *cli, const struct ttf_calibration *c, const char *folder);
-
 /* The frames, fitted into the calibration. */
 static int take(struct cli *cli, struct guided *g, struct ttf_guided_config *config)
 {
@@ -140,6 +140,11 @@ static int take(struct cli *cli, struct guided *g, struct ttf_guided_config *con
         if (g->box.simulated && cli->opt.reflectance == 0)
             r = simulated_reflectance(cli, g, &config->reflectance);
         return r < 0 ? r : ttf_guided_flat(config, &g->calibration, &cli->err);
+    }
+    if (g->part == FLICKER) {
+        r = ttf_guided_flicker(config, &g->calibration.flicker, &cli->err);
+        g->calibration.has_flicker = r == 0;
+        return r;
     }
     r = calibrate_chart_corners(cli, &g->box, &view);
     if (r == 0)
@@ -162,7 +167,7 @@ static int acquire(struct cli *cli, struct guided *g)
     if (cli->opt.frames > 1000)
         return ttf_err_set(&cli->err, -EINVAL, "--frames", "more than 1000");
     r = take(cli, g, &config);
-    if (r < 0)
+    if (r < 0 || !cli->opt.output)
         return r;
     g->calibration.simulated = g->box.simulated;
     r = ttf_calibration_name(&g->calibration, &cli->err);
@@ -183,8 +188,11 @@ static int calibrate(struct cli *cli, enum part part)
     if (!g || !board)
         goto out;
     g->part = part;
-    r = cli_need(cli, cli->opt.output, "-o", "say where the calibration goes, as -o cal");
-    if (r == 0)
+    ttf_calibration_init(&g->calibration);
+    r = part == FLICKER
+            ? 0
+            : cli_need(cli, cli->opt.output, "-o", "say where the calibration goes, as -o cal");
+    if (r == 0 && cli->opt.output)
         r = open_folder(cli, g);
     if (r == 0)
         r = cli_load_board(cli, board);
@@ -198,8 +206,12 @@ static int calibrate(struct cli *cli, enum part part)
         r = choose_shot(cli, g);
     if (r == 0)
         r = acquire(cli, g);
-    if (r == 0)
-        say_report(cli, &g->calibration, cli->opt.output);
+    if (r == 0 && cli->opt.output)
+        calibrate_say(cli, &g->calibration, cli->opt.output);
+    else if (r == 0)
+        calibrate_say_flicker(cli, &g->calibration);
+    if (r == 0 && part == FLICKER)
+        calibrate_advise(cli, &g->calibration.flicker, g->plan.mains_hz);
 out:
     if (g) {
         ttf_box_destroy(&g->box);
@@ -226,83 +238,7 @@ int cmd_calibrate_chart(struct cli *cli)
     return calibrate(cli, CHART);
 }
 
-/* Least and greatest gain of the flat: how even the light is. */
-static void gain_range(const struct ttf_calibration *c, double *ret_lo, double *ret_hi)
+int cmd_calibrate_flicker(struct cli *cli)
 {
-    uint16_t lo = UINT16_MAX, hi = 0;
-
-    for (size_t i = 0; i < (size_t)c->width * c->height; i++) {
-        lo = c->flat_gain[i] < lo ? c->flat_gain[i] : lo;
-        hi = c->flat_gain[i] > hi ? c->flat_gain[i] : hi;
-    }
-    *ret_lo = lo / 16384.0;
-    *ret_hi = hi / 16384.0;
-}
-
-static void say_dark(struct cli *cli, const struct ttf_calibration *c)
-{
-    struct ttf_json *j = &cli->out;
-    double mean = 0;
-
-    for (size_t i = 0; i < (size_t)c->width * c->height; i++)
-        mean += c->dark_offset_16[i] / 16.0;
-    mean /= (double)c->width * c->height;
-    cli_say(cli, "dark              %u frames of %.3f ms, %.3f codes above black, %u hot pixels",
-            c->dark_frames, (double)c->dark_settings.exposure_ns / 1e6, mean, c->n_hot);
-    ttf_json_kint(j, "dark_frames", c->dark_frames);
-    ttf_json_kint(j, "dark_exposure_ns", c->dark_settings.exposure_ns);
-    ttf_json_kdouble(j, "dark_mean_codes", mean);
-    ttf_json_kint(j, "hot_pixels", c->n_hot);
-}
-
-static void say_report(struct cli *cli, const struct ttf_calibration *c, const char *folder)
-{
-    struct ttf_json *j = &cli->out;
-    double lo, hi;
-
-    cli_say(cli, "calibration       %s in %s%s", c->id, folder, c->simulated ? ", SIMULATED" : "");
-    cli_say(cli, "camera            %s, %u x %u, black %u, white %u", c->camera, c->width,
-            c->height, c->black_level, c->white_level);
-    ttf_json_kstring(j, "id", c->id);
-    ttf_json_kstring(j, "folder", folder);
-    ttf_json_kbool(j, "simulated", c->simulated);
-    ttf_json_kstring(j, "camera", c->camera);
-    ttf_json_kint(j, "width", c->width);
-    ttf_json_kint(j, "height", c->height);
-    ttf_json_kbool(j, "has_dark", c->has_dark);
-    ttf_json_kbool(j, "has_flat", c->has_flat);
-    if (c->has_dark)
-        say_dark(cli, c);
-    else
-        cli_say(cli, "dark              none");
-    if (!c->has_flat) {
-        cli_say(cli, "flat              none");
-        return;
-    }
-    gain_range(c, &lo, &hi);
-    cli_say(cli,
-            "flat              %u frames of %.3f ms, target %.3f, gain %.3f to %.3f, white at %.0f "
-            "codes",
-            c->flat_frames, (double)c->flat_settings.exposure_ns / 1e6, c->flat_reflectance, lo, hi,
-            c->flat_level);
-    ttf_json_kint(j, "flat_frames", c->flat_frames);
-    ttf_json_kint(j, "flat_exposure_ns", c->flat_settings.exposure_ns);
-    ttf_json_kdouble(j, "flat_reflectance", c->flat_reflectance);
-    ttf_json_kdouble(j, "flat_gain_min", lo);
-    ttf_json_kdouble(j, "flat_gain_max", hi);
-    ttf_json_kdouble(j, "flat_level", c->flat_level);
-    calibrate_chart_say(cli, c);
-}
-
-int cmd_calibrate_report(struct cli *cli)
-{
-    struct ttf_calibration c;
-    int r;
-
-    ttf_calibration_init(&c);
-    r = ttf_calibration_load(cli->io, cli->opt.args[0], &c, &cli->err);
-    if (r == 0)
-        say_report(cli, &c, cli->opt.args[0]);
-    ttf_calibration_free(&c);
-    return r;
+    return calibrate(cli, FLICKER);
 }

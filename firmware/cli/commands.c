@@ -149,6 +149,28 @@ static const struct cli_command COMMANDS[] = {
                      {"ttfbox calibrate chart --scene chart -o cal", "in the simulated box"}},
     },
     {
+        .name = "calibrate flicker",
+        .args = "",
+        .summary = "measure how steady the light is, from frame to frame and within one",
+        .text =
+            "Takes frames of something still under the plan's lamps at its exposure, one by one, "
+            "and "
+            "says how much their levels differ, how much bands of rows differ within a frame (a "
+            "ripple under a rolling shutter), and how the light drifts; and what to do about it. "
+            "With -o the figures are kept in CAL.",
+        .run = cmd_calibrate_flicker,
+        .options = {BOARD_OPTIONS,
+                    {OPT_PLAN, NULL},
+                    {OPT_SHOT, NULL},
+                    {OPT_EXPOSURE, NULL},
+                    {OPT_FRAMES, "frames to take (default: 64)"},
+                    {OPT_OUTPUT, "a calibration folder that has its dark or flat"},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox calibrate flicker --plan week.yaml", NULL}},
+    },
+    {
         .name = "calibrate report",
         .args = "CAL",
         .summary = "say what a calibration holds",

@@ -19,6 +19,7 @@ export function calibrate(main, box) {
         h("li", {}, h("strong", {}, "Flat."), " Put an even white target in the sample's place, filling the picture; say how much light it reflects. Lamps are lit and settled first.", command(`ttfbox calibrate flat${b} -p PLAN${white} --reflectance 0.9 -o cal`)),
         h("li", {}, h("strong", {}, "Chart, if colours matter."), " Put a colour chart of 24 patches in the sample's place, under the same lamps; mark the corners of its patches in ", h("a", { href: "#/live" }, "live view"), ", from \"dark skin\" clockwise. Grey stays grey; the report says how far the colours are off before and after.",
           command(`ttfbox calibrate chart${b} -p PLAN${simulated ? " --scene chart" : ""} -o cal${simulated ? "" : ` ${cornersOption(marks) || "--corners X,Y,X,Y,X,Y,X,Y"}`}`)),
+        h("li", {}, h("strong", {}, "Is the light steady?"), " Frame by frame, and in bands across one; it says what helps.", command(`ttfbox calibrate flicker${b} -p PLAN -o cal`)),
         h("li", {}, h("strong", {}, "Look at it."), " How even the light is, how much noise there is, what was refused.", command("ttfbox calibrate report cal")),
         h("li", {}, h("strong", {}, "Use it."), " In the daemon's configuration as ", h("code", {}, "calibration: PATH"), ", or by hand:", command(`ttfbox capture PLAN${b} -c cal -o DATASET`)))),
     h("section", { class: "card" }, h("h2", {}, "What was picked in live view"),

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# A camera whose filters are not sharp photographs a colour chart, and from then on sees the colours that a sharp one sees.
+# A camera whose filters are not sharp photographs a colour chart, and from then on sees the colours that a sharp one sees;
+# lamps that ripple are found out, and what helps.
 . "$(dirname "$0")/cli.bash"
 
 BOX=(--board sim-small --set sim.sensor.width=240px --set sim.sensor.height=160px --set sim.optics.blur=0px
@@ -50,3 +51,24 @@ before=$("$PYTHON" "$HERE/pictures.py" mae soft.npy sharp.npy)
 after=$("$PYTHON" "$HERE/pictures.py" mae soft-chart.npy sharp.npy)
 echo "off a sharp camera's colours: $before of full scale without a chart, $after with"
 "$PYTHON" -c "import sys; sys.exit(not ($before > 0.015 and $after < 0.006))" || fail "the colours are not a sharp camera's"
+
+# Lamps that ripple at 100 Hz: whole half-periods hide it, others do not, also where the camera's period is one of the mains'.
+RIPPLE=(--set sim.lamps.left.ripple=30% --set sim.lamps.right.ripple=30% --scene white)
+sed 's/20ms/7ms/' p.yaml >short.yaml
+echo "mains: none" >>short.yaml
+expect 0 "$TTFBOX" calibrate flicker "${BOX[@]}" "${RIPPLE[@]}" --plan short.yaml
+said out "The light flickers. An exposure of whole half-periods"
+expect 0 "$TTFBOX" calibrate flicker "${BOX[@]}" "${RIPPLE[@]}" --plan p.yaml -o sharp --json
+is steady true
+is has_flicker true
+expect 2 "$TTFBOX" calibrate flicker "${BOX[@]}" "${RIPPLE[@]}" --plan p.yaml -o sharp
+said err "holds a flicker already"
+expect 0 "$TTFBOX" calibrate flicker "${BOX[@]}" "${RIPPLE[@]}" --set sim.mains=60Hz --plan p.yaml
+said out "half-periods of 50 Hz: the mains has another frequency"
+expect 0 "$TTFBOX" calibrate report sharp
+said out "frames differ by 0.0"
+expect 2 "$TTFBOX" calibrate flicker "${BOX[@]}" --plan p.yaml --frames 3
+said err "8 frames or more"
+expect 2 "$TTFBOX" calibrate flicker "${BOX[@]}" "${RIPPLE[@]}" --plan p.yaml -o nothing-there
+said err "neither dark nor flat"
+[ ! -e nothing-there ] || fail "a calibration of nothing was left"

@@ -68,6 +68,18 @@ struct ttf_chart_fit {
     unsigned worst; /* the patch of delta_e_max, from 0 */
 };
 
+/* How steady the light is (flicker.h), relative to the mean level: 0.01 is 1 %. */
+struct ttf_flicker {
+    unsigned frames;
+    struct ttf_exposure settings;
+    double mean_level;    /* share of the range */
+    double frame_rms;     /* of frames' levels, drift taken out */
+    double frame_peak;    /* greatest of those, up or down */
+    double band_rms;      /* of bands of rows within their frame, noise taken out */
+    double band_peak;     /* greatest, noise and all */
+    double drift_per_min; /* slope over the frames, a minute */
+};
+
 /* A calibration. Fields are read freely; made by the functions below. Owns its arrays. */
 struct ttf_calibration {
     char id[64]; /* [a-z0-9-]; from the content's hash when fitted */
@@ -101,6 +113,9 @@ struct ttf_calibration {
     /* what the matrix was fitted from; a remark, not part of the id */
     bool has_chart;
     struct ttf_chart_fit chart;
+    /* how steady its light was found; a remark, too */
+    bool has_flicker;
+    struct ttf_flicker flicker;
 };
 
 /* Nothing known: identity. */
