@@ -198,6 +198,8 @@ int box_create_what_answers(const struct ttf_board *board, struct ttf_io *io,
     r = begin(board, io, &box, &errs[TTF_DEVICE_CLOCK]);
     if (r < 0)
         return r;
+    if (host->host_time)
+        ttf_clock_trust_host(box.clock, host->host_time);
     if (board->simulated)
         leave_out(board, &box, &sim);
     /* Lamps before cameras: a box that cannot have its light need not wake its camera. */

@@ -10,12 +10,15 @@
 #include "ttf/config/board_file.h"
 #include "ttf/dataset/io.h"
 #include "ttf/hal/box.h"
+#include "ttf/hal/host_time.h"
 
 /* What the machine around a box offers. All of it may be missing: NULL stands for this machine as a program by hand finds it. */
 struct box_host {
     const char *notify;  /* the service manager's socket (NOTIFY_SOCKET), "" or NULL: none */
     int64_t watchdog_ns; /* within which it wants to be told (WATCHDOG_USEC); 0: not at all */
     const char *sys;     /* "/sys", or a folder laid out like it */
+    struct ttf_host_time *
+        host_time; /* what a PC said, for a clock that knows no better; outlives the box; NULL: none */
 };
 
 /*

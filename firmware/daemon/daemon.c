@@ -193,6 +193,10 @@ static int begin(struct daemon *d, struct ttf_err *err)
     d->clock = ttf_clock_real_create();
     if (!d->clock)
         return ttf_err_set(err, -errno, "clock", "the machine's clock cannot be had");
+    d->host.host_time = d->host_time = ttf_host_time_create();
+    if (!d->host_time)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    ttf_clock_trust_host(d->clock, d->host_time);
     r = own_box(d, err);
     return r < 0 ? r : live(d, err);
 }
@@ -211,6 +215,7 @@ int daemon_run(const struct daemon_options *options, struct ttf_err *err)
     free_parts(d);
     box_lock_drop(&d->lock);
     ttf_clock_destroy(d->clock);
+    ttf_host_time_destroy(d->host_time);
     (void)pthread_mutex_destroy(&d->plans);
     free(d);
     return r;

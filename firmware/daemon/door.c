@@ -2,6 +2,7 @@
 #include "door.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -223,6 +224,30 @@ static int door_asked(struct ttf_http_box *box, int64_t number, char **ret_json,
     return show(of(box), number, ret_json, err);
 }
 
+/* What the clock makes of it, the run under way writes into its dataset by itself. */
+static int door_time(struct ttf_http_box *box, int64_t utc_ns, char **ret_json, struct ttf_err *err)
+{
+    struct daemon *d = of(box);
+    struct ttf_err why = {0};
+    struct ttf_json json;
+    int r = ttf_host_time_offer(d->host_time, d->clock, utc_ns, &why);
+
+    if (r < 0 && r != -EALREADY) {
+        if (err)
+            *err = why;
+        return r;
+    }
+    if (r == 0)
+        log_line(LOG_LEVEL_NOTICE, "time", "from=host utc_ns=%" PRId64, utc_ns);
+    ttf_json_init(&json, false);
+    ttf_json_object(&json);
+    ttf_json_kbool(&json, "taken", r == 0);
+    if (r < 0)
+        ttf_json_kstring(&json, "why", why.what);
+    ttf_json_object_end(&json);
+    return daemon_give(&json, ret_json, err);
+}
+
 static int door_note(struct ttf_http_box *box, const char *dataset, const struct ttf_note *note,
                      struct ttf_err *err)
 {
@@ -279,6 +304,7 @@ const struct ttf_http_box_ops DOOR_OPS = {
     .start = door_start,
     .ask = door_ask,
     .asked = door_asked,
+    .time = door_time,
     .note = door_note,
     .live = door_live,
     .newest = door_newest,

@@ -201,6 +201,7 @@ static void empty_mailbox(struct keeper *k)
             read = true;
         }
         tell_letter(k, &letter);
+        mailbox_tell(d->mailbox);
     }
     dropped = mailbox_dropped(d->mailbox);
     if (dropped > 0) {

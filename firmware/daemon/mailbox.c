@@ -35,6 +35,17 @@ bool mailbox_take(struct mailbox *box, struct letter *ret)
     return true;
 }
 
+void mailbox_tell(struct mailbox *box)
+{
+    __atomic_store_n(&box->told, __atomic_load_n(&box->out, __ATOMIC_RELAXED), __ATOMIC_RELEASE);
+}
+
+bool mailbox_all_told(const struct mailbox *box)
+{
+    return __atomic_load_n(&box->told, __ATOMIC_ACQUIRE) ==
+           __atomic_load_n(&box->in, __ATOMIC_RELAXED);
+}
+
 uint32_t mailbox_dropped(struct mailbox *box)
 {
     return __atomic_exchange_n(&box->dropped, 0, __ATOMIC_RELAXED);

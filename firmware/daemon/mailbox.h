@@ -22,7 +22,7 @@ struct letter {
 };
 
 struct mailbox {
-    uint32_t in, out; /* counts of letters, atomically */
+    uint32_t in, out, told; /* counts of letters, atomically */
     uint32_t dropped;
     int64_t run; /* which one says what is put in from now on; between runs alone */
     struct letter letters[MAILBOX_ROOM];
@@ -32,6 +32,10 @@ void mailbox_put(struct mailbox *box, const struct ttf_progress *progress);
 
 /* The oldest; false: there is none. */
 bool mailbox_take(struct mailbox *box, struct letter *ret);
+
+/* Whoever takes out: what it took has been told on. Whoever puts in: whether all of it has. */
+void mailbox_tell(struct mailbox *box);
+bool mailbox_all_told(const struct mailbox *box);
 
 /* How many were dropped since this was asked last. */
 uint32_t mailbox_dropped(struct mailbox *box);

@@ -15,6 +15,7 @@
 #include "shadow.h"
 #include "situation.h"
 #include "ttf/config/daemon_file.h"
+#include "ttf/hal/host_time.h"
 #include "ttf/http/box.h"
 #include "ttf/http/events.h"
 #include "workshop.h"
@@ -31,6 +32,8 @@ struct daemon {
     char serial[64];
     struct ttf_io *io;
     struct ttf_clock *clock;
+    struct ttf_host_time
+        *host_time; /* what a PC says, for this clock and those of the box's devices */
     struct manager manager;
     struct box_host host;
     struct box_lock lock;

@@ -14,6 +14,7 @@
 
 #define PROGRESS_NS TTF_NS_PER_MIN
 #define RETRY_MOST  12 /* times the first wait */
+#define TOLD_NS     TTF_NS_PER_S
 
 /* ---- what a run says ---- */
 
@@ -134,6 +135,15 @@ static int look_for_plan(struct daemon *d, const struct order *order, struct ttf
     return 1;
 }
 
+/* What a run said is told before its end is: whoever hears that nothing runs finds all its slots counted. */
+static void let_be_told(struct daemon *d)
+{
+    int64_t until_ns = ttf_clock_now_ns(d->clock) + TOLD_NS;
+
+    while (!mailbox_all_told(d->mailbox) && ttf_clock_now_ns(d->clock) < until_ns)
+        (void)ttf_clock_wait_until(d->clock, ttf_clock_now_ns(d->clock) + 5 * TTF_NS_PER_MS);
+}
+
 static int run_it(struct daemon *d, const char *path, struct ttf_err *err)
 {
     int r = ttf_io_mkdirs(d->io, d->config.data, err);
@@ -153,6 +163,7 @@ static int run_it(struct daemon *d, const char *path, struct ttf_err *err)
     r = run_boots(&d->run, err);
     d->run.session.control = NULL;
     asks_end(d->asks);
+    let_be_told(d);
     return r;
 }
 

@@ -119,6 +119,23 @@ int body_pause(const char *text, size_t bytes, struct ttf_http_ask *ret, struct 
     return r;
 }
 
+int body_time(const char *text, size_t bytes, int64_t *ret_utc_ns, struct ttf_err *err)
+{
+    static const char *const NAMES[] = {"utc_ns", NULL};
+    json_t *object, *value;
+    int r = read_object(text, bytes, NAMES, &object, err);
+
+    if (r < 0)
+        return r;
+    value = json_object_get(object, "utc_ns");
+    if (json_is_integer(value))
+        *ret_utc_ns = json_integer_value(value);
+    else
+        r = not_meant(err, "utc_ns", "nanoseconds since 1970 are meant, as a whole number");
+    json_decref(object);
+    return r;
+}
+
 int body_change(const char *text, size_t bytes, struct ttf_http_ask *ret, struct ttf_err *err)
 {
     static const char *const NAMES[] = {"count", "until_utc_ns", "interval_ns", NULL};

@@ -29,6 +29,10 @@ TTF_MUST_USE int body_pause(const char *text, size_t bytes, struct ttf_http_ask 
 TTF_MUST_USE int body_change(const char *text, size_t bytes, struct ttf_http_ask *ret,
                              struct ttf_err *err);
 
+/* {"utc_ns"}. */
+TTF_MUST_USE int body_time(const char *text, size_t bytes, int64_t *ret_utc_ns,
+                           struct ttf_err *err);
+
 /* {"text","author","slots","tags"}; checked as ttf_note_check does. Its time is not known. */
 TTF_MUST_USE int body_note(const char *text, size_t bytes, struct ttf_note *ret,
                            struct ttf_err *err);

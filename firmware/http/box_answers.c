@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "body.h"
+
 #define OPS(request) ((request)->box->ops)
 
 int box_needed(struct ttf_http_request *request)
@@ -168,4 +170,18 @@ int box_plan_delete(struct ttf_http_request *request, struct ttf_http_answer *re
     if (r == 0)
         r = OPS(request)->plan_delete(request->box, request->match->name, &request->err);
     return r < 0 ? r : answer_done(request, ret);
+}
+
+int box_time(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    int64_t utc_ns = 0;
+    char *json = NULL;
+    int r = box_needed(request);
+
+    if (r == 0)
+        r = body_time(request->body, request->body_bytes, &utc_ns, &request->err);
+    if (r < 0)
+        return r;
+    r = OPS(request)->time(request->box, utc_ns, &json, &request->err);
+    return box_give(ret, r, json);
 }

@@ -15,6 +15,7 @@ int box_plan(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_plan_check(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_plan_put(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_plan_delete(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_time(struct ttf_http_request *request, struct ttf_http_answer *ret);
 
 /* Ready for the door's functions: 0, or -ENODEV: this server has no box. */
 TTF_MUST_USE int box_needed(struct ttf_http_request *request);

@@ -48,6 +48,7 @@ static const struct ttf_http_route ROUTES[] = {
     {"POST", "/api/v1/datasets/{name}/notes", TTF_HTTP_CHANGE, run_note, TTF_HTTP_JSON,
      TTF_HTTP_ORDERS},
     {"GET", "/api/v1/status", TTF_HTTP_READ, box_status, TTF_HTTP_NO_BODY, TTF_HTTP_AT_ONCE},
+    {"POST", "/api/v1/time", TTF_HTTP_CHANGE, box_time, TTF_HTTP_JSON, TTF_HTTP_AT_ONCE},
     {"GET", "/api/v1/events", TTF_HTTP_READ, events_answer, TTF_HTTP_NO_BODY, TTF_HTTP_AT_ONCE},
     {"GET", "/api/v1/box", TTF_HTTP_READ, box_devices, TTF_HTTP_NO_BODY, TTF_HTTP_WORK},
     {"GET", "/api/v1/boards", TTF_HTTP_READ, box_boards, TTF_HTTP_NO_BODY, TTF_HTTP_WORK},

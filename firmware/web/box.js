@@ -96,6 +96,8 @@ export class Box extends EventTarget {
       this.received = performance.now();
       this.set_lost(false);
       this.dispatchEvent(new Event("status"));
+      if (status.time?.trust === "none")
+        await this.offer_time();
     } catch (error) {
       if (error.status === 401) {
         this.set_lost(false);
@@ -111,11 +113,22 @@ export class Box extends EventTarget {
     }
   }
 
+  /* A box whose clock nobody vouches for takes this machine's, from whoever may change it; once, whatever it says to it. */
+  async offer_time() {
+    if (this.offered || !this.session.change)
+      return;
+    this.offered = true;
+    try {
+      await post("time", `{"utc_ns":${BigInt(Date.now()) * 1000000n}}`);
+    } catch { /* it goes on without */ }
+  }
+
   set_lost(lost, trouble = "") {
     if (this.lost === lost && this.trouble === trouble)
       return;
     this.lost = lost;
     this.trouble = trouble;
+    this.offered = this.offered && !lost; /* it may have been started anew */
     if (!lost)
       this.ask_session(); /* it may have been another box, or the same with another token */
     this.dispatchEvent(new Event("lost"));

@@ -17,6 +17,12 @@ int64_t ttf_clock_now_ns(struct ttf_clock *clock)
     return clock->ops->now_ns(clock);
 }
 
+void ttf_clock_trust_host(struct ttf_clock *clock, struct ttf_host_time *host_time)
+{
+    if (clock->ops->trust_host)
+        clock->ops->trust_host(clock, host_time);
+}
+
 void ttf_clock_utc(struct ttf_clock *clock, struct ttf_utc *ret)
 {
     clock->ops->utc(clock, ret);

@@ -14,6 +14,7 @@ struct real_clock {
     struct ttf_clock base;
     pthread_mutex_t lock; /* of utc */
     struct real_utc utc;
+    struct ttf_host_time *host_time; /* NULL: none */
     char boot_id[37];
 };
 
@@ -30,6 +31,13 @@ static void clock_utc(struct ttf_clock *base, struct ttf_utc *ret)
     pthread_mutex_lock(&clock->lock);
     real_utc_look(&clock->utc, ret);
     pthread_mutex_unlock(&clock->lock);
+    if (clock->host_time)
+        ttf_host_time_apply(clock->host_time, ret);
+}
+
+static void clock_trust_host(struct ttf_clock *base, struct ttf_host_time *host_time)
+{
+    ((struct real_clock *)base)->host_time = host_time;
 }
 
 static int64_t clock_monotonic_offset_ns(struct ttf_clock *base, int64_t *ret_uncertainty_ns)
@@ -88,6 +96,7 @@ static const struct ttf_clock_ops real_clock_ops = {
     .is_virtual = false,
     .now_ns = clock_now_ns,
     .utc = clock_utc,
+    .trust_host = clock_trust_host,
     .monotonic_offset_ns = clock_monotonic_offset_ns,
     .boot_id = clock_boot_id,
     .join = clock_join,

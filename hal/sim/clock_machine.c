@@ -35,6 +35,11 @@ static void machine_utc(struct ttf_clock *base, struct ttf_utc *ret)
     ret->steps += count;
 }
 
+static void machine_trust_host(struct ttf_clock *base, struct ttf_host_time *host_time)
+{
+    ttf_clock_trust_host(real_of(base), host_time);
+}
+
 static const char *machine_boot_id(struct ttf_clock *base)
 {
     return ttf_clock_boot_id(real_of(base));
@@ -77,6 +82,7 @@ static const struct ttf_clock_ops machine_clock_ops = {
     .is_virtual = false,
     .now_ns = machine_now_ns,
     .utc = machine_utc,
+    .trust_host = machine_trust_host,
     .boot_id = machine_boot_id,
     .join = machine_join,
     .leave = machine_leave,

@@ -19,7 +19,8 @@ HEAD = {"Authorization": "Bearer " + TOKEN}
 
 
 def ask(path, timeout=10, headers=None):
-    c = http.client.HTTPConnection(HOST.hostname, HOST.port, timeout=timeout)
+    # From an address of its own: a hostile client may have used up its share.
+    c = http.client.HTTPConnection(HOST.hostname, HOST.port, timeout=timeout, source_address=("127.0.0.99", 0))
     c.request("GET", HOST.path + path, headers={**HEAD, **(headers or {})})
     return c, c.getresponse()
 
@@ -30,8 +31,8 @@ def events(last, seconds):
     c, r = ask("/events", seconds, headers)
     assert r.status == 200, r.status
     assert r.getheader("Content-Type") == "text/event-stream"
-    event = {}
-    while True:
+    event, until = {}, time.monotonic() + seconds
+    while time.monotonic() < until:
         line = r.readline().decode().rstrip("\n")
         if not line:
             if "event" in event:

@@ -2,13 +2,14 @@
 /*
  * clock_backend.h: what the author of a clock implements.
  *
- * All ops are mandatory but monotonic_offset_ns (NULL: the clocks are one). `struct ttf_clock` is embedded first in the back-end's
+ * All ops are mandatory but monotonic_offset_ns (NULL: the clocks are one) and trust_host. `struct ttf_clock` is embedded first in the back-end's
  * own struct. Ops are called from any thread; the back-end does its own locking.
  */
 #ifndef TTF_HAL_CLOCK_BACKEND_H
 #define TTF_HAL_CLOCK_BACKEND_H
 
 #include "ttf/hal/clock.h"
+#include "ttf/hal/host_time.h"
 
 struct ttf_clock_ops {
     const char *name; /* "real", "virtual" */
@@ -16,6 +17,8 @@ struct ttf_clock_ops {
     int64_t (*now_ns)(struct ttf_clock *clock);
     void (*utc)(struct ttf_clock *clock, struct ttf_utc *ret);
     int64_t (*monotonic_offset_ns)(struct ttf_clock *clock, int64_t *ret_uncertainty_ns);
+    /* NULL: a PC's word is of no use to it */
+    void (*trust_host)(struct ttf_clock *clock, struct ttf_host_time *host_time);
     const char *(*boot_id)(struct ttf_clock *clock);
     void (*join)(struct ttf_clock *clock);
     void (*leave)(struct ttf_clock *clock);

@@ -74,6 +74,8 @@ struct ttf_http_box_ops {
     int (*ask)(struct ttf_http_box *box, const struct ttf_http_ask *ask, char **ret_json,
                struct ttf_err *err);
     int (*asked)(struct ttf_http_box *box, int64_t number, char **ret_json, struct ttf_err *err);
+    /* A PC's UTC, for a box that has none better: {"taken","why"} */
+    int (*time)(struct ttf_http_box *box, int64_t utc_ns, char **ret_json, struct ttf_err *err);
     /* slow: it is synced */
     int (*note)(struct ttf_http_box *box, const char *dataset, const struct ttf_note *note,
                 struct ttf_err *err);
