@@ -20,6 +20,9 @@ gmic() { python3 tests/bench/against_gmic.py "$box" build/tests/bench_patches "$
 # Opening an unsealed dataset that was cut in a commit, to go on.
 recovery() { for slots in 250 2500 25000; do build/tests/store_recovery $slots | grep slots,; done; }
 
+# `ttfbox pull` beside curl fetching the same files; --help of the script names its options.
+pull() { python3 -u tests/bench/pull.py "$box" build/tests/bench_no_hash.so "$@"; }
+
 case ${1:-all} in
 week) week ;;
 schedule) shift; schedule "$@" ;;
@@ -28,7 +31,7 @@ recovery) recovery ;;
 gmic) shift; gmic "$@" ;;
 all) week; schedule; synth ;;
 *)
-    echo "bench: there is no '$1': week, schedule, recovery, synth, gmic" >&2
+    echo "bench: there is no '$1': week, schedule, recovery, synth, gmic, pull" >&2
     exit 2
     ;;
 esac

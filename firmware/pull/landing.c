@@ -32,13 +32,14 @@ static int make_folder(struct landing *landing, const char *path, struct ttf_err
     char whole[PATH_SIZE];
     int r;
 
-    if (!slash || (strncmp(landing->made, path, (size_t)(slash - path)) == 0 &&
-                   landing->made[slash - path] == '\0'))
+    if (!slash)
         return 0;
     (void)snprintf(whole, sizeof whole, "%s/%.*s", landing->folder, (int)(slash - path), path);
+    if (strcmp(landing->made, whole) == 0)
+        return 0;
     r = ttf_io_mkdirs(landing->io, whole, err);
     if (r == 0)
-        (void)snprintf(landing->made, sizeof landing->made, "%.*s", (int)(slash - path), path);
+        (void)snprintf(landing->made, sizeof landing->made, "%s", whole);
     return r;
 }
 
@@ -65,8 +66,9 @@ static int on_take(void *ctx, const void *data, size_t n)
     if (c->expected >= 0 && (int64_t)n > c->expected - c->bytes)
         return -TTF_EDAMAGED; /* longer than recorded */
     ttf_sha256_add(&c->hash, data, n);
+    c->ours = ttf_io_pwrite_all(c->io, c->file, data, n, c->bytes);
     c->bytes += (int64_t)n;
-    return c->ours = ttf_io_append_all(c->io, c->file, data, n);
+    return c->ours;
 }
 
 /* What an earlier pull left of it: hashed, so that the rest can be added. */
@@ -76,7 +78,6 @@ static int take_up(struct coming *c)
     int64_t bytes, at = 0;
     int r = c->io->ops->size(c->io, c->file, &bytes);
 
-    ttf_sha256_init(&c->hash);
     if (r < 0)
         return r;
     if (c->expected >= 0 && bytes > c->expected)
@@ -110,32 +111,36 @@ static int fetch(struct landing *landing, struct coming *c, const char *path, co
 }
 
 /* Of this machine's disk. */
-static int own(struct landing *landing, int r, const char *place, const char *what,
-               struct ttf_err *err)
+static int own(struct landed *ret, int r, const char *place, const char *what, struct ttf_err *err)
 {
-    landing->ours = true;
+    ret->ours = true;
     return ttf_err_set(err, r, place, "%s: %s", what, strerrordesc_np(-r));
 }
 
 /* Once: -TTF_EDAMAGED if what came is not it; the temporary file is gone then. */
 static int try_once(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
-                    struct ttf_err *err)
+                    struct landed *ret, struct ttf_err *err)
 {
     struct ttf_io *io = landing->io;
     struct coming c = {.io = io, .expected = bytes};
     char temporary[PATH_SIZE], final[PATH_SIZE], hex[65];
+    bool is_new;
     int r;
 
     place(landing, path, ".tmp", temporary);
     place(landing, path, "", final);
-    c.file = io->ops->open(io, temporary, TTF_IO_APPEND);
+    c.file = io->ops->open(io, temporary, TTF_IO_CREATE_NEW);
+    is_new = c.file >= 0;
+    if (c.file == -EEXIST)
+        c.file = io->ops->open(io, temporary, TTF_IO_APPEND);
     if (c.file < 0)
-        return own(landing, c.file, temporary, "cannot be made", err);
-    r = c.ours = take_up(&c);
+        return own(ret, c.file, temporary, "cannot be made", err);
+    ttf_sha256_init(&c.hash);
+    r = c.ours = is_new ? 0 : take_up(&c);
     if (r == 0)
         r = fetch(landing, &c, path, sha256, err);
     if (c.ours < 0)
-        r = own(landing, c.ours, temporary, "cannot be written or read", err);
+        r = own(ret, c.ours, temporary, "cannot be written or read", err);
     (void)io->ops->close(io, c.file);
     ttf_sha256_hex(&c.hash, hex);
     if (r == 0 && (strcmp(hex, sha256) != 0 || (bytes >= 0 && c.bytes != bytes)))
@@ -147,29 +152,38 @@ static int try_once(struct landing *landing, const char *path, int64_t bytes, co
     if (r < 0)
         return r;
     r = io->ops->rename(io, temporary, final);
-    return r == 0 ? 0 : own(landing, r, final, "cannot be put in place", err);
+    return r == 0 ? 0 : own(ret, r, final, "cannot be put in place", err);
 }
 
 /* ---- what is there ---- */
 
-/* 1: it is what it should be; 0: it is not there, or something else. */
-static int is_there(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
-                    enum landing_trust trust)
+int landing_has(const struct landing *landing, const char *path, int64_t bytes, struct ttf_err *err)
 {
-    char final[PATH_SIZE], hex[65];
+    char final[PATH_SIZE];
     struct ttf_io_stat st;
-    int64_t got;
     int r;
 
     place(landing, path, "", final);
     r = landing->io->ops->stat(landing->io, final, &st);
-    if (r < 0)
-        return r == -ENOENT ? 0 : r;
-    if (!st.is_regular || (bytes >= 0 && st.bytes != bytes))
+    if (r == -ENOENT)
         return 0;
-    if (trust == LANDING_SIZE)
-        return 1;
-    r = ttf_sha256_file(landing->io, final, &got, hex, NULL);
+    if (r < 0)
+        return ttf_err_set(err, r, path, "cannot be looked at: %s", strerrordesc_np(-r));
+    return st.is_regular && (bytes < 0 || st.bytes == bytes);
+}
+
+/* 1: it is what it should be; 0: it is not there, or something else. */
+static int is_there(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
+                    enum landing_trust trust, struct ttf_err *err)
+{
+    char final[PATH_SIZE], hex[65];
+    int64_t got;
+    int r = landing_has(landing, path, bytes, err);
+
+    if (r <= 0 || trust == LANDING_SIZE)
+        return r;
+    place(landing, path, "", final);
+    r = ttf_sha256_file(landing->io, final, &got, hex, err);
     return r < 0 ? r : strcmp(hex, sha256) == 0;
 }
 
@@ -190,42 +204,34 @@ bool landing_is_image(const char *path)
 }
 
 static int come(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
-                struct ttf_err *err)
+                struct landed *ret, struct ttf_err *err)
 {
     int r = make_folder(landing, path, err);
 
-    landing->ours = r < 0;
+    ret->ours = r < 0;
     if (r == 0)
-        r = try_once(landing, path, bytes, sha256, err);
+        r = try_once(landing, path, bytes, sha256, ret, err);
     if (r == -TTF_EDAMAGED) { /* the wire, or a temporary file of another time */
         memset(err, 0, sizeof *err);
-        r = try_once(landing, path, bytes, sha256, err);
+        r = try_once(landing, path, bytes, sha256, ret, err);
     }
     return r;
 }
 
 int landing_ensure(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
-                   enum landing_trust trust, bool *ret_came, struct ttf_err *err)
+                   enum landing_trust trust, struct landed *ret, struct ttf_err *err)
 {
-    int r = is_there(landing, path, bytes, sha256, trust);
+    int r = is_there(landing, path, bytes, sha256, trust, err);
 
-    *ret_came = landing->ours = false;
+    *ret = (struct landed){.ours = r < 0};
     if (r < 0)
-        return own(landing, r, path, "cannot be looked at", err);
-    if (r > 0 && trust == LANDING_SIZE)
-        return 0;
-    if (r == 0) {
-        r = come(landing, path, bytes, sha256, err);
-        if (r < 0)
-            return r;
-        *ret_came = true;
-    }
+        return r;
     /* What an earlier try brought and did not settle is settled with the rest. */
-    (void)snprintf(landing->batch[landing->n_batch++], sizeof landing->batch[0], "%s", path);
-    if (landing->n_batch < LANDING_BATCH)
+    ret->unsettled = r == 0 || trust == LANDING_HASH;
+    if (r > 0)
         return 0;
-    r = landing_settle(landing, err);
-    landing->ours = r < 0;
+    r = come(landing, path, bytes, sha256, ret, err);
+    ret->came = r == 0;
     return r;
 }
 
@@ -237,57 +243,4 @@ int landing_put(struct landing *landing, const char *path, const void *data, siz
 
     place(landing, path, "", final);
     return r < 0 ? r : ttf_io_write_file(landing->io, final, data, n, err);
-}
-
-static int sync_file(struct landing *landing, const char *path)
-{
-    char final[PATH_SIZE];
-    int file, r;
-
-    place(landing, path, "", final);
-    file = landing->io->ops->open(landing->io, final, TTF_IO_READ);
-    if (file < 0)
-        return file;
-    r = landing->io->ops->sync(landing->io, file, true);
-    (void)landing->io->ops->close(landing->io, file);
-    return r;
-}
-
-static int sync_folder(struct landing *landing, const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    char whole[PATH_SIZE];
-
-    (void)snprintf(whole, sizeof whole, "%s%s%.*s", landing->folder, slash ? "/" : "",
-                   slash ? (int)(slash - path) : 0, path);
-    return landing->io->ops->sync_dir(landing->io, whole);
-}
-
-/* Does an earlier one of the batch lie in the same folder? */
-static bool same_folder(const struct landing *landing, unsigned i)
-{
-    const char *slash = strrchr(landing->batch[i], '/');
-    size_t n = slash ? (size_t)(slash - landing->batch[i]) + 1 : 0;
-
-    for (unsigned k = 0; k < i; k++)
-        if (strncmp(landing->batch[k], landing->batch[i], n) == 0 &&
-            !strchr(landing->batch[k] + n, '/'))
-            return true;
-    return false;
-}
-
-int landing_settle(struct landing *landing, struct ttf_err *err)
-{
-    int r = landing->failed;
-
-    for (unsigned i = 0; r == 0 && i < landing->n_batch; i++)
-        r = sync_file(landing, landing->batch[i]);
-    for (unsigned i = 0; r == 0 && i < landing->n_batch; i++)
-        if (!same_folder(landing, i))
-            r = sync_folder(landing, landing->batch[i]);
-    landing->failed = r;
-    landing->n_batch = 0;
-    if (r < 0)
-        return ttf_err_set(err, r, landing->folder, "cannot be synced: %s", strerrordesc_np(-r));
-    return 0;
 }

@@ -29,8 +29,9 @@ struct one_skips {
  * Once: what the box has now. Whatever comes before an error stays, and is gone on with the next time. *ret is set also on
  * failure. Errors of ttf_pull; damaged files are no error here, but counted.
  */
-TTF_MUST_USE int one_pull(const struct ttf_pull_config *config, struct wire *wire, const char *name,
-                          const struct one_skips *skips, struct one_result *ret,
-                          struct ttf_err *err);
+struct crew;
+TTF_MUST_USE int one_pull(const struct ttf_pull_config *config, struct wire *wire,
+                          struct crew *crew, const char *name, const struct one_skips *skips,
+                          struct one_result *ret, struct ttf_err *err);
 
 #endif

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "crew.h"
 #include "one.h"
 #include "ttf/dataset/copy.h"
 #include "ttf/dataset/json_parse.h"
@@ -155,8 +156,8 @@ static int64_t landed(const struct ttf_pull_config *config, const char *name, co
 }
 
 /* Until it is here as far as the box has it now: cut off, it goes on. */
-static int persist(const struct ttf_pull_config *config, struct wire *wire, const char *name,
-                   struct one_result *ret, struct ttf_err *err)
+static int persist(const struct ttf_pull_config *config, struct wire *wire, struct crew *crew,
+                   const char *name, struct one_result *ret, struct ttf_err *err)
 {
     struct one_skips skips = {0};
     char stuck[192] = "";
@@ -169,7 +170,7 @@ static int persist(const struct ttf_pull_config *config, struct wire *wire, cons
         int r;
 
         memset(err, 0, sizeof *err);
-        r = one_pull(config, wire, name, &skips, ret, err);
+        r = one_pull(config, wire, crew, name, &skips, ret, err);
         files += ret->files;
         ret->files = files;
         if (!pull_wire_may_pass(r) || told_to_stop(config))
@@ -194,8 +195,8 @@ static int persist(const struct ttf_pull_config *config, struct wire *wire, cons
 }
 
 /* One dataset, unless the box says just what it said before. */
-static int pull_item(const struct ttf_pull_config *config, struct wire *wire, struct item *item,
-                     struct ttf_err *err)
+static int pull_item(const struct ttf_pull_config *config, struct wire *wire, struct crew *crew,
+                     struct item *item, struct ttf_err *err)
 {
     char url[128], *summary = NULL;
     size_t n;
@@ -208,7 +209,7 @@ static int pull_item(const struct ttf_pull_config *config, struct wire *wire, st
         free(summary);
         return 0;
     }
-    r = persist(config, wire, item->name, &item->last, err);
+    r = persist(config, wire, crew, item->name, &item->last, err);
     free(item->summary);
     item->summary = r == 0 ? summary : NULL;
     if (r < 0)
@@ -238,7 +239,7 @@ static bool ends_all(int error)
 }
 
 /* All of them once. *ret_open: of some, more may come. The first error, when all had their turn. */
-static int round_of_all(const struct ttf_pull_config *config, struct wire *wire,
+static int round_of_all(const struct ttf_pull_config *config, struct wire *wire, struct crew *crew,
                         struct names *names, struct ttf_pull_result *ret, bool *ret_open,
                         struct ttf_err *err)
 {
@@ -255,7 +256,7 @@ static int round_of_all(const struct ttf_pull_config *config, struct wire *wire,
         if (item->done)
             continue;
         item->last.files = 0;
-        r = pull_item(config, wire, item, &why);
+        r = pull_item(config, wire, crew, item, &why);
         sum.files += item->last.files;
         *ret_open |= !item->done;
         if (r < 0 && !ends_all(r))
@@ -293,17 +294,21 @@ static int pull_with(const struct ttf_pull_config *config, struct wire *wire,
                      struct ttf_pull_result *ret, struct ttf_err *err)
 {
     struct names names = {0};
+    struct crew *crew = NULL;
     bool open = false;
     int r = find_names(config, wire, &names, err);
 
     if (r == 0)
+        r = crew_create(config, wire, &crew, err);
+    if (r == 0)
         r = ttf_io_mkdirs(config->io, config->dest, err);
     while (r == 0) {
-        r = round_of_all(config, wire, &names, ret, &open, err);
+        r = round_of_all(config, wire, crew, &names, ret, &open, err);
         if (r < 0 || !config->follow || !open || told_to_stop(config))
             break;
         pause_ns(config, POLL_NS);
     }
+    crew_destroy(crew);
     free_names(&names);
     if (r == -ECANCELED)
         r = 0;

@@ -97,7 +97,8 @@ static enum landing_trust trust_of(const char *path)
 }
 
 /* Every file of the list. */
-static int check_all(struct landing *landing, const char *text, size_t n, struct ttf_err *err)
+static int check_all(struct landing *landing, struct settling *settling, const char *text, size_t n,
+                     struct ttf_err *err)
 {
     const char *end = text + n;
 
@@ -105,7 +106,7 @@ static int check_all(struct landing *landing, const char *text, size_t n, struct
         const char *lf = memchr(text, '\n', (size_t)(end - text));
         size_t length = lf ? (size_t)(lf - text) : 0;
         char hex[65], path[192];
-        bool came;
+        struct landed landed;
         int r;
 
         if (length <= PREFIX || length - PREFIX >= sizeof path)
@@ -116,7 +117,9 @@ static int check_all(struct landing *landing, const char *text, size_t n, struct
         path[length - PREFIX] = '\0';
         if (!ttf_sha256_is_hex(hex) || !landing_is_listed(path))
             return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS", "a line of the box's is none");
-        r = landing_ensure(landing, path, -1, hex, trust_of(path), &came, err);
+        r = landing_ensure(landing, path, -1, hex, trust_of(path), &landed, err);
+        if (r == 0 && landed.unsettled)
+            r = settle_add(settling, path, err);
         if (r < 0)
             return r;
         text = lf + 1;
@@ -124,7 +127,7 @@ static int check_all(struct landing *landing, const char *text, size_t n, struct
     return 0;
 }
 
-int seal_close(struct landing *landing, struct wire *wire, const struct seal_state *state,
+int seal_close(struct landing *landing, struct settling *settling, const struct seal_state *state,
                bool *ret_sealed, struct ttf_err *err)
 {
     char url[128], digest[65], *text = NULL;
@@ -136,7 +139,7 @@ int seal_close(struct landing *landing, struct wire *wire, const struct seal_sta
     if (!state->sealed || state->here)
         return 0;
     (void)snprintf(url, sizeof url, "/datasets/%s/files/SHA256SUMS", landing->name);
-    r = pull_wire_get_text(wire, url, 0, -1, SUMS_MAX, &text, &n, err);
+    r = pull_wire_get_text(landing->wire, url, 0, -1, SUMS_MAX, &text, &n, err);
     if (r < 0)
         return r;
     ttf_sha256_init(&hash);
@@ -144,9 +147,9 @@ int seal_close(struct landing *landing, struct wire *wire, const struct seal_sta
     ttf_sha256_hex(&hash, digest);
     /* Gone on with since it was asked: its next state is for the next time. */
     if (strcmp(digest, state->digest) == 0) {
-        r = check_all(landing, text, n, err);
+        r = check_all(landing, settling, text, n, err);
         if (r == 0)
-            r = landing_settle(landing, err);
+            r = settle_all(settling, err);
         if (r == 0)
             r = landing_put(landing, "SHA256SUMS", text, n, err);
         *ret_sealed = r == 0;

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "landing.h"
+#include "settle.h"
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
 #include "ttf/dataset/io.h"
@@ -35,7 +36,7 @@ TTF_MUST_USE int seal_drop(struct ttf_io *io, const char *folder, struct ttf_err
  * Checks and completes all that the box's seal lists, and puts it in place. *ret_sealed: false where the box has none (any
  * more). -TTF_EDAMAGED: what is listed is not so on the box.
  */
-TTF_MUST_USE int seal_close(struct landing *landing, struct wire *wire,
+TTF_MUST_USE int seal_close(struct landing *landing, struct settling *settling,
                             const struct seal_state *state, bool *ret_sealed, struct ttf_err *err);
 
 #endif

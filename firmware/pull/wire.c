@@ -3,6 +3,7 @@
 
 #include <curl/curl.h>
 #include <inttypes.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +17,7 @@ struct wire {
     struct curl_slist *headers; /* of every request */
     char base[512];             /* "http://host:port/api/v1" */
     const struct ttf_pull_config *config;
-    int64_t bytes;
+    atomic_llong own_bytes, *bytes; /* bytes: of all twins, with whoever was first */
     /* of the request under way */
     const struct wire_sink *sink;
     int64_t asked_first;
@@ -97,6 +98,7 @@ int pull_wire_create(const struct ttf_pull_config *config, struct wire **ret, st
     if (!wire)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     wire->config = config;
+    wire->bytes = &wire->own_bytes;
     r = init_curl(wire, config->token);
     if (r == 0)
         r = set_options(wire);
@@ -112,6 +114,15 @@ int pull_wire_create(const struct ttf_pull_config *config, struct wire **ret, st
     return 0;
 }
 
+int pull_wire_twin(const struct wire *of, struct wire **ret)
+{
+    int r = pull_wire_create(of->config, ret, NULL);
+
+    if (r == 0)
+        (*ret)->bytes = of->bytes;
+    return r;
+}
+
 void pull_wire_destroy(struct wire *wire)
 {
     if (!wire)
@@ -123,7 +134,7 @@ void pull_wire_destroy(struct wire *wire)
 
 int64_t pull_wire_bytes(const struct wire *wire)
 {
-    return wire->bytes;
+    return atomic_load(wire->bytes);
 }
 
 /* ---- a request under way ---- */
@@ -169,7 +180,7 @@ static size_t on_data(char *data, size_t size, size_t n, void *ctx)
         wire->n_said += kept;
         return n;
     }
-    wire->bytes += (int64_t)n;
+    atomic_fetch_add(wire->bytes, (long long)n);
     wire->sink_error = begin(wire);
     if (wire->sink_error == 0)
         wire->sink_error = wire->sink->take(wire->sink->ctx, data, n);

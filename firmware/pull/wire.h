@@ -26,6 +26,10 @@ struct wire_sink {
 /* To config's box, with its token; config is borrowed as long as it lives. -EINVAL: box. */
 TTF_MUST_USE int pull_wire_create(const struct ttf_pull_config *config, struct wire **ret,
                                   struct ttf_err *err);
+
+/* Another connection to the same box, for another thread; counts its bytes together with the first, which outlives it. */
+TTF_MUST_USE int pull_wire_twin(const struct wire *of, struct wire **ret);
+
 void pull_wire_destroy(struct wire *wire); /* NULL allowed */
 
 /*
@@ -43,7 +47,7 @@ TTF_MUST_USE int pull_wire_get_text(struct wire *wire, const char *path, int64_t
                                     int64_t last, size_t max, char **ret_text, size_t *ret_bytes,
                                     struct ttf_err *err);
 
-/* Bytes of answers so far. */
+/* Bytes of answers so far, of its twins too. */
 int64_t pull_wire_bytes(const struct wire *wire);
 
 /* Is it an error of the wire, which another try may not have? */

@@ -419,7 +419,7 @@ static void look(struct cable *c, int timeout_ms)
 
 void cable_run(struct cable *c, const volatile int *stop)
 {
-    while (!*stop) {
+    while (!__atomic_load_n(stop, __ATOMIC_RELAXED)) {
         look(c, 50);
         if (c->plugged && !c->asleep) {
             move(c, &c->out);

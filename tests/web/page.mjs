@@ -52,6 +52,20 @@ async function a_region_is_drawn_in_live_view() {
   await browser.everywhere("live", shots);
 }
 
+async function a_charts_corners_go_into_the_calibration() {
+  await page.getByRole("button", { name: "Mark the chart's corners" }).click();
+  const svg = page.locator(".viewer svg"), picked = page.locator("pre[aria-label^='What was picked']");
+  await svg.scrollIntoViewIfNeeded();
+  const box = await svg.boundingBox();
+  for (const [u, v] of [[0.2, 0.2], [0.8, 0.2], [0.8, 0.8], [0.2, 0.8]])
+    await page.mouse.click(box.x + box.width * u, box.y + box.height * v);
+  const corners = (await picked.textContent()).match(/--corners (\d+),(\d+),(\d+),(\d+),(\d+),(\d+),(\d+),(\d+)$/m).slice(1).map(Number);
+  assert.ok(corners[0] < corners[2] && corners[1] < corners[5] && corners[0] === corners[6] && corners[1] === corners[3], `clockwise from the top left: ${corners}`);
+  await go("Calibrate");
+  await page.getByText("ttfbox calibrate chart").waitFor();
+  assert.match(await picked.textContent(), /--corners \d/);
+}
+
 async function a_run_is_started_from_the_wizard() {
   await go("Plan");
   await page.getByText("This box can do it").waitFor();
@@ -192,7 +206,7 @@ async function a_stopped_box_says_stopped() {
 }
 
 try {
-  for (const part of [nothing_is_shown_without_the_token, a_region_is_drawn_in_live_view, a_run_is_started_from_the_wizard, slots_arrive_and_the_countdown_runs,
+  for (const part of [nothing_is_shown_without_the_token, a_region_is_drawn_in_live_view, a_charts_corners_go_into_the_calibration, a_run_is_started_from_the_wizard, slots_arrive_and_the_countdown_runs,
     a_second_page_asks_for_no_second_stream, a_killed_daemon_is_missed_and_found_again, the_dataset_is_scrubbed_and_charted, what_is_downloaded_verifies, a_stopped_box_says_stopped]) {
     const begun = Date.now();
     await part();

@@ -34,6 +34,7 @@
       make(head, "h2", { id, textContent: about.role });
       make(head, "p", { textContent: about.title });
       this.canvas = make(this.section, "canvas", { className: "stage", tabIndex: 0 });
+      this.canvas.setAttribute("aria-label", `${this.about.role}: no frame yet`);
       this.canvas.setAttribute("role", "img");
       this.row = make(this.section, "div", { className: "row pick" });
       this.x = this.number_input("Pixel x", about.width);

@@ -108,7 +108,7 @@ static int end(void **state)
 
     ttf_usb_link_destroy(e->host);
     ttf_usb_link_destroy(e->box);
-    e->stop = 1;
+    __atomic_store_n(&e->stop, 1, __ATOMIC_RELAXED);
     (void)pthread_join(e->thread, NULL);
     (void)close(e->commands);
     cable_destroy(e->cable);

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "settle.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+#define PATH_SIZE   4600
+#define STACK_BYTES ((size_t)256 << 10)
+#define HELPERS     15 /* threads that sync beside whoever settles */
+
+static int sync_file(struct settling *settling, const char *path)
+{
+    char final[PATH_SIZE];
+    int file, r;
+
+    (void)snprintf(final, sizeof final, "%s/%s", settling->folder, path);
+    file = settling->io->ops->open(settling->io, final, TTF_IO_READ);
+    if (file < 0)
+        return file;
+    r = settling->io->ops->sync(settling->io, file, true);
+    (void)settling->io->ops->close(settling->io, file);
+    return r;
+}
+
+static int sync_folder(struct settling *settling, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char whole[PATH_SIZE];
+
+    (void)snprintf(whole, sizeof whole, "%s%s%.*s", settling->folder, slash ? "/" : "",
+                   slash ? (int)(slash - path) : 0, path);
+    return settling->io->ops->sync_dir(settling->io, whole);
+}
+
+/* Does an earlier one of the batch lie in the same folder? */
+static bool same_folder(const struct settling *settling, unsigned i)
+{
+    const char *slash = strrchr(settling->paths[i], '/');
+    size_t n = slash ? (size_t)(slash - settling->paths[i]) + 1 : 0;
+
+    for (unsigned k = 0; k < i; k++)
+        if (strncmp(settling->paths[k], settling->paths[i], n) == 0 &&
+            !strchr(settling->paths[k] + n, '/'))
+            return true;
+    return false;
+}
+
+struct round {
+    struct settling *settling;
+    atomic_uint next;
+    atomic_int failed;
+};
+
+static void *sync_some(void *ctx)
+{
+    struct round *round = ctx;
+    unsigned i;
+
+    while ((i = atomic_fetch_add(&round->next, 1)) < round->settling->n &&
+           atomic_load(&round->failed) == 0) {
+        int r = sync_file(round->settling, round->settling->paths[i]);
+
+        if (r < 0)
+            atomic_store(&round->failed, r);
+    }
+    return NULL;
+}
+
+/*
+ * Each sync waits for the disk's journal, and one turn of that serves all who wait at the same time: alone, one after another, they
+ * take longer than the files took to come. Signals are the program's own threads'.
+ */
+static int sync_files(struct settling *settling)
+{
+    struct round round = {.settling = settling};
+    pthread_t threads[HELPERS];
+    unsigned n = 0, wanted = settling->n / 4 < HELPERS ? settling->n / 4 : HELPERS;
+    sigset_t all, before;
+    pthread_attr_t small; /* stacks that the C library keeps for the next time */
+
+    (void)sigfillset(&all);
+    if (wanted > 0 && pthread_attr_init(&small) == 0) {
+        if (pthread_attr_setstacksize(&small, STACK_BYTES) == 0 &&
+            pthread_sigmask(SIG_SETMASK, &all, &before) == 0) {
+            while (n < wanted && pthread_create(&threads[n], &small, sync_some, &round) == 0)
+                n++;
+            (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+        }
+        (void)pthread_attr_destroy(&small);
+    }
+    (void)sync_some(&round);
+    while (n > 0)
+        (void)pthread_join(threads[--n], NULL);
+    return atomic_load(&round.failed);
+}
+
+int settle_all(struct settling *settling, struct ttf_err *err)
+{
+    int r = settling->failed;
+
+    if (r == 0 && settling->n > 0)
+        r = sync_files(settling);
+    for (unsigned i = 0; r == 0 && i < settling->n; i++)
+        if (!same_folder(settling, i))
+            r = sync_folder(settling, settling->paths[i]);
+    settling->failed = r;
+    settling->n = 0;
+    if (r < 0)
+        return ttf_err_set(err, r, settling->folder, "cannot be synced: %s", strerrordesc_np(-r));
+    return 0;
+}
+
+int settle_add(struct settling *settling, const char *path, struct ttf_err *err)
+{
+    (void)snprintf(settling->paths[settling->n++], sizeof settling->paths[0], "%s", path);
+    return settling->n == SETTLE_MOST ? settle_all(settling, err) : 0;
+}
