@@ -213,8 +213,8 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
                     "softness of the object's edge (default: 1)"},
     [OPT_LISTEN] =
         {"listen", 0, "WHERE", CLI_TEXT, O(listen), 0, 0,
-         "ADDRESS:PORT, as 0.0.0.0:8417 or [::1]:8417 (port 0: any free one), or unix:PATH "
-         "(default: 127.0.0.1:8417)"},
+         "ADDRESS:PORT, as 0.0.0.0:8417 or [::1]:8417 (port 0: any free one), INTERFACE:PORT, as "
+         "usb0:8417, or unix:PATH (default: 127.0.0.1:8417)"},
     [OPT_TOKEN_FILE] = {"token-file", 0, "FILE", CLI_TEXT, O(token_file), 0, 0,
                         "the file with the token; made if it is not there"},
     [OPT_BOX] =

@@ -119,8 +119,8 @@ static const struct cfg_field DAEMON[] = {
     {"alerts", pass_over, 0, 0, 0, "who is told of what", 0, 0},
     {"state", cfg_path512, D(state), 0, 0, "a folder for what is to outlive a restart", 0, 0},
     {"token_file", cfg_path512, D(token_file), 0, 0, "the file of the token", 0, 0},
-    {"listen", read_listen, 0, 0, 0, "a list of ADDRESS:PORT and unix:PATH, as [127.0.0.1:8417]", 0,
-     0},
+    {"listen", read_listen, 0, 0, 0,
+     "a list of ADDRESS:PORT, INTERFACE:PORT and unix:PATH, as [127.0.0.1:8417]", 0, 0},
     {"names", read_names, 0, 0, 0, "a list of the box's names in the network", 0, 0},
     SET,
     {0}};

@@ -3,10 +3,12 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <net/if.h>
 #include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -21,7 +23,42 @@ union address {
     struct sockaddr_un local;
 };
 
-/* "1.2.3.4:80", "[::1]:80". Its length, or -EINVAL. */
+/* A network interface's name: it has a letter, and none of what addresses are written with. */
+static bool is_interface(const char *name)
+{
+    bool letter = false;
+
+    if (strlen(name) >= IFNAMSIZ)
+        return false;
+    for (; *name; name++) {
+        const bool is_letter = (*name | 0x20) >= 'a' && (*name | 0x20) <= 'z';
+
+        letter |= is_letter;
+        if (!is_letter && !(*name >= '0' && *name <= '9') && !strchr("._-", *name))
+            return false;
+    }
+    return letter;
+}
+
+/* The address that an interface has now. -ENODEV: no such interface; -EADDRNOTAVAIL: it has none yet. */
+static int address_of(const char *interface, struct sockaddr_in *ret)
+{
+    struct ifreq request = {.ifr_addr = {.sa_family = AF_INET}};
+    int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    int r;
+
+    if (fd < 0)
+        return -errno;
+    memcpy(request.ifr_name, interface, strlen(interface) + 1);
+    r = ioctl(fd, SIOCGIFADDR, &request) < 0 ? -errno : 0;
+    (void)close(fd);
+    if (r == 0)
+        memcpy(&ret->sin_addr, &((struct sockaddr_in *)(void *)&request.ifr_addr)->sin_addr,
+               sizeof ret->sin_addr);
+    return r;
+}
+
+/* "1.2.3.4:80", "[::1]:80", "usb0:80". Its length, or negative: -EINVAL, or as address_of. */
 static int read_address(const char *text, union address *ret, bool *ret_loopback)
 {
     char host[64];
@@ -48,8 +85,14 @@ static int read_address(const char *text, union address *ret, bool *ret_loopback
     }
     ret->v4.sin_family = AF_INET;
     ret->v4.sin_port = htons((uint16_t)port);
-    if (inet_pton(AF_INET, host, &ret->v4.sin_addr) != 1)
+    if (is_interface(host)) {
+        int r = address_of(host, &ret->v4);
+
+        if (r < 0)
+            return r;
+    } else if (inet_pton(AF_INET, host, &ret->v4.sin_addr) != 1) {
         return -EINVAL;
+    }
     *ret_loopback = (ntohl(ret->v4.sin_addr.s_addr) >> 24) == 127;
     return (int)sizeof ret->v4;
 }
@@ -158,13 +201,20 @@ int ttf_http_listen(const char *text, bool group, struct ttf_http_socket *ret, s
         strncmp(text, "unix:", 5) == 0 ? open_unix(text + 5, group, &made) : open_tcp(text, &made);
     if (made.fd == -EINVAL) {
         ttf_err_set(err, -EINVAL, text, "is no address to listen on");
-        ttf_err_hint(err, "write ADDRESS:PORT, as 127.0.0.1:8080 or [::1]:8080, or unix:PATH");
+        ttf_err_hint(err, "write ADDRESS:PORT, as 127.0.0.1:8080 or [::1]:8080, INTERFACE:PORT, as "
+                          "usb0:8080, or unix:PATH");
         return -EINVAL;
     }
     if (made.fd < 0) {
         ttf_err_set(err, made.fd, text, "cannot be listened on: %s", strerrordesc_np(-made.fd));
         if (made.fd == -EADDRINUSE)
             ttf_err_hint(err, "another program listens there; port 0 takes any that is free");
+        if (made.fd == -ENODEV)
+            ttf_err_hint(
+                err,
+                "there is no network interface of this name; names of machines are not looked up");
+        if (made.fd == -EADDRNOTAVAIL)
+            ttf_err_hint(err, "this machine or interface has no such address, or not yet");
         return made.fd;
     }
     *ret = made;

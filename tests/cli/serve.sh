@@ -135,6 +135,14 @@ get "$URL/datasets" 401 -H 'Authorization: Bearer 0123456789abcdef'
 get "$URL/datasets" 200 -H "Authorization: Bearer $(cat token)"
 unserve
 
+# --- an interface by its name: the address that it has
+serve data --listen lo:0
+[[ $URL == http://127.0.0.1:* ]] || fail "lo is at $URL"
+get "$URL/health" 200
+unserve
+expect 1 "$TTFBOX" serve data --listen nowhere0:8417
+said err 'there is no network interface of this name'
+
 # --- a socket of the file system, and what cannot be listened on
 serve data --listen unix:box
 curl -sS --unix-socket box http://localhost/api/v1/datasets >out || fail "nobody answers on the socket"

@@ -66,7 +66,7 @@ static void an_empty_file_as_a_power_cut_leaves_it_is_made_anew(void **state)
 static void what_is_no_address_is_refused(void **state)
 {
     static const char *const TEXTS[] = {
-        "",          "8417",       ":8417",           "localhost:8417",
+        "",          "8417",       ":8417",           "local host:8417",
         "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:8a",
         "[::1]",     "::1:80",     "256.1.1.1:80",    "unix:",
         NULL};
@@ -76,6 +76,19 @@ static void what_is_no_address_is_refused(void **state)
     for (unsigned i = 0; TEXTS[i]; i++)
         if (ttf_http_listen(TEXTS[i], false, &s, NULL) != -EINVAL)
             fail_msg("'%s' is listened on", TEXTS[i]);
+}
+
+static void an_interface_stands_for_the_address_that_it_has(void **state)
+{
+    struct ttf_http_socket s;
+
+    (void)state;
+    assert_int_equal(ttf_http_listen("lo:0", false, &s, NULL), 0);
+    assert_true(s.loopback);
+    assert_memory_equal(s.name, "127.0.0.1:", 10);
+    assert_int_equal(close(s.fd), 0);
+    assert_int_equal(ttf_http_listen("nowhere0:8417", false, &s, NULL), -ENODEV);
+    assert_int_equal(ttf_http_listen("localhost:8417", false, &s, NULL), -ENODEV);
 }
 
 static void a_socket_knows_its_port_and_whether_others_reach_it(void **state)
@@ -119,6 +132,7 @@ int main(void)
         IN_A_FOLDER(a_token_that_others_can_read_or_that_is_none_is_refused),
         IN_A_FOLDER(an_empty_file_as_a_power_cut_leaves_it_is_made_anew),
         cmocka_unit_test(what_is_no_address_is_refused),
+        cmocka_unit_test(an_interface_stands_for_the_address_that_it_has),
         cmocka_unit_test(a_socket_knows_its_port_and_whether_others_reach_it),
         IN_A_FOLDER(a_socket_that_nobody_listens_on_is_replaced_and_no_other_file),
     };

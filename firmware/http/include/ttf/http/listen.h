@@ -16,7 +16,8 @@ struct ttf_http_socket {
 };
 
 /*
- * "ADDRESS:PORT" with a numeric address ("127.0.0.1:8080", "[::1]:8080", port 0: any free one), or "unix:PATH"
+ * "ADDRESS:PORT" with a numeric address ("127.0.0.1:8080", "[::1]:8080", port 0: any free one), "INTERFACE:PORT" (the IPv4 address
+ * that the interface has at this moment: "usb0:8417" is a box's cable; -ENODEV, -EADDRNOTAVAIL while there is none), or "unix:PATH"
  * (mode 0600; of a group, in a folder with setgid, 0660; a socket that nobody listens on any more is replaced). -EINVAL: no such text. -EADDRINUSE and the errors of
  * socket, bind, listen.
  */
