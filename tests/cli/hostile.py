@@ -75,7 +75,7 @@ def noise(cases):
                 del text[at]
         texts.append(bytes(text))
     # Half a request is waited for; not by us, and not by one after the other.
-    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
         list(pool.map(lambda text: say(text, 0.2), texts))
     decent()
 
