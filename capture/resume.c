@@ -45,6 +45,15 @@ static int resolve_new(const struct ttf_resume_input *in, struct ttf_resume *r, 
     return 0;
 }
 
+/*
+ * A PC's word alone would give up every slot that is left: more likely the PC's clock is ahead than that the box was
+ * without power until after its end. Nothing is given up for that.
+ */
+static bool gives_up_all(const struct ttf_resume_input *in, const struct ttf_grid *grid)
+{
+    return in->utc.trust == TTF_TRUST_HOST && ttf_grid_index_at(grid, in->ready_ns) >= in->count;
+}
+
 static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resume *r)
 {
     const struct ttf_segment *last = &in->state->last_segment;
@@ -71,11 +80,10 @@ static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resu
          */
         int64_t last_utc = ttf_grid_due_ns(&before_utc, next - 1 - in->state->lost_at_end);
         int64_t now_utc = in->utc.utc_ns + (in->now_ns - in->utc.boot_ns);
+        int64_t due_utc = ttf_grid_due_ns(&before_utc, next);
 
-        if (now_utc >= last_utc - TTF_NS_PER_S || next == 0) {
-            int64_t due_utc = ttf_grid_due_ns(&before_utc, next);
-
-            r->grid.origin_ns = in->utc.boot_ns + (due_utc - in->utc.utc_ns);
+        r->grid.origin_ns = in->utc.boot_ns + (due_utc - in->utc.utc_ns);
+        if ((now_utc >= last_utc - TTF_NS_PER_S && !gives_up_all(in, &r->grid)) || next == 0) {
             /* A run that had ended was not cut short: the box may have been put away, or not. */
             r->lost_result = in->state->sealed ? TTF_RESULT_MISSED : TTF_RESULT_POWER;
             r->lost_reason = in->state->sealed ? TTF_REASON_HAD_ENDED : TTF_REASON_NO_POWER;

@@ -26,7 +26,7 @@ static int px_open(struct ttf_io *io, const char *path, enum ttf_io_mode mode)
 
     switch (mode) {
     case TTF_IO_READ:
-        flags |= O_RDONLY;
+        flags |= O_RDONLY | O_NONBLOCK; /* a pipe that lies in a file's place holds nobody up */
         break;
     case TTF_IO_CREATE_NEW:
         flags |= O_RDWR | O_CREAT | O_EXCL;

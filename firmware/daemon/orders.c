@@ -50,8 +50,8 @@ static int save(struct orders *o, const struct order *order, struct ttf_err *err
 {
     int r = orders_file_write(&o->file, order, err);
 
-    o->unsaved = r < 0;
-    if (r == 0) { /* whatever stood there before is over */
+    o->unsaved = r < 0 && !o->unread; /* what stands there unread is not overwritten */
+    if (r == 0) {                     /* whatever stood there before is over */
         o->unseen = false;
         o->unread = 0;
     }
@@ -93,6 +93,12 @@ static void read_file(struct orders *o)
     struct ttf_err err = {0};
     int r = orders_file_read(&o->file, &order, &err);
 
+    /* What runs is known: a later look counts only if it says something else. What ended is not begun again by one. */
+    if (o->order.generation > 0 && r <= 0) {
+        o->unread = 0;
+        o->unseen = r < 0;
+        return;
+    }
     o->unread = r < 0 && r != -ENOENT && r != -EINVAL ? r : 0;
     o->why_unread = err;
     if (o->unread)
@@ -246,9 +252,12 @@ int orders_start(struct orders *o, const char *plan, const char *yaml, const cha
     if (!order.yaml)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     (void)pthread_mutex_lock(&o->lock);
-    r = o->order.state == ORDER_RUN
-            ? ttf_err_set(err, -EBUSY, NULL, "a run is under way, into %s", o->order.dataset)
-            : save(o, &order, err);
+    if (o->unread)
+        r = ttf_err_set(err, -EAGAIN, o->file.path, "cannot be read yet, and says what runs");
+    else if (o->order.state == ORDER_RUN)
+        r = ttf_err_set(err, -EBUSY, NULL, "a run is under way, into %s", o->order.dataset);
+    else
+        r = save(o, &order, err);
     if (r == 0)
         hold(o, &order);
     else

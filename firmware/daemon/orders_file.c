@@ -2,6 +2,7 @@
 #include "orders_file.h"
 
 #include <errno.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,6 +48,21 @@ static int read_order(const struct orders_file *file, const json_t *object, stru
     return 1;
 }
 
+static void name_aside(const struct orders_file *file, char *ret, size_t size)
+{
+    (void)snprintf(ret, size, "%s.unreadable", file->path);
+}
+
+/* A file was put aside, and power went before what follows from that was written. */
+static bool is_aside(const struct orders_file *file)
+{
+    char aside[sizeof file->path + 16];
+    struct ttf_io_stat st;
+
+    name_aside(file, aside, sizeof aside);
+    return file->io->ops->stat(file->io, aside, &st) == 0;
+}
+
 int orders_file_read(const struct orders_file *file, struct order *ret, struct ttf_err *err)
 {
     char *text = NULL;
@@ -63,7 +79,7 @@ int orders_file_read(const struct orders_file *file, struct order *ret, struct t
     }
     if (r == -ENOMEM)
         return ttf_err_set(err, r, file->path, "no memory");
-    if (r == -EINVAL || r == -EFBIG)
+    if (r == -EINVAL || r == -EFBIG || (r == -ENOENT && is_aside(file)))
         r = ttf_err_set(err, -EINVAL, file->path, "does not say what was to run");
     return r;
 }
@@ -106,7 +122,9 @@ int orders_file_put_aside(const struct orders_file *file)
     char aside[sizeof file->path + 16];
     int r;
 
-    (void)snprintf(aside, sizeof aside, "%s.unreadable", file->path);
+    name_aside(file, aside, sizeof aside);
     r = file->io->ops->rename(file->io, file->path, aside);
+    if (r == -ENOENT && is_aside(file))
+        r = 0; /* it is there already */
     return r < 0 ? r : file->io->ops->sync_dir(file->io, file->folder);
 }

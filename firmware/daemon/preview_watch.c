@@ -61,7 +61,7 @@ void preview_watch_look(struct preview_watch *watch, struct daemon *d)
         memcpy(watch->dataset, dataset, sizeof watch->dataset);
     }
     (void)snprintf(path, sizeof path, "%s/.preview/%s/state.json", d->config.data, dataset);
-    if (!*dataset || d->io->ops->stat(d->io, path, &st) < 0)
+    if (!*dataset || d->io->ops->stat(d->io, path, &st) < 0 || !st.is_regular)
         return;
     if (st.inode == watch->seen.inode && st.mtime_ns == watch->seen.mtime_ns)
         return;

@@ -237,8 +237,11 @@ int grown_append(struct grown *grown, const char *lines, size_t n, struct ttf_er
 
     if (r == 0)
         r = grown->io->ops->sync(grown->io, grown->file, true);
-    if (r < 0)
+    if (r <
+        0) { /* lines that may not be on the disk are not to pass for durable: they come again */
+        (void)grown->io->ops->truncate(grown->io, grown->file, grown->bytes);
         return complain(grown, r, "cannot be written", err);
+    }
     grown->bytes += (int64_t)n;
     return 0;
 }

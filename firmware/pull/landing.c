@@ -119,13 +119,13 @@ static int own(struct landed *ret, int r, const char *place, const char *what, s
 
 /* Once: -TTF_EDAMAGED if what came is not it; the temporary file is gone then. */
 static int try_once(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
-                    struct landed *ret, struct ttf_err *err)
+                    enum landing_trust trust, struct landed *ret, struct ttf_err *err)
 {
     struct ttf_io *io = landing->io;
     struct coming c = {.io = io, .expected = bytes};
     char temporary[PATH_SIZE], final[PATH_SIZE], hex[65];
     bool is_new;
-    int r;
+    int r, closed;
 
     place(landing, path, ".tmp", temporary);
     place(landing, path, "", final);
@@ -141,7 +141,15 @@ static int try_once(struct landing *landing, const char *path, int64_t bytes, co
         r = fetch(landing, &c, path, sha256, err);
     if (c.ours < 0)
         r = own(ret, c.ours, temporary, "cannot be written or read", err);
-    (void)io->ops->close(io, c.file);
+    /* Of these the name alone is believed later: nothing may be behind it that is not on the disk. */
+    if (r == 0 && trust == LANDING_SIZE) {
+        r = io->ops->sync(io, c.file, true);
+        if (r < 0)
+            r = own(ret, r, temporary, "cannot be synced", err);
+    }
+    closed = io->ops->close(io, c.file);
+    if (r == 0 && closed < 0)
+        r = own(ret, closed, temporary, "cannot be closed", err);
     ttf_sha256_hex(&c.hash, hex);
     if (r == 0 && (strcmp(hex, sha256) != 0 || (bytes >= 0 && c.bytes != bytes)))
         r = -TTF_EDAMAGED;
@@ -204,16 +212,16 @@ bool landing_is_image(const char *path)
 }
 
 static int come(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
-                struct landed *ret, struct ttf_err *err)
+                enum landing_trust trust, struct landed *ret, struct ttf_err *err)
 {
     int r = make_folder(landing, path, err);
 
     ret->ours = r < 0;
     if (r == 0)
-        r = try_once(landing, path, bytes, sha256, ret, err);
+        r = try_once(landing, path, bytes, sha256, trust, ret, err);
     if (r == -TTF_EDAMAGED) { /* the wire, or a temporary file of another time */
         memset(err, 0, sizeof *err);
-        r = try_once(landing, path, bytes, sha256, ret, err);
+        r = try_once(landing, path, bytes, sha256, trust, ret, err);
     }
     return r;
 }
@@ -230,7 +238,7 @@ int landing_ensure(struct landing *landing, const char *path, int64_t bytes, con
     ret->unsettled = r == 0 || trust == LANDING_HASH;
     if (r > 0)
         return 0;
-    r = come(landing, path, bytes, sha256, ret, err);
+    r = come(landing, path, bytes, sha256, trust, ret, err);
     ret->came = r == 0;
     return r;
 }

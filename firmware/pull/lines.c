@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "ttf/dataset/hash.h"
 #include "ttf/dataset/json_parse.h"
@@ -46,9 +47,10 @@ static void fail_at(struct lines *l, const struct lines_batch *b, unsigned i)
     crew_drop(l->crew);
 }
 
+/* What this machine's disk says is not hidden behind a wire that broke before: that one is tried again, as if nothing were. */
 static void set_failed(struct lines *l, int r, const struct ttf_err *why)
 {
-    if (r < 0 && l->failed == 0) {
+    if (r < 0 && (l->failed == 0 || pull_wire_may_pass(l->failed))) {
         l->failed = r;
         l->why = *why;
     }
@@ -130,12 +132,12 @@ static bool is_skipped(const struct lines *l, const char *path)
     return false;
 }
 
-/* Two at one file at once would spoil it. */
+/* Two at one file at once would spoil it; on some file systems names that differ by case alone are one. */
 static void wait_for_same(struct lines *l, const char *path)
 {
     for (unsigned k = 0; k < 2; k++)
         for (unsigned i = 0; i < l->batch[k].n; i++)
-            if (strcmp(l->batch[k].errands[i].path, path) == 0)
+            if (strcasecmp(l->batch[k].errands[i].path, path) == 0)
                 crew_wait(l->crew, &l->batch[k].errands[i]);
 }
 

@@ -51,10 +51,20 @@ static void tell(void *ctx, int64_t slots, const char *text)
 
 /* ---- records ---- */
 
+/* Of two errors the one that is told: what this machine's disk says, before a wire that may come back. *err is r's. */
+static int graver(int r, int last, const struct ttf_err *why_last, struct ttf_err *err)
+{
+    if (last >= 0 || (r < 0 && !pull_wire_may_pass(r)))
+        return r;
+    if (err)
+        *err = *why_last;
+    return last;
+}
+
 /* What the box has beyond what is here. */
 static int pull_records(struct one *one, struct ttf_err *err)
 {
-    struct ttf_err ignored = {0};
+    struct ttf_err own = {0};
     const char *line;
     size_t n;
     int r, last;
@@ -65,8 +75,8 @@ static int pull_records(struct one *one, struct ttf_err *err)
         if (r < 0)
             break;
     }
-    last = lines_finish(&one->lines, r < 0 ? &ignored : err); /* what came stays */
-    return r < 0 ? r : last;
+    last = lines_finish(&one->lines, &own); /* what came stays */
+    return graver(r, last, &own, err);
 }
 
 /* grown_line_fn: what a line names that is here already. */
@@ -124,12 +134,12 @@ static int open_records(struct one *one, const struct seal_state *state, struct 
     if (r == 0 && !state->here)
         r = come_to_terms(one, state, err);
     if (r == 0) {
-        struct ttf_err ignored = {0};
+        struct ttf_err own = {0};
         int last;
 
         r = grown_each(&one->records, 0, check_line, one, err);
-        last = lines_finish(&one->lines, r < 0 ? &ignored : err);
-        r = r < 0 ? r : last;
+        last = lines_finish(&one->lines, &own);
+        r = graver(r, last, &own, err);
     }
     return r;
 }

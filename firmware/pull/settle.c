@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "landing.h"
+
 #define PATH_SIZE   4600
 #define STACK_BYTES ((size_t)256 << 10)
 #define HELPERS     15 /* threads that sync beside whoever settles */
@@ -25,14 +27,32 @@ static int sync_file(struct settling *settling, const char *path)
     return r;
 }
 
-static int sync_folder(struct settling *settling, const char *path)
+/* The folder that a file lies in, and those above: another hand may have made one of them a moment ago, or a pull that was killed. */
+static int sync_folders(struct settling *settling, const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    char whole[PATH_SIZE];
+    size_t above = strlen(settling->folder);
+    char whole[PATH_SIZE], *slash;
+    int r = 0;
 
-    (void)snprintf(whole, sizeof whole, "%s%s%.*s", settling->folder, slash ? "/" : "",
-                   slash ? (int)(slash - path) : 0, path);
-    return settling->io->ops->sync_dir(settling->io, whole);
+    (void)snprintf(whole, sizeof whole, "%s/%s", settling->folder, path);
+    while (r == 0 && (slash = strrchr(whole + above, '/'))) {
+        *slash = '\0';
+        r = settling->io->ops->sync_dir(settling->io, whole);
+    }
+    return r;
+}
+
+/* What a sync that failed leaves may be on the disk or not, and the next sync would not say so again: it is to come anew. */
+static void take_away(struct settling *settling)
+{
+    char final[PATH_SIZE];
+
+    for (unsigned i = 0; i < settling->n; i++) {
+        if (!landing_is_image(settling->paths[i]))
+            continue; /* dataset.json: without it the folder is none */
+        (void)snprintf(final, sizeof final, "%s/%s", settling->folder, settling->paths[i]);
+        (void)settling->io->ops->unlink(settling->io, final);
+    }
 }
 
 /* Does an earlier one of the batch lie in the same folder? */
@@ -105,7 +125,9 @@ int settle_all(struct settling *settling, struct ttf_err *err)
         r = sync_files(settling);
     for (unsigned i = 0; r == 0 && i < settling->n; i++)
         if (!same_folder(settling, i))
-            r = sync_folder(settling, settling->paths[i]);
+            r = sync_folders(settling, settling->paths[i]);
+    if (r < 0)
+        take_away(settling);
     settling->failed = r;
     settling->n = 0;
     if (r < 0)

@@ -61,7 +61,7 @@ export function texture(parent, name) {
         width: size.width, height: size.height, black: 0, white: 1, slots: got.map((f) => f.slot), times_s: got.map((f) => f.time_s) }, 0, () => {});
       for (const [k, f] of got.entries())
         await panel.surface.load(k, f.blob);
-      panel.surface.loaded();
+      panel.loaded();
       time.max = got.length - 1;
       tools.hidden = false;
       shape.parentElement.hidden = !panel.surface.shapes.includes("sphere");

@@ -7,7 +7,7 @@
 
 const char *ttf_trust_name(enum ttf_trust trust)
 {
-    static const char *const names[TTF_TRUST_COUNT] = {"none", "rtc", "ntp", "host"};
+    static const char *const names[TTF_TRUST_COUNT] = {"none", "host", "rtc", "ntp"};
 
     return (unsigned)trust < TTF_TRUST_COUNT ? names[trust] : "none";
 }

@@ -172,6 +172,8 @@ async function the_dataset_is_scrubbed_and_charted() {
   await page.getByLabel("y", { exact: true }).fill("5");
   await page.keyboard.press("Enter");
   await page.getByText("Pixel 3, 5 over").waitFor();
+  const life = await page.locator("figure", { hasText: "Pixel 3, 5 over" }).locator("tbody tr").evaluateAll((rows) => rows.map((row) => Number(row.cells[2].textContent)));
+  assert.ok(life.length > 2 && life.every((green) => green > 0), `chosen while pictures come, none of them is shown as black: ${life}`);
   await browser.everywhere("dataset", shots);
 }
 

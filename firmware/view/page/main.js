@@ -49,7 +49,7 @@
         await new Promise((go) => setTimeout(go));
       }
     }
-    panel.surface.loaded();
+    panel.loaded();
   }
 
   /* Each moment at which some panel has a frame. */

@@ -99,6 +99,14 @@
       this.redraw();
     }
 
+    /* All frames are there: what was chosen before is looked up now. Until then a life would show what is missing as black. */
+    loaded() {
+      this.surface.loaded();
+      this.whole = true;
+      if (this.view.mark)
+        this.place(this.view.mark.x, this.view.mark.y);
+    }
+
     say() {
       const { view, codes } = this;
       if (!view.mark || !codes)
@@ -115,6 +123,8 @@
       this.x.value = x;
       this.y.value = y;
       this.redraw();
+      if (!this.whole)
+        return;
       const codes = await this.surface.life(x, y);
       if (view.mark.x !== x || view.mark.y !== y)
         return;

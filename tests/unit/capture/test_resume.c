@@ -54,6 +54,23 @@ static void a_new_run_begins_as_soon_as_it_is_ready(void **state)
     assert_false(r.continued);
 }
 
+static void a_pcs_word_alone_gives_up_no_run(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in = boot(&done, UTC0 + 365 * TTF_NS_PER_DAY, TTF_TRUST_HOST);
+    struct ttf_resume r;
+
+    (void)state;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_true(r.clock_implausible);
+    assert_int_equal(r.lost_until, r.grid.first_index); /* nothing is lost to a PC's calendar */
+    assert_int_equal(r.gap_ns, TTF_NS_UNKNOWN);
+    in.utc.trust = TTF_TRUST_NTP; /* a synchronised clock is believed */
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_false(r.clock_implausible);
+    assert_int_equal(r.lost_until, in.count);
+}
+
 static void a_start_time_lies_where_utc_says(void **state)
 {
     struct ttf_writer_state none = {0};
@@ -216,6 +233,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_new_run_begins_as_soon_as_it_is_ready),
+        cmocka_unit_test(a_pcs_word_alone_gives_up_no_run),
         cmocka_unit_test(a_start_time_lies_where_utc_says),
         cmocka_unit_test(a_start_time_needs_a_clock_somebody_vouches_for),
         cmocka_unit_test(a_trusted_clock_rejoins_the_grid_and_names_the_outage),

@@ -67,6 +67,46 @@ static void the_configuration_s_run_begins_by_itself(void **state)
     expect(*state, "", "", ORDER_NONE, "");
 }
 
+static void what_the_configuration_names_runs_once_a_boot(void **state)
+{
+    struct orders *orders = NULL;
+    struct ttf_err err = {0};
+    struct order order = boot(*state, "grass", CONFIGURATION, &orders);
+    int64_t generation = order.generation;
+
+    order_free(&order);
+    assert_int_equal(orders_take(orders, &order, &err), 0);
+    assert_int_equal(order.state, ORDER_RUN);
+    assert_int_equal(orders_ended(orders, generation, ORDER_DONE, &err), 0);
+    for (int look = 0; look < 2; look++) { /* there is still no file: that says nothing new */
+        assert_false(orders_read_again(orders));
+        order_free(&order);
+        assert_int_equal(orders_take(orders, &order, &err), 0);
+        assert_int_equal(order.state, ORDER_DONE);
+    }
+    order_free(&order);
+    orders_destroy(orders);
+    expect(*state, "grass", CONFIGURATION, ORDER_RUN,
+           "grass"); /* the next boot looks whether the plan became longer */
+}
+
+static void a_power_cut_behind_putting_aside_begins_nothing(void **state)
+{
+    char path[600], aside[640];
+    FILE *out;
+
+    (void)snprintf(path, sizeof path, "%s/run.json", (const char *)*state);
+    (void)snprintf(aside, sizeof aside, "%s.unreadable", path);
+    out = fopen(aside, "w");
+    if (!out)
+        fail_msg("no file");
+    else
+        assert_int_equal(fclose(out), 0);
+    expect(*state, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
+    expect(*state, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
+    assert_int_equal(unlink(aside), 0);
+}
+
 static void a_run_that_was_asked_for_is_gone_on_with_as_it_was(void **state)
 {
     struct orders *orders = NULL;
@@ -348,6 +388,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         WITH_FOLDER(the_configuration_s_run_begins_by_itself),
+        WITH_FOLDER(what_the_configuration_names_runs_once_a_boot),
+        WITH_FOLDER(a_power_cut_behind_putting_aside_begins_nothing),
         WITH_FOLDER(a_run_that_was_asked_for_is_gone_on_with_as_it_was),
         WITH_FOLDER(a_stop_holds_over_boots_until_it_is_taken_back),
         WITH_FOLDER(a_stop_does_not_keep_back_another_configuration),

@@ -24,16 +24,16 @@
 struct ttf_clock;
 struct ttf_gate;
 
-/* Why the wall clock may be believed. Stored in a dataset's segments by these names. */
+/* Why the wall clock may be believed, the less believable first. Stored in a dataset's segments by these names. */
 enum ttf_trust {
     TTF_TRUST_NONE = 0, /* nobody vouches for it: a board without RTC after a power cut */
+    TTF_TRUST_HOST,     /* a PC's word */
     TTF_TRUST_RTC,      /* a battery-backed clock that passed its plausibility check */
     TTF_TRUST_NTP,      /* synchronised */
-    TTF_TRUST_HOST,     /* given by the PC over USB */
     TTF_TRUST_COUNT
 };
 
-/* "none", "rtc", "ntp", "host". */
+/* "none", "host", "rtc", "ntp". */
 const char *ttf_trust_name(enum ttf_trust trust);
 
 /* UTC at one instant of the boot clock. */
