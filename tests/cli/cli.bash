@@ -9,7 +9,9 @@ PLANS=$SOURCE/boards/sim/plans
 DATA=${TTFBOX_TEST_DATA:-$SOURCE/../shared/data}
 
 WORK=$(mktemp -d "${TMPDIR:-/tmp}/ttfbox-cli.XXXXXX")
-trap 'rm -rf "$WORK"' EXIT
+# What still runs in the background is ended, too: a test that failed would be waited for.
+# shellcheck disable=SC2046 # one word a process
+trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$WORK"' EXIT
 cd "$WORK" || exit 1
 
 fail() {

@@ -200,7 +200,8 @@ drop
 # --- bits that turn over on the way
 background "$PYTHON" "$HERE/bad_wire.py" "${BOX#http://}" "$SEED" flip
 for ((i = 0; i < 50; i++)); do
-    "$TTFBOX" pull flipped --box "http://$WHERE" >out 2>err && break
+    # A summary has no hash of its own: one whose "sealed" was turned over is believed, and says so.
+    "$TTFBOX" pull flipped --box "http://$WHERE" >out 2>err && grep -q "1 of them sealed" out && break
     for f in flipped/grass/frames/main/*.tif flipped/grass/raw/main/*.dng; do
         [ ! -e "$f" ] || cmp -s "$f" "whole/${f#flipped/grass/}" || fail "$f came with a wrong bit (seed $SEED)"
     done
