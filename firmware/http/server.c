@@ -54,11 +54,10 @@ static int copy_texts(struct ttf_http_server *server, const struct ttf_http_conf
     return 0;
 }
 
-/* An order may wait for devices, or look at a long dataset: two such leave room for a stop. */
 static int make_lanes(struct calls *calls, struct ttf_err *err)
 {
     static const unsigned N_THREADS[TTF_HTTP_LANES] = {
-        [TTF_HTTP_ORDERS] = 4, [TTF_HTTP_WORK] = 2, [TTF_HTTP_PICTURES] = 2};
+        [TTF_HTTP_STOPS] = 1, [TTF_HTTP_ORDERS] = 4, [TTF_HTTP_WORK] = 2, [TTF_HTTP_PICTURES] = 2};
     int r = 0;
 
     for (int i = TTF_HTTP_AT_ONCE + 1; i < TTF_HTTP_LANES && r == 0; i++)

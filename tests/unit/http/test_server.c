@@ -25,6 +25,7 @@
 #define TOKEN     "0123456789abcdef0123"
 #define PATIENCE  10 /* seconds that a test waits for what must come; libmicrohttpd's own are 30 */
 #define PICTURES  6
+#define ORDERS    8
 #define NOTES     ((size_t)16 << 20)
 #define LEFT      ((off_t)1 << 20)
 #define SMALL_BUF 65536
@@ -79,6 +80,17 @@ static int box_ask(struct ttf_http_box *base, const struct ttf_http_ask *ask, ch
     return *ret_json ? 0 : -ENOMEM;
 }
 
+/* Checked against devices that do not answer yet. */
+static int box_start(struct ttf_http_box *base, const char *plan, const char *dataset,
+                     char **ret_json, struct ttf_err *err)
+{
+    size_t bytes;
+
+    (void)plan;
+    (void)dataset;
+    return box_live(base, NULL, (void **)ret_json, &bytes, err);
+}
+
 static int box_check(struct ttf_http_box *base, const char *yaml, size_t bytes, char **ret_json,
                      struct ttf_err *err)
 {
@@ -91,7 +103,7 @@ static int box_check(struct ttf_http_box *base, const char *yaml, size_t bytes, 
 }
 
 static const struct ttf_http_box_ops BOX_OPS = {
-    .name = "test", .live = box_live, .ask = box_ask, .plan_check = box_check};
+    .name = "test", .live = box_live, .ask = box_ask, .start = box_start, .plan_check = box_check};
 
 struct fixture {
     struct hand_clock clock;
@@ -231,6 +243,38 @@ static void a_stop_passes_pictures_that_are_waited_for(void **state)
     end(&f);
 }
 
+static void a_stop_passes_whatever_other_orders_wait(void **state)
+{
+    static const char BODY[] = "{\"plan\":\"week\"}";
+    struct fixture f;
+    char headers[100];
+    int starts[ORDERS], fd;
+
+    (void)state;
+    begin(&f);
+    (void)snprintf(headers, sizeof headers,
+                   "Content-Type: application/json\r\nContent-Length: %zu\r\n", sizeof BODY - 1);
+    for (int i = 0; i < ORDERS; i++) {
+        starts[i] = dial(&f);
+        ask(starts[i], "POST /api/v1/run", headers);
+        say(starts[i], BODY);
+    }
+    (void)pthread_mutex_lock(&f.box.lock);
+    while (f.box.waiting < 4) /* all that take orders do so, and others wait for them */
+        (void)pthread_cond_wait(&f.box.changed, &f.box.lock);
+    (void)pthread_mutex_unlock(&f.box.lock);
+    fd = dial(&f);
+    ask(fd, "POST /api/v1/run/stop", "Content-Length: 0\r\n");
+    assert_int_equal(status_of(fd), 202);
+    (void)close(fd);
+    let(&f);
+    for (int i = 0; i < ORDERS; i++) {
+        assert_int_equal(status_of(starts[i]), 202);
+        (void)close(starts[i]);
+    }
+    end(&f);
+}
+
 /* Until nobody listens at its port: connections are taken and dropped until the socket is closed. */
 static bool is_closed(struct fixture *f)
 {
@@ -327,6 +371,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         IN_SCRATCH(a_stop_passes_pictures_that_are_waited_for),
+        IN_SCRATCH(a_stop_passes_whatever_other_orders_wait),
         IN_SCRATCH(a_socket_that_is_left_answers_what_it_began_and_takes_nothing_new),
         IN_SCRATCH(a_body_that_dribbles_in_is_given_up),
         IN_SCRATCH(a_file_that_loses_its_end_while_it_is_sent_ends_the_connection),
