@@ -93,12 +93,17 @@ static int check_config_plan(struct daemon *d, struct ttf_err *err)
     return r;
 }
 
-/* A token that somebody has written and that would not do. One that is not there is made; one that is another user's is not ours to look at. */
+/* A token that somebody has written and that would not do. One that is not there is made, and so is an empty one where the
+ * daemon makes it; one that is another user's is not ours to look at. */
 static int check_token(struct daemon *d, struct ttf_err *err)
 {
     struct ttf_err why = {0};
-    int r = ttf_http_token_read(d->config.token_file, d->token, &why);
+    size_t n = strlen(d->config.state);
+    int r;
 
+    if (strncmp(d->config.token_file, d->config.state, n) == 0 && d->config.token_file[n] == '/')
+        return 0;
+    r = ttf_http_token_read(d->config.token_file, d->token, &why);
     if (r == 0 || r == -ENOENT || r == -EACCES)
         return 0;
     *err = why;
