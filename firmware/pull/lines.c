@@ -42,7 +42,7 @@ static void fail_at(struct lines *l, const struct lines_batch *b, unsigned i)
     l->failed = e->r;
     l->why = e->why;
     l->result->slots = b->slots_at[i];
-    if (pull_wire_may_pass(e->r))
+    if (pull_wire_may_pass(e->r) && e->r != -EAGAIN) /* a box that is busy says nothing of a file */
         (void)snprintf(l->result->stuck, sizeof l->result->stuck, "%s", e->path);
     crew_drop(l->crew);
 }
