@@ -148,7 +148,11 @@ static int run(const char *file, bool check, struct ttf_err *err)
 
     if (r == 0 && !check) {
         a->clock = ttf_clock_real_create();
-        r = a->clock && curl_global_init(CURL_GLOBAL_DEFAULT) == CURLE_OK ? begin(a, err) : -ENOMEM;
+        r = a->clock ? 0 : ttf_err_set(err, -errno, "clock", "the machine's clock cannot be had");
+        if (r == 0 && curl_global_init(CURL_GLOBAL_DEFAULT) != CURLE_OK)
+            r = ttf_err_set(err, -ENOMEM, "alerts", "no memory to ask other machines");
+        if (r == 0)
+            r = begin(a, err);
         if (r == 0) {
             log_line(LOG_LEVEL_NOTICE, "started", "version=%s hooks=%u parts=%u heartbeat=%s",
                      TTFBOX_VERSION, a->config.n_hooks, a->config.n_parts,

@@ -211,12 +211,14 @@ int daemon_run(const struct daemon_options *options, struct ttf_err *err)
     d->options = options;
     d->lock.fd = -1;
     (void)pthread_mutex_init(&d->plans, NULL);
+    (void)pthread_mutex_init(&d->starting, NULL);
     r = begin(d, err);
     free_parts(d);
     box_lock_drop(&d->lock);
     ttf_clock_destroy(d->clock);
     ttf_host_time_destroy(d->host_time);
     (void)pthread_mutex_destroy(&d->plans);
+    (void)pthread_mutex_destroy(&d->starting);
     free(d);
     return r;
 }

@@ -148,31 +148,44 @@ static int go_on(struct daemon *d, char **ret_json, struct ttf_err *err)
     return r;
 }
 
-static int door_start(struct ttf_http_box *box, const char *plan, const char *dataset,
-                      char **ret_json, struct ttf_err *err)
+static int start(struct daemon *d, const char *plan, const char *dataset, char **ret_json,
+                 struct ttf_err *err)
 {
-    struct daemon *d = of(box);
     char *yaml = NULL, *json = NULL;
     bool ok = false;
     int r;
 
-    if (!*plan && !*dataset)
-        return go_on(d, ret_json, err);
-    if (!*plan)
-        return ttf_err_set(err, -EINVAL, "plan", "is missing");
     r = library_plan(d, plan, &yaml, err);
     if (r == 0)
         r = check_plan(d, plan, yaml, strlen(yaml), &json, &ok, err);
     if (r == 0 && !ok)
         r = err->code = -EINVAL;
     if (r == 0)
-        r = library_may_start(d, *dataset ? dataset : plan, yaml, err);
+        r = library_may_start(d, dataset, yaml, err);
     if (r == 0)
-        r = orders_start(d->orders, plan, yaml, *dataset ? dataset : plan, err);
+        r = orders_start(d->orders, plan, yaml, dataset, err);
     if (r == 0)
-        r = started(d, *dataset ? dataset : plan, ret_json, err);
+        r = started(d, dataset, ret_json, err);
     free(yaml);
     free(json);
+    return r;
+}
+
+/* Checking may take as long as a camera does to answer: who comes meanwhile is told so, and keeps nobody's place. */
+static int door_start(struct ttf_http_box *box, const char *plan, const char *dataset,
+                      char **ret_json, struct ttf_err *err)
+{
+    struct daemon *d = of(box);
+    int r;
+
+    if (!*plan && !*dataset)
+        return go_on(d, ret_json, err);
+    if (!*plan)
+        return ttf_err_set(err, -EINVAL, "plan", "is missing");
+    if (pthread_mutex_trylock(&d->starting) != 0)
+        return ttf_err_set(err, -EBUSY, NULL, "another run is just being started");
+    r = start(d, plan, *dataset ? dataset : plan, ret_json, err);
+    (void)pthread_mutex_unlock(&d->starting);
     return r;
 }
 

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -15,12 +14,14 @@
 #include "follow.h"
 #include "log.h"
 #include "preview_watch.h"
-#include "ttf/http/listen.h"
+#include "sockets.h"
 #include "ttf/http/server.h"
 #include "ttf/http/token.h"
 
-#define LOOK_NS    (50 * TTF_NS_PER_MS)
-#define AGAIN_NS   (5 * TTF_NS_PER_S)  /* until a socket is tried again */
+#define LOOK_NS (50 * TTF_NS_PER_MS)
+#define AGAIN_NS \
+    (5 * TTF_NS_PER_S)          /* until the disk is asked again for what it did not give or take */
+#define LISTEN_NS  TTF_NS_PER_S /* until it is looked again what is to be listened on */
 #define TICK_NS    (10 * TTF_NS_PER_S) /* that listeners hear something */
 #define PREVIEW_NS (2 * TTF_NS_PER_S)  /* until the preview's state is looked at again */
 #define NICE       5                   /* behind everything that a slot waits for */
@@ -34,22 +35,12 @@ struct keeper {
     struct follow follow;
     struct preview_watch preview;
     struct ttf_http_server *server;
-    bool listening[TTF_DAEMON_LISTEN_MAX], complained[TTF_DAEMON_LISTEN_MAX];
-    bool complained_of_server;
-    int64_t again_ns, save_ns, tick_ns, preview_ns;
+    struct sockets sockets;
+    bool complained; /* that there is no server */
+    int64_t again_ns, look_ns, save_ns, tick_ns, preview_ns, follow_ns;
 };
 
 /* ---- sockets ---- */
-
-static void complain(bool *said, const char *where, const struct ttf_err *err)
-{
-    char text[900], quoted[1000];
-
-    if (!*said)
-        log_line(LOG_LEVEL_WARNING, "unreachable", "at=\"%s\" why=%s", where,
-                 log_text(ttf_err_text(err, text, sizeof text), quoted, sizeof quoted));
-    *said = true;
-}
 
 static int make_server(struct keeper *k, struct ttf_err *err)
 {
@@ -84,40 +75,31 @@ static int make_server(struct keeper *k, struct ttf_err *err)
     return ttf_http_server_create(&config, &k->server, err);
 }
 
-static void listen_at(struct keeper *k, unsigned i)
+static void make_server_some_time(struct keeper *k, int64_t now_ns)
 {
-    const char *where = k->d->config.listen[i];
-    struct ttf_http_socket socket;
+    char text[900], quoted[1000];
     struct ttf_err err = {0};
-    int r = ttf_http_listen(where, true, &socket, &err);
 
-    if (r == 0) /* the cable alone needs no token */
-        r = ttf_http_server_listen(k->server, socket.fd, strncmp(where, "unix:", 5) == 0, &err);
-    /* The folder that it lies in says who reaches it: /run/ttfbox is the group's. */
-    if (r == 0 && strncmp(where, "unix:", 5) == 0)
-        (void)chmod(where + 5, 0660);
-    if (r < 0) {
-        complain(&k->complained[i], where, &err);
+    if (now_ns < k->again_ns)
         return;
-    }
-    k->listening[i] = true;
-    log_line(LOG_LEVEL_NOTICE, "listening", "at=\"%s\"", socket.name);
+    k->again_ns = now_ns + AGAIN_NS;
+    if (make_server(k, &err) == 0)
+        return;
+    if (!k->complained)
+        log_line(LOG_LEVEL_WARNING, "unreachable", "at=\"%s\" why=%s", k->d->config.data,
+                 log_text(ttf_err_text(&err, text, sizeof text), quoted, sizeof quoted));
+    k->complained = true;
 }
 
 static void open_sockets(struct keeper *k, int64_t now_ns)
 {
-    struct ttf_err err = {0};
-
-    if (k->d->config.n_listen == 0 || now_ns < k->again_ns)
+    if (k->d->config.n_listen == 0 || now_ns < k->look_ns)
         return;
-    k->again_ns = now_ns + AGAIN_NS;
-    if (!k->server && make_server(k, &err) < 0) {
-        complain(&k->complained_of_server, k->d->config.data, &err);
-        return;
-    }
-    for (unsigned i = 0; i < k->d->config.n_listen; i++)
-        if (!k->listening[i])
-            listen_at(k, i);
+    k->look_ns = now_ns + LISTEN_NS;
+    if (!k->server)
+        make_server_some_time(k, now_ns);
+    if (k->server)
+        sockets_look(&k->sockets, k->server);
 }
 
 /* What was decided and the disk did not take, until it does; and what it did not give. */
@@ -224,6 +206,17 @@ static void tell_answers(struct daemon *d)
     }
 }
 
+/* Whatever becomes of it is told by a letter; but its disk may come late, and nobody says so. */
+static void follow_records(struct keeper *k, int64_t now_ns)
+{
+    bool late = k->follow.missing && now_ns >= k->follow_ns;
+
+    if (!late && !follow_elsewhere(&k->follow, k->d))
+        return;
+    k->follow_ns = now_ns + AGAIN_NS;
+    follow_read(&k->follow, k->d);
+}
+
 static void *keep(void *ctx)
 {
     struct keeper *k = ctx;
@@ -238,8 +231,7 @@ static void *keep(void *ctx)
 
         open_sockets(k, now_ns);
         keep_orders(k, now_ns);
-        if (follow_elsewhere(&k->follow, k->d))
-            follow_read(&k->follow, k->d);
+        follow_records(k, now_ns);
         empty_mailbox(k);
         tell_answers(k->d);
         if (now_ns >= k->preview_ns) {
@@ -263,6 +255,7 @@ int keeper_start(struct daemon *d, struct keeper **ret, struct ttf_err *err)
     if (!k)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     k->d = d;
+    sockets_init(&k->sockets, &d->config, ttf_http_address_of, NULL);
     r = -pthread_create(&k->thread, NULL, keep, k);
     if (r < 0) {
         free(k);

@@ -48,6 +48,8 @@ struct daemon {
         view_stop; /* atomically: not 0: a run wants the devices, no picture does any more */
 
     pthread_mutex_t plans; /* over their files: one change at a time */
+    pthread_mutex_t
+        starting; /* held while a start is checked: one at a time, nobody waits for it */
 
     /* of all threads; each has its own lock, or needs none */
     struct ttf_gate *wake; /* the owner's */

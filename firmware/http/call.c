@@ -18,6 +18,7 @@
 #define BODY_NS (60 * TTF_NS_PER_S)
 
 struct call {
+    struct call_socket *socket; /* that it came by; told when it has slept */
     struct ttf_http_match match;
     struct ttf_http_request request;
     struct ttf_http_answer answer;
@@ -200,12 +201,14 @@ static enum MHD_Result refuse(struct MHD_Connection *connection, const char *url
     return answer_error(connection, methods, err);
 }
 
-static struct call *begin(const struct calls *calls, struct MHD_Connection *connection)
+static struct call *begin(struct call_socket *socket, struct MHD_Connection *connection)
 {
+    const struct calls *calls = socket->calls;
     struct call *call = calloc(1, sizeof *call);
 
     if (!call)
         return NULL;
+    call->socket = socket;
     answer_init(&call->answer);
     call->request = (struct ttf_http_request){.folder = &calls->folder,
                                               .io = calls->io,
@@ -213,6 +216,7 @@ static struct call *begin(const struct calls *calls, struct MHD_Connection *conn
                                               .derived = calls->derived,
                                               .box = calls->box,
                                               .events = calls->events,
+                                              .leaving = &socket->leaving,
                                               .match = &call->match,
                                               .connection = connection,
                                               .token = calls->token,
@@ -221,11 +225,10 @@ static struct call *begin(const struct calls *calls, struct MHD_Connection *conn
 }
 
 /* The headers are there. */
-static enum MHD_Result on_headers(const struct call_socket *socket,
-                                  struct MHD_Connection *connection, const char *url,
-                                  const char *method, void **of_request)
+static enum MHD_Result on_headers(struct call_socket *socket, struct MHD_Connection *connection,
+                                  const char *url, const char *method, void **of_request)
 {
-    struct call *call = begin(socket->calls, connection);
+    struct call *call = begin(socket, connection);
     struct ttf_err err = {0};
     int64_t expected = body_expected(connection, &err);
 
@@ -294,21 +297,42 @@ static void handle(struct call *call)
     call->ran = true;
 }
 
-void call_run(struct call *call)
-{
-    struct MHD_Connection *connection = call->request.connection;
+/* ---- what takes more than a moment ---- */
 
-    handle(call);
-    MHD_resume_connection(connection); /* from here on the call is the connection's again */
+/* Where a socket is being left none may: said before it is asked, so that one of the two sees the other. */
+static bool fall_asleep(struct call *call)
+{
+    struct call_socket *socket = call->socket;
+
+    (void)__atomic_add_fetch(&socket->asleep, 1, __ATOMIC_SEQ_CST);
+    if (!__atomic_load_n(&socket->leaving, __ATOMIC_SEQ_CST)) {
+        MHD_suspend_connection(call->request.connection);
+        return true;
+    }
+    (void)__atomic_sub_fetch(&socket->asleep, 1, __ATOMIC_SEQ_CST);
+    return false;
 }
 
-void call_cancel(struct call *call)
+static void wake(struct call *call)
 {
-    struct MHD_Connection *connection = call->request.connection;
+    struct call_socket *socket = call->socket;
 
-    call->r = ttf_err_set(&call->request.err, -EAGAIN, NULL, "this server is about to end");
+    MHD_resume_connection(
+        call->request.connection); /* from here on the call is the connection's again */
+    (void)__atomic_sub_fetch(&socket->asleep, 1, __ATOMIC_SEQ_CST);
+}
+
+void call_run(struct call *call)
+{
+    handle(call);
+    wake(call);
+}
+
+void call_cancel(struct call *call, const char *why)
+{
+    call->r = ttf_err_set(&call->request.err, -EAGAIN, NULL, "%s", why);
     call->ran = true;
-    MHD_resume_connection(connection);
+    wake(call);
 }
 
 static enum MHD_Result send_it(struct call *call, struct MHD_Connection *connection,
@@ -323,7 +347,7 @@ static enum MHD_Result send_it(struct call *call, struct MHD_Connection *connect
 }
 
 /* The whole request is there. */
-static enum MHD_Result on_whole(const struct call_socket *socket, struct call *call,
+static enum MHD_Result on_whole(struct call_socket *socket, struct call *call,
                                 struct MHD_Connection *connection, const char *url,
                                 const char *method)
 {
@@ -341,10 +365,22 @@ static enum MHD_Result on_whole(const struct call_socket *socket, struct call *c
         handle(call);
         return send_it(call, connection, socket->calls, method);
     }
-    MHD_suspend_connection(connection);
+    if (!fall_asleep(call)) {
+        ttf_err_set(&err, -EAGAIN, NULL, "this address is about to be left");
+        return refuse(connection, url, &err);
+    }
     if (slow_put(socket->calls->lanes[call->match.route->lane], call) < 0)
-        call_cancel(call);
+        call_cancel(call, "too much is asked at once, or this server is about to end");
     return MHD_YES;
+}
+
+enum MHD_Result call_admit(void *ctx, const struct sockaddr *address, socklen_t size)
+{
+    struct call_socket *socket = ctx;
+
+    (void)address;
+    (void)size;
+    return __atomic_load_n(&socket->leaving, __ATOMIC_SEQ_CST) ? MHD_NO : MHD_YES;
 }
 
 enum MHD_Result call_on(void *ctx, struct MHD_Connection *connection, const char *url,
@@ -352,7 +388,7 @@ enum MHD_Result call_on(void *ctx, struct MHD_Connection *connection, const char
                         /* NOLINTNEXTLINE(readability-non-const-parameter): libmicrohttpd's */
                         size_t *data_bytes, void **of_request)
 {
-    const struct call_socket *socket = ctx;
+    struct call_socket *socket = ctx;
 
     (void)version;
     if (!*of_request)

@@ -29,19 +29,22 @@ struct calls {
 struct call_socket {
     const struct calls *calls;
     bool free_to_read;
+    int leaving; /* atomically: nothing new is taken here, and no connection falls asleep any more */
+    int asleep;  /* atomically: connections that sleep until a lane has answered them */
 };
 
 struct call;
 
 /* For libmicrohttpd; ctx is a struct call_socket. */
+enum MHD_Result call_admit(void *ctx, const struct sockaddr *address, socklen_t size);
 enum MHD_Result call_on(void *ctx, struct MHD_Connection *connection, const char *url,
                         const char *method, const char *version, const char *data,
                         size_t *data_bytes, void **of_request);
 void call_done(void *ctx, struct MHD_Connection *connection, void **of_request,
                enum MHD_RequestTerminationCode how);
 
-/* Runs a call's handler, and lets its connection go on; or, where nothing is answered any more, only the latter. */
+/* Runs a call's handler, and lets its connection go on; or, where it is not to be answered, only the latter, saying why. */
 void call_run(struct call *call);
-void call_cancel(struct call *call);
+void call_cancel(struct call *call, const char *why);
 
 #endif

@@ -23,9 +23,10 @@ struct event_listener {
     struct ttf_http_events *events;
     struct event_listener *next;
     struct MHD_Connection *connection;
-    uint64_t place;    /* the next event's number */
-    size_t sent;       /* bytes of it that are sent already */
-    const char *first; /* a text to be sent before, constant */
+    const int *leaving; /* atomically */
+    uint64_t place;     /* the next event's number */
+    size_t sent;        /* bytes of it that are sent already */
+    const char *first;  /* a text to be sent before, constant */
     size_t first_sent;
     bool asleep; /* its connection is suspended */
     bool heard;  /* something since the last tick */
@@ -161,6 +162,14 @@ void events_close(struct ttf_http_events *events)
     (void)pthread_mutex_unlock(&events->lock);
 }
 
+/* Each looks whether it is one of them: with the lock held, before it sleeps. */
+void events_leave(struct ttf_http_events *events)
+{
+    (void)pthread_mutex_lock(&events->lock);
+    wake_all(events);
+    (void)pthread_mutex_unlock(&events->lock);
+}
+
 void events_open(struct ttf_http_events *events)
 {
     (void)pthread_mutex_lock(&events->lock);
@@ -190,7 +199,7 @@ static bool find_place(const struct ttf_http_events *events, const char *last_id
     return true;
 }
 
-int listener_create(struct ttf_http_events *events, const char *last_id,
+int listener_create(struct ttf_http_events *events, const char *last_id, const int *leaving,
                     struct event_listener **ret, struct ttf_err *err)
 {
     struct event_listener *listener = calloc(1, sizeof *listener);
@@ -199,6 +208,7 @@ int listener_create(struct ttf_http_events *events, const char *last_id,
     if (!listener)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     listener->events = events;
+    listener->leaving = leaving;
     (void)pthread_mutex_lock(&events->lock);
     if (events->closed || events->n_listeners == TTF_HTTP_LISTENERS_MAX) {
         r = -EAGAIN;
@@ -300,7 +310,7 @@ ssize_t listener_read(void *ctx, uint64_t at, char *buf, size_t room)
 
     (void)at;
     (void)pthread_mutex_lock(&events->lock);
-    if (events->closed || !catch_up(l)) {
+    if (events->closed || __atomic_load_n(l->leaving, __ATOMIC_SEQ_CST) || !catch_up(l)) {
         n = MHD_CONTENT_READER_END_OF_STREAM;
     } else {
         n = (ssize_t)take(l, buf, room);
@@ -320,5 +330,5 @@ int events_answer(struct ttf_http_request *request, struct ttf_http_answer *ret)
         return ttf_err_set(&request->err, -ENODEV, NULL, "this server has no box");
     ret->type = "text/event-stream";
     return listener_create(request->events, request_header(request, "Last-Event-ID"),
-                           &ret->listener, &request->err);
+                           request->leaving, &ret->listener, &request->err);
 }

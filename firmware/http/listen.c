@@ -40,37 +40,72 @@ static bool is_interface(const char *name)
     return letter;
 }
 
-/* The address that an interface has now. -ENODEV: no such interface; -EADDRNOTAVAIL: it has none yet. */
-static int address_of(const char *interface, struct sockaddr_in *ret)
+int ttf_http_address_of(void *ctx, const char *interface, char ret[TTF_HTTP_ADDRESS_SIZE])
 {
     struct ifreq request = {.ifr_addr = {.sa_family = AF_INET}};
+    const struct sockaddr_in *has = (const void *)&request.ifr_addr;
     int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     int r;
 
+    (void)ctx;
     if (fd < 0)
         return -errno;
     memcpy(request.ifr_name, interface, strlen(interface) + 1);
     r = ioctl(fd, SIOCGIFADDR, &request) < 0 ? -errno : 0;
     (void)close(fd);
-    if (r == 0)
-        memcpy(&ret->sin_addr, &((struct sockaddr_in *)(void *)&request.ifr_addr)->sin_addr,
-               sizeof ret->sin_addr);
+    if (r == 0 && !inet_ntop(AF_INET, &has->sin_addr, ret, TTF_HTTP_ADDRESS_SIZE))
+        r = -errno;
     return r;
 }
 
-/* "1.2.3.4:80", "[::1]:80", "usb0:80". Its length, or negative: -EINVAL, or as address_of. */
+/* Behind the colon; -EINVAL. */
+static int read_port(const char *text)
+{
+    unsigned long port;
+    char *end;
+
+    if (*text < '0' || *text > '9')
+        return -EINVAL;
+    port = strtoul(text, &end, 10);
+    return *end || port > 65535 ? -EINVAL : (int)port;
+}
+
+/* "usb0:80" as "1.2.3.4:80"; any other text as it is. */
+static int where(const char *text, ttf_http_address_fn *address_of, void *ctx,
+                 char ret[TTF_HTTP_WHERE_SIZE])
+{
+    const char *colon = strrchr(text, ':');
+    size_t n = colon ? (size_t)(colon - text) : 0;
+    char name[IFNAMSIZ], address[TTF_HTTP_ADDRESS_SIZE];
+    int port, r;
+
+    if (strlen(text) >= TTF_HTTP_WHERE_SIZE)
+        return -EINVAL;
+    (void)snprintf(ret, TTF_HTTP_WHERE_SIZE, "%s", text);
+    if (n == 0 || n >= sizeof name || strncmp(text, "unix:", 5) == 0)
+        return 0;
+    memcpy(name, text, n);
+    name[n] = '\0';
+    if (!is_interface(name))
+        return 0;
+    port = read_port(colon + 1);
+    if (port < 0)
+        return port;
+    r = address_of(ctx, name, address);
+    if (r == 0)
+        (void)snprintf(ret, TTF_HTTP_WHERE_SIZE, "%s:%d", address, port);
+    return r;
+}
+
+/* "1.2.3.4:80", "[::1]:80". Its length, or -EINVAL. */
 static int read_address(const char *text, union address *ret, bool *ret_loopback)
 {
     char host[64];
     const char *colon = strrchr(text, ':');
     size_t n = colon ? (size_t)(colon - text) : 0;
-    char *end;
-    unsigned long port;
+    int port = colon ? read_port(colon + 1) : -EINVAL;
 
-    if (!colon || n == 0 || n >= sizeof host || colon[1] < '0' || colon[1] > '9')
-        return -EINVAL;
-    port = strtoul(colon + 1, &end, 10);
-    if (*end || port > 65535)
+    if (n == 0 || n >= sizeof host || port < 0)
         return -EINVAL;
     memcpy(host, text, n);
     host[n] = '\0';
@@ -85,14 +120,8 @@ static int read_address(const char *text, union address *ret, bool *ret_loopback
     }
     ret->v4.sin_family = AF_INET;
     ret->v4.sin_port = htons((uint16_t)port);
-    if (is_interface(host)) {
-        int r = address_of(host, &ret->v4);
-
-        if (r < 0)
-            return r;
-    } else if (inet_pton(AF_INET, host, &ret->v4.sin_addr) != 1) {
+    if (inet_pton(AF_INET, host, &ret->v4.sin_addr) != 1)
         return -EINVAL;
-    }
     *ret_loopback = (ntohl(ret->v4.sin_addr.s_addr) >> 24) == 127;
     return (int)sizeof ret->v4;
 }
@@ -193,30 +222,55 @@ static int open_unix(const char *path, bool group, struct ttf_http_socket *ret)
     return fd;
 }
 
+static int open_it(const char *text, bool group, struct ttf_http_socket *ret)
+{
+    char at[TTF_HTTP_WHERE_SIZE];
+    int r;
+
+    if (strncmp(text, "unix:", 5) == 0)
+        return open_unix(text + 5, group, ret);
+    r = where(text, ttf_http_address_of, NULL, at);
+    return r < 0 ? r : open_tcp(at, ret);
+}
+
+static int cannot(int r, const char *text, struct ttf_err *err)
+{
+    if (r == -EINVAL) {
+        ttf_err_set(err, r, text, "is no address to listen on");
+        ttf_err_hint(err, "write ADDRESS:PORT, as 127.0.0.1:8080 or [::1]:8080, INTERFACE:PORT, as "
+                          "usb0:8080, or unix:PATH");
+        return r;
+    }
+    ttf_err_set(err, r, text, "cannot be listened on: %s", strerrordesc_np(-r));
+    if (r == -EADDRINUSE)
+        ttf_err_hint(err, "another program listens there; port 0 takes any that is free");
+    if (r == -ENODEV)
+        ttf_err_hint(
+            err, "there is no network interface of this name; names of machines are not looked up");
+    if (r == -EADDRNOTAVAIL)
+        ttf_err_hint(err, "this machine or interface has no such address, or not yet");
+    return r;
+}
+
+int ttf_http_listen_where(const char *text, ttf_http_address_fn *address_of, void *ctx,
+                          char ret[TTF_HTTP_WHERE_SIZE], struct ttf_err *err)
+{
+    char made[TTF_HTTP_WHERE_SIZE];
+    int r = where(text, address_of, ctx, made);
+
+    if (r < 0)
+        return cannot(r, text, err);
+    memcpy(ret, made, sizeof made);
+    return 0;
+}
+
 int ttf_http_listen(const char *text, bool group, struct ttf_http_socket *ret, struct ttf_err *err)
 {
     struct ttf_http_socket made = {.fd = -1};
 
-    made.fd =
-        strncmp(text, "unix:", 5) == 0 ? open_unix(text + 5, group, &made) : open_tcp(text, &made);
-    if (made.fd == -EINVAL) {
-        ttf_err_set(err, -EINVAL, text, "is no address to listen on");
-        ttf_err_hint(err, "write ADDRESS:PORT, as 127.0.0.1:8080 or [::1]:8080, INTERFACE:PORT, as "
-                          "usb0:8080, or unix:PATH");
-        return -EINVAL;
-    }
-    if (made.fd < 0) {
-        ttf_err_set(err, made.fd, text, "cannot be listened on: %s", strerrordesc_np(-made.fd));
-        if (made.fd == -EADDRINUSE)
-            ttf_err_hint(err, "another program listens there; port 0 takes any that is free");
-        if (made.fd == -ENODEV)
-            ttf_err_hint(
-                err,
-                "there is no network interface of this name; names of machines are not looked up");
-        if (made.fd == -EADDRNOTAVAIL)
-            ttf_err_hint(err, "this machine or interface has no such address, or not yet");
-        return made.fd;
-    }
+    made.fd = open_it(text, group, &made);
+    if (made.fd < 0)
+        return cannot(made.fd, text, err);
     *ret = made;
     return 0;
 }

@@ -16,15 +16,18 @@ void listener_free(void *ctx); /* NULL allowed */
 void listener_connect(struct event_listener *listener, struct MHD_Connection *connection);
 
 /*
- * A listener that begins behind the event of that id: "START-N", NULL or empty: with what is to come. -EAGAIN: too many listen, or
- * the events are closed; -ENOMEM.
+ * A listener that begins behind the event of that id: "START-N", NULL or empty: with what is to come. leaving: of the socket that it
+ * came by; borrowed. -EAGAIN: too many listen, or the events are closed; -ENOMEM.
  */
 TTF_MUST_USE int listener_create(struct ttf_http_events *events, const char *last_id,
-                                 struct event_listener **ret, struct ttf_err *err);
+                                 const int *leaving, struct event_listener **ret,
+                                 struct ttf_err *err);
 
 /* All streams end, and none begins, until they are opened again; both wait for nobody. */
 void events_close(struct ttf_http_events *events);
 void events_open(struct ttf_http_events *events);
+/* Streams of a socket that is being left end; when this returns none of them sleeps, or will. */
+void events_leave(struct ttf_http_events *events);
 
 /* The route. */
 int events_answer(struct ttf_http_request *request, struct ttf_http_answer *ret);

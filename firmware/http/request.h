@@ -24,6 +24,7 @@ struct ttf_http_request {
     struct summaries *summaries;
     struct ttf_http_box *box;       /* NULL: there is none */
     struct ttf_http_events *events; /* NULL: there are none */
+    const int *leaving; /* atomically: not 0: the socket that it came by is being left */
     struct derived *derived;
     const struct ttf_http_match *match;
     struct MHD_Connection *connection; /* of request_header and request_query alone */

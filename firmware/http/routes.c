@@ -62,7 +62,7 @@ static const struct ttf_http_route ROUTES[] = {
     {"DELETE", "/api/v1/plans/{name}", TTF_HTTP_CHANGE, box_plan_delete, TTF_HTTP_NO_BODY,
      TTF_HTTP_WORK},
     {"POST", "/api/v1/run", TTF_HTTP_CHANGE, run_start, TTF_HTTP_JSON, TTF_HTTP_ORDERS},
-    {"POST", "/api/v1/run/stop", TTF_HTTP_CHANGE, run_stop, TTF_HTTP_NO_BODY, TTF_HTTP_ORDERS},
+    {"POST", "/api/v1/run/stop", TTF_HTTP_CHANGE, run_stop, TTF_HTTP_NO_BODY, TTF_HTTP_STOPS},
     {"POST", "/api/v1/run/pause", TTF_HTTP_CHANGE, run_pause, TTF_HTTP_JSON_MAYBE,
      TTF_HTTP_AT_ONCE},
     {"POST", "/api/v1/run/resume", TTF_HTTP_CHANGE, run_resume, TTF_HTTP_NO_BODY, TTF_HTTP_AT_ONCE},

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <microhttpd.h>
+#include <sched.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +15,7 @@
 #include "listeners.h"
 
 #define SOCKETS_MAX    8
+#define PLACES         (2 * SOCKETS_MAX) /* of sockets; some may be on their way out */
 #define NAMES_MAX      16
 #define THREADS        2u
 #define CONNECTIONS    512u /* of a socket */
@@ -23,15 +25,15 @@
 
 struct socket {
     struct call_socket call;
-    struct MHD_Daemon *daemon;
+    struct MHD_Daemon *daemon; /* NULL: the place is free */
+    int fd;
 };
 
 struct ttf_http_server {
     struct calls calls;
     char *token;
     char *names[NAMES_MAX + 1];
-    struct socket sockets[SOCKETS_MAX];
-    unsigned n_sockets;
+    struct socket sockets[PLACES];
 };
 
 static void on_log(void *ctx, const char *fmt, va_list args)
@@ -52,11 +54,10 @@ static int copy_texts(struct ttf_http_server *server, const struct ttf_http_conf
     return 0;
 }
 
-/* An order may wait for devices, or look at a long dataset: two such leave room for a stop. */
 static int make_lanes(struct calls *calls, struct ttf_err *err)
 {
     static const unsigned N_THREADS[TTF_HTTP_LANES] = {
-        [TTF_HTTP_ORDERS] = 4, [TTF_HTTP_WORK] = 2, [TTF_HTTP_PICTURES] = 2};
+        [TTF_HTTP_STOPS] = 1, [TTF_HTTP_ORDERS] = 4, [TTF_HTTP_WORK] = 2, [TTF_HTTP_PICTURES] = 2};
     int r = 0;
 
     for (int i = TTF_HTTP_AT_ONCE + 1; i < TTF_HTTP_LANES && r == 0; i++)
@@ -114,20 +115,41 @@ int ttf_http_server_create(const struct ttf_http_config *config, struct ttf_http
     return 0;
 }
 
+/* ---- sockets ---- */
+
+static bool is_leaving(const struct socket *socket)
+{
+    return __atomic_load_n(&socket->call.leaving, __ATOMIC_SEQ_CST) != 0;
+}
+
+static struct socket *free_place(struct ttf_http_server *server)
+{
+    struct socket *place = NULL;
+    unsigned n = 0;
+
+    for (unsigned i = 0; i < PLACES; i++) {
+        if (!server->sockets[i].daemon)
+            place = &server->sockets[i];
+        else
+            n += !is_leaving(&server->sockets[i]);
+    }
+    return n < SOCKETS_MAX ? place : NULL;
+}
+
 int ttf_http_server_listen(struct ttf_http_server *server, int fd, bool free_to_read,
                            struct ttf_err *err)
 {
-    struct socket *socket = &server->sockets[server->n_sockets];
+    struct socket *socket = free_place(server);
 
-    if (server->n_sockets == SOCKETS_MAX) {
+    if (!socket) {
         (void)close(fd);
         return ttf_err_set(err, -ENOSPC, NULL, "more than %d sockets", SOCKETS_MAX);
     }
-    socket->call.calls = &server->calls;
-    socket->call.free_to_read = free_to_read;
+    *socket =
+        (struct socket){.call = {.calls = &server->calls, .free_to_read = free_to_read}, .fd = fd};
     socket->daemon = MHD_start_daemon(
-        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_ERROR_LOG | MHD_ALLOW_SUSPEND_RESUME, 0, NULL, NULL,
-        call_on, &socket->call, MHD_OPTION_EXTERNAL_LOGGER, on_log, server,
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_ERROR_LOG | MHD_ALLOW_SUSPEND_RESUME, 0, call_admit,
+        &socket->call, call_on, &socket->call, MHD_OPTION_EXTERNAL_LOGGER, on_log, server,
         MHD_OPTION_NOTIFY_COMPLETED, call_done, NULL, MHD_OPTION_LISTEN_SOCKET, fd,
         MHD_OPTION_THREAD_POOL_SIZE, THREADS, MHD_OPTION_CONNECTION_LIMIT,
         files_limit_connections(CONNECTIONS, SOCKETS_MAX), MHD_OPTION_PER_IP_CONNECTION_LIMIT,
@@ -138,27 +160,71 @@ int ttf_http_server_listen(struct ttf_http_server *server, int fd, bool free_to_
         (void)close(fd);
         return ttf_err_set(err, -EIO, NULL, "the server cannot be started");
     }
-    server->n_sockets++;
     return 0;
+}
+
+static void begin_leaving(struct socket *socket)
+{
+    __atomic_store_n(&socket->call.leaving, 1, __ATOMIC_SEQ_CST);
+}
+
+/*
+ * Nothing of it sleeps. MHD_quiesce_daemon is not for this: of 0.9.75 it races with its own threads for the listening
+ * socket's place in epoll, and the loser calls abort(). Stopping closes the socket without that.
+ */
+static void stop(struct socket *socket)
+{
+    MHD_stop_daemon(socket->daemon);
+    socket->daemon = NULL;
+}
+
+void ttf_http_server_tidy(struct ttf_http_server *server)
+{
+    for (unsigned i = 0; i < PLACES; i++) {
+        struct socket *socket = &server->sockets[i];
+
+        if (socket->daemon && is_leaving(socket) &&
+            __atomic_load_n(&socket->call.asleep, __ATOMIC_SEQ_CST) == 0)
+            stop(socket);
+    }
+}
+
+void ttf_http_server_leave(struct ttf_http_server *server, int fd)
+{
+    for (unsigned i = 0; i < PLACES; i++)
+        if (server->sockets[i].daemon && server->sockets[i].fd == fd)
+            begin_leaving(&server->sockets[i]);
+    if (server->calls.events)
+        events_leave(server->calls.events);
+    ttf_http_server_tidy(server);
+}
+
+/* No connection may sleep when its thread ends. */
+static void stop_all(struct ttf_http_server *server)
+{
+    for (unsigned i = 0; i < PLACES; i++)
+        begin_leaving(&server->sockets[i]);
+    if (server->calls.events)
+        events_close(server->calls.events);
+    for (int i = 0; i < TTF_HTTP_LANES; i++)
+        slow_stop(server->calls.lanes[i]);
+    for (unsigned i = 0; i < PLACES; i++) {
+        struct socket *socket = &server->sockets[i];
+
+        if (!socket->daemon)
+            continue;
+        /* One that fell asleep just before is told by its own thread that nobody takes it any more. */
+        while (__atomic_load_n(&socket->call.asleep, __ATOMIC_SEQ_CST) > 0)
+            (void)sched_yield();
+        stop(socket);
+    }
 }
 
 void ttf_http_server_destroy(struct ttf_http_server *server)
 {
     if (!server)
         return;
-    /* No connection may sleep when its thread ends. */
-    for (unsigned i = 0; i < server->n_sockets; i++) {
-        MHD_socket listening = MHD_quiesce_daemon(server->sockets[i].daemon);
-
-        if (listening != MHD_INVALID_SOCKET)
-            (void)close(listening);
-    }
-    if (server->calls.events)
-        events_close(server->calls.events);
-    for (int i = 0; i < TTF_HTTP_LANES; i++)
-        slow_stop(server->calls.lanes[i]);
-    for (unsigned i = 0; i < server->n_sockets; i++)
-        MHD_stop_daemon(server->sockets[i].daemon);
+    stop_all(server);
     for (int i = 0; i < TTF_HTTP_LANES; i++)
         slow_destroy(server->calls.lanes[i]);
     folder_close(&server->calls.folder);

@@ -95,7 +95,7 @@ void slow_stop(struct slow *slow)
     for (; slow->n_threads > 0; slow->n_threads--)
         (void)pthread_join(slow->threads[slow->n_threads - 1], NULL);
     while (slow->n > 0)
-        call_cancel(take(slow));
+        call_cancel(take(slow), "this server is about to end");
 }
 
 void slow_destroy(struct slow *slow)

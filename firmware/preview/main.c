@@ -314,8 +314,10 @@ int main(int argc, char **argv)
     (void)sigaction(SIGINT, &action, NULL);
     r = preview_be_humble(&o, &err);
     clock = ttf_clock_real_create();
+    if (r == 0 && !clock)
+        r = ttf_err_set(&err, -errno, "clock", "the machine's clock cannot be had");
     if (r == 0)
-        r = clock ? live(&o, clock, &err) : -ENOMEM;
+        r = live(&o, clock, &err);
     ttf_clock_destroy(clock);
     if (r < 0 && err.code)
         log_line(LOG_LEVEL_ERROR, "failed", "why=\"%s\"", ttf_err_text(&err, why, sizeof why));

@@ -189,7 +189,8 @@ int main(int argc, char **argv)
     u.notify = getenv("NOTIFY_SOCKET");
     clock = ttf_clock_real_create();
     if (!clock) {
-        fprintf(stderr, "ttfbox-usbd: the machine's clock cannot be had\n");
+        fprintf(stderr, "ttfbox-usbd: the machine's clock cannot be had: %s\n",
+                strerrordesc_np(errno));
         return 1;
     }
     r = u.ep0 >= 0 ? work(&u, clock, &err) : keep(&u, clock, &err);

@@ -11,6 +11,10 @@ for unit in ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-preview ttfbox-alertd; do
     grep -qE "^ExecStart=$BIN/$unit( |$)" "$unit.service" || fail "$unit starts something else"
     grep -q '^Restart=always' "$unit.service" || fail "$unit is not started again"
     grep -q '^StartLimitIntervalSec=0' "$unit.service" || fail "$unit is given up"
+    # The clock asks /proc/sys for the boot's id: where that is hidden the service ends at once, for ever.
+    if grep -q '^ProcSubset=pid' "$unit.service" && grep -qa 'kernel/random/boot_id' "$BIN/$unit"; then
+        fail "$unit is to tell the boot and cannot see /proc/sys"
+    fi
 done
 systemd-analyze --version | head -n 1
 # Root's one-shot, apart: it mounts and loads modules, so that little can be taken from it.

@@ -27,6 +27,7 @@ RECORDS = "/var/lib/ttfbox/plan/records.jsonl"
 LOOPBACK = ("0100007F", "00000000000000000000000001000000")  # as /proc/net has them
 DHCP = "00000000:0043"  # networkd's, of the cable's network alone
 SERVICES = ("ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "ttfbox-preview", "ttfbox-alertd")
+RESTARTS = "systemctl show -P NRestarts %s | grep -v '^$'" % " ".join(SERVICES)
 STATUS = "systemctl show -P StatusText ttfboxd"
 
 
@@ -104,6 +105,8 @@ def a_first_boot_takes_the_settings_and_captures_as_seen_from_outside(board, ima
         assert m.lines() == {lamps.LEFT: 0, lamps.RIGHT: 1}, m.lines()
         code, out = m.run("grep -o '\"zone\":\"[^\"]*\"' %s" % RECORDS)
         assert "Europe/Berlin" in out, out
+        code, out = m.run(RESTARTS)
+        assert out.split() == ["0"] * len(SERVICES), "a service did not stay up: " + out + m.journal()
         expect_a_device_of_a_pc(m)
         expect_sealed_off(m)
         m.off()

@@ -25,6 +25,7 @@
 #define TOKEN     "0123456789abcdef0123"
 #define PATIENCE  10 /* seconds that a test waits for what must come; libmicrohttpd's own are 30 */
 #define PICTURES  6
+#define ORDERS    8
 #define NOTES     ((size_t)16 << 20)
 #define LEFT      ((off_t)1 << 20)
 #define SMALL_BUF 65536
@@ -79,6 +80,17 @@ static int box_ask(struct ttf_http_box *base, const struct ttf_http_ask *ask, ch
     return *ret_json ? 0 : -ENOMEM;
 }
 
+/* Checked against devices that do not answer yet. */
+static int box_start(struct ttf_http_box *base, const char *plan, const char *dataset,
+                     char **ret_json, struct ttf_err *err)
+{
+    size_t bytes;
+
+    (void)plan;
+    (void)dataset;
+    return box_live(base, NULL, (void **)ret_json, &bytes, err);
+}
+
 static int box_check(struct ttf_http_box *base, const char *yaml, size_t bytes, char **ret_json,
                      struct ttf_err *err)
 {
@@ -91,13 +103,15 @@ static int box_check(struct ttf_http_box *base, const char *yaml, size_t bytes, 
 }
 
 static const struct ttf_http_box_ops BOX_OPS = {
-    .name = "test", .live = box_live, .ask = box_ask, .plan_check = box_check};
+    .name = "test", .live = box_live, .ask = box_ask, .start = box_start, .plan_check = box_check};
 
 struct fixture {
     struct hand_clock clock;
     struct box box;
+    struct ttf_http_events *events;
     struct ttf_http_server *server;
     unsigned short port;
+    int listening; /* the server's socket */
 };
 
 static void begin(struct fixture *f)
@@ -115,11 +129,14 @@ static void begin(struct fixture *f)
                           .box = {.base.ops = &BOX_OPS}};
     (void)pthread_mutex_init(&f->box.lock, NULL);
     (void)pthread_cond_init(&f->box.changed, NULL);
+    assert_int_equal(ttf_http_events_create(&f->events, NULL), 0);
+    config.events = f->events;
     scratch_file("data/grass/dataset.json", "{}", 2);
     assert_int_equal(ttf_http_server_create(&config, &f->server, NULL), 0);
     assert_int_equal(ttf_http_listen("127.0.0.1:0", false, &socket, NULL), 0);
     assert_int_equal(getsockname(socket.fd, (struct sockaddr *)&at, &size), 0);
     f->port = ntohs(at.sin_port);
+    f->listening = socket.fd;
     assert_int_equal(ttf_http_server_listen(f->server, socket.fd, true, NULL), 0);
 }
 
@@ -135,6 +152,7 @@ static void end(struct fixture *f)
 {
     let(f);
     ttf_http_server_destroy(f->server);
+    ttf_http_events_destroy(f->events);
     (void)pthread_cond_destroy(&f->box.changed);
     (void)pthread_mutex_destroy(&f->box.lock);
 }
@@ -225,6 +243,83 @@ static void a_stop_passes_pictures_that_are_waited_for(void **state)
     end(&f);
 }
 
+static void a_stop_passes_whatever_other_orders_wait(void **state)
+{
+    static const char BODY[] = "{\"plan\":\"week\"}";
+    struct fixture f;
+    char headers[100];
+    int starts[ORDERS], fd;
+
+    (void)state;
+    begin(&f);
+    (void)snprintf(headers, sizeof headers,
+                   "Content-Type: application/json\r\nContent-Length: %zu\r\n", sizeof BODY - 1);
+    for (int i = 0; i < ORDERS; i++) {
+        starts[i] = dial(&f);
+        ask(starts[i], "POST /api/v1/run", headers);
+        say(starts[i], BODY);
+    }
+    (void)pthread_mutex_lock(&f.box.lock);
+    while (f.box.waiting < 4) /* all that take orders do so, and others wait for them */
+        (void)pthread_cond_wait(&f.box.changed, &f.box.lock);
+    (void)pthread_mutex_unlock(&f.box.lock);
+    fd = dial(&f);
+    ask(fd, "POST /api/v1/run/stop", "Content-Length: 0\r\n");
+    assert_int_equal(status_of(fd), 202);
+    (void)close(fd);
+    let(&f);
+    for (int i = 0; i < ORDERS; i++) {
+        assert_int_equal(status_of(starts[i]), 202);
+        (void)close(starts[i]);
+    }
+    end(&f);
+}
+
+/* Until nobody listens at its port: connections are taken and dropped until the socket is closed. */
+static bool is_closed(struct fixture *f)
+{
+    struct sockaddr_in at = {.sin_family = AF_INET,
+                             .sin_port = htons(f->port),
+                             .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    bool refused = connect(fd, (struct sockaddr *)&at, sizeof at) < 0 && errno == ECONNREFUSED;
+
+    (void)close(fd);
+    return refused;
+}
+
+static void a_socket_that_is_left_answers_what_it_began_and_takes_nothing_new(void **state)
+{
+    struct fixture f;
+    int picture, stream, late;
+
+    (void)state;
+    begin(&f);
+    picture = dial(&f);
+    ask(picture, "GET /api/v1/live", "");
+    (void)pthread_mutex_lock(&f.box.lock);
+    while (f.box.waiting < 1)
+        (void)pthread_cond_wait(&f.box.changed, &f.box.lock);
+    (void)pthread_mutex_unlock(&f.box.lock);
+    stream = dial(&f);
+    ask(stream, "GET /api/v1/events", "");
+    assert_int_equal(status_of(stream), 200);
+    ttf_http_server_leave(f.server, f.listening);
+    late = dial(&f);
+    assert_true(drain(late) >= 0); /* not one byte, and its end */
+    ttf_http_server_tidy(f.server);
+    assert_false(is_closed(&f)); /* a picture is still made */
+    let(&f);
+    assert_int_equal(status_of(picture), 200);
+    while (!is_closed(&f))
+        ttf_http_server_tidy(f.server);
+    assert_true(drain(stream) >= 0);
+    (void)close(picture);
+    (void)close(stream);
+    (void)close(late);
+    end(&f);
+}
+
 static void a_body_that_dribbles_in_is_given_up(void **state)
 {
     struct fixture f;
@@ -276,6 +371,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         IN_SCRATCH(a_stop_passes_pictures_that_are_waited_for),
+        IN_SCRATCH(a_stop_passes_whatever_other_orders_wait),
+        IN_SCRATCH(a_socket_that_is_left_answers_what_it_began_and_takes_nothing_new),
         IN_SCRATCH(a_body_that_dribbles_in_is_given_up),
         IN_SCRATCH(a_file_that_loses_its_end_while_it_is_sent_ends_the_connection),
     };

@@ -25,7 +25,8 @@ enum ttf_http_body {
 /* Where it is answered. Each lane has threads and a queue of its own: nothing in one waits for what is in another. */
 enum ttf_http_lane {
     TTF_HTTP_AT_ONCE = 0, /* by the thread that has the connection */
-    TTF_HTTP_ORDERS,      /* what the box is told to do: a sync of the disk */
+    TTF_HTTP_STOPS,       /* an end of what runs: a sync of the disk, whatever else is asked */
+    TTF_HTTP_ORDERS,      /* a start, which may wait for devices or read much; a note */
     TTF_HTTP_WORK,        /* what reads much, or waits for devices */
     TTF_HTTP_PICTURES,    /* what makes pictures, or waits for one */
     TTF_HTTP_LANES

@@ -42,6 +42,14 @@ TTF_MUST_USE int ttf_http_server_create(const struct ttf_http_config *config,
 TTF_MUST_USE int ttf_http_server_listen(struct ttf_http_server *server, int fd, bool free_to_read,
                                         struct ttf_err *err);
 
+/*
+ * The listening socket of this number is to be listened on no more: nothing new is taken, event streams end, what is being answered
+ * is, and then its connections end and it is closed: here, if nothing waits, or when tidied up later. Other sockets
+ * notice nothing. As listening: one thread.
+ */
+void ttf_http_server_leave(struct ttf_http_server *server, int fd);
+void ttf_http_server_tidy(struct ttf_http_server *server);
+
 /* Ends all connections and threads, closes the sockets. NULL allowed. */
 void ttf_http_server_destroy(struct ttf_http_server *server);
 

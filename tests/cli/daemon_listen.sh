@@ -1,0 +1,96 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# ttfboxd listens at a network interface that comes late, gets another address, and is made anew, while it captures: in a network of its own.
+if [ -z "${IN_NETWORK:-}" ]; then
+    if ! unshare -rn ip link add usb0 type veth peer name pc0 2>/dev/null; then
+        echo "no network of its own can be made here (unshare -rn, ip, veth)"
+        exit 77
+    fi
+    IN_NETWORK=1 exec unshare -rn bash "$0"
+fi
+. "$(dirname "$0")/cli.bash"
+. "$(dirname "$0")/server.bash"
+[ -n "${DAEMON:-}" ] || exit 77 # built without a box
+
+cat >box.yaml <<'END'
+board: bench
+cameras: {main: {backend: sim}}
+clock: {backend: machine}
+lock: box.lock
+sim:
+  daylight: 1
+  sensor: {width: 96px, height: 64px}
+  timing: {exposure_max: 100ms}
+END
+if [ -w /dev/shm ]; then # a disk that is busy otherwise is not to answer whether a slot was missed
+    memory=$(mktemp -d /dev/shm/ttfbox-listen.XXXXXX)
+    trap 'kill "${daemon:-}" "${listener:-}" 2>/dev/null; rm -rf "$WORK" "$memory"' EXIT
+    ln -s "$memory" data
+fi
+printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nlisten: ["127.0.0.1:8417", "usb0:8417"]\n' >ttfboxd.yaml
+plan grass.yaml 'interval: 500ms' 'count: 900' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B'
+
+heard() { # WORDS [TIMES]: within 30 s
+    for _ in $(seq 600); do
+        [ "$(grep -cF -- "$1" log)" -ge "${2:-1}" ] && return 0
+        sleep 0.05
+    done
+    fail "the log does not say '$1': $(cat log)"
+}
+plug() { # ADDRESS
+    ip link add usb0 type veth peer name pc0
+    ip link set usb0 up
+    ip link set pc0 up
+    ip addr add "$1/24" dev usb0
+}
+there() { # ADDRESS
+    get "http://$1:8417/api/v1/status" 200 -H "Authorization: Bearer $TOKEN"
+    is state capturing
+}
+
+ip link set lo up
+"$DAEMON" --config ttfboxd.yaml >log 2>&1 &
+daemon=$!
+heard 'listening at="127.0.0.1:8417"'
+heard 'unreachable at="usb0:8417"'
+TOKEN=$(cat data/.ttfbox/token)
+heard '<6>armed'
+curl -sSN -H "Authorization: Bearer $TOKEN" http://127.0.0.1:8417/api/v1/events >told 2>&1 &
+listener=$!
+
+plug 10.9.0.1
+heard 'listening at="10.9.0.1:8417" for="usb0:8417"'
+there 10.9.0.1
+
+ip addr add 10.9.0.2/24 dev usb0 # the first one holds until it goes
+ip addr del 10.9.0.1/24 dev usb0
+ip addr replace 10.9.0.2/24 dev usb0
+heard 'listening at="10.9.0.2:8417" for="usb0:8417"'
+heard 'left at="10.9.0.1:8417"'
+there 10.9.0.2
+
+# The gadget is taken down and set up anew: another interface of the same name.
+ip link del usb0
+heard 'left at="10.9.0.2:8417"'
+plug 10.9.0.1
+heard 'listening at="10.9.0.1:8417" for="usb0:8417"' 2
+there 10.9.0.1
+there 127.0.0.1
+
+# Neither the run nor who listens by another address noticed.
+code=$(curl -sS -o out -w '%{http_code}' -X POST -H "Authorization: Bearer $TOKEN" http://10.9.0.1:8417/api/v1/run/stop)
+[ "$code" = 202 ] || fail "it is not stopped: $code $(cat out)"
+heard '<5>resting'
+kill -0 $listener 2>/dev/null || fail "who listens at another address was cut off: $(cat told)"
+kill $listener
+kill "$daemon"
+wait "$daemon" || fail "it ended with $?: $(cat log)"
+"$PYTHON" - told data/grass <<'END' || fail "slots were missed, or not told"
+import json, sys
+lines = open(sys.argv[1], encoding="utf-8").read().split("\n")
+told = [json.loads(data[6:])["index"] for kind, data in zip(lines, lines[1:]) if kind == "event: slot"]
+slots = [r for r in map(json.loads, open(sys.argv[2] + "/records.jsonl", encoding="utf-8")) if r["type"] == "slot"]
+bad = [r for r in slots if r["result"] != "captured"]
+assert not bad, bad
+assert told and told == list(range(told[0], slots[-1]["index"] + 1)), (told, len(slots))
+END
