@@ -235,8 +235,8 @@ static int box_error(struct wire *wire, long status, const char *path, struct tt
         r = -ENOENT;
     else if (status == 403 || status == 409)
         r = status == 403 ? -EPERM : -EEXIST;
-    else if (status == 503)
-        r = -ETIMEDOUT; /* it will have time again */
+    else if (status == 503 || status == 429)
+        r = -EAGAIN; /* it is short of something, and will have it again */
     ttf_err_set(err, r, path, "the box says %ld: %.200s", status, text);
     if (status == 401)
         ttf_err_hint(err, "give the box's token by --token-file");
