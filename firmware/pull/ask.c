@@ -32,13 +32,12 @@ static int ask(const struct ttf_pull_config *config, const char *path, const cha
 
 int ttf_pull_token(const struct ttf_pull_config *config, char **ret_token, struct ttf_err *err)
 {
-    json_t *answer;
+    json_t *answer = NULL;
     const char *token;
     int r = ask(config, "/session/token", NULL, &answer, err);
 
     if (r == -EEXIST && err) { /* more than the box can know: what this person can do */
-        ttf_err_set(err, r, NULL,
-                    "the box has shown its token before, or a person chose it");
+        ttf_err_set(err, r, NULL, "the box has shown its token before, or a person chose it");
         ttf_err_hint(err,
                      "whoever has it can tell it; else write one of your own on the box's card: "
                      "settings/token");
@@ -58,7 +57,7 @@ int ttf_pull_offer_time(const struct ttf_pull_config *config, struct ttf_err *er
 {
     struct ttf_utc utc;
     char body[64];
-    json_t *answer;
+    json_t *answer = NULL;
     int r;
 
     ttf_clock_utc(config->clock, &utc);
