@@ -317,6 +317,18 @@ int ttf_guided_chart(const struct ttf_guided_config *config, const struct ttf_ch
     return r;
 }
 
+int ttf_guided_geometry(const struct ttf_guided_config *config, double pitch_mm,
+                        struct ttf_calibration *calibration, struct ttf_err *err)
+{
+    struct ttf_raw_sum sum = {0};
+    int r = ttf_guided_frames(config, true, &sum, err);
+
+    if (r == 0)
+        r = ttf_calibration_fit_geometry(calibration, &sum, pitch_mm, err);
+    ttf_raw_sum_free(&sum);
+    return r;
+}
+
 int ttf_guided_flicker(const struct ttf_guided_config *config, struct ttf_flicker *ret,
                        struct ttf_err *err)
 {

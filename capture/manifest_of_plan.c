@@ -51,9 +51,26 @@ static void add_channel(struct ttf_manifest *m, const struct ttf_plan_shot *shot
     channel_title(shot, c->title, sizeof(c->title));
 }
 
-static void add_stream(struct ttf_manifest *m, const struct ttf_plan *plan,
-                       const struct ttf_plan_shot *shot, const struct ttf_region *region, bool flat)
+/* Developed pixels are the frame's: the region cuts, and scales nothing. */
+static double scale_of(const struct ttf_plan *plan, const struct ttf_plan_shot *shot,
+                       const struct ttf_frame_format *format,
+                       const struct ttf_calibration *calibration)
 {
+    bool own = calibration && calibration->has_geometry && calibration->width == format->width &&
+               calibration->height == format->height &&
+               (calibration->camera[0] == '\0' || strcmp(calibration->camera, shot->camera) == 0);
+
+    if (plan->mm_per_px > 0)
+        return plan->mm_per_px;
+    return own ? calibration->geometry.mm_per_px : 0;
+}
+
+static void add_stream(struct ttf_manifest *m, const struct ttf_plan *plan,
+                       const struct ttf_plan_shot *shot, const struct ttf_frame_format *format,
+                       const struct ttf_calibration *calibration)
+{
+    const struct ttf_region region = ttf_plan_region(plan, format);
+    const bool flat = calibration && calibration->has_flat;
     struct ttf_stream *st = &m->streams[m->n_streams];
 
     snprintf(st->id, sizeof(st->id), "%s", shot->stream);
@@ -61,20 +78,21 @@ static void add_stream(struct ttf_manifest *m, const struct ttf_plan *plan,
     snprintf(st->channel, sizeof(st->channel), "%s", shot->channel);
     snprintf(st->quantity, sizeof(st->quantity), "%s", flat ? "reflectance" : "radiance");
     snprintf(st->unit, sizeof(st->unit), "1");
-    st->width = region->width;
-    st->height = region->height;
+    st->width = region.width;
+    st->height = region.height;
     st->samples = 3;
     st->format = TTF_SAMPLE_U16;
     st->encoding.pedestal = TTF_PEDESTAL;
     st->encoding.scale = TTF_SCALE;
     snprintf(st->colour_space, sizeof(st->colour_space), "%s", flat ? "linear-srgb" : "camera");
-    st->mm_per_px = plan->mm_per_px;
+    st->mm_per_px = scale_of(plan, shot, format, calibration);
     st->primary = m->n_streams == 0;
     m->n_streams++;
 }
 
-int ttf_manifest_of_plan(const struct ttf_plan *plan, const struct ttf_box *box, bool flat,
-                         struct ttf_manifest *ret, struct ttf_err *err)
+int ttf_manifest_of_plan(const struct ttf_plan *plan, const struct ttf_box *box,
+                         const struct ttf_calibration *calibration, struct ttf_manifest *ret,
+                         struct ttf_err *err)
 {
     struct ttf_manifest m;
     int r = ttf_manifest_init(&m, err);
@@ -88,11 +106,10 @@ int ttf_manifest_of_plan(const struct ttf_plan *plan, const struct ttf_box *box,
     for (unsigned i = 0; i < plan->n_shots; i++) {
         const struct ttf_plan_shot *shot = &plan->shots[i];
         const struct ttf_camera *camera = ttf_box_camera_find(box, shot->camera);
-        struct ttf_region region = ttf_plan_region(plan, ttf_camera_format(camera));
 
         add_camera(&m, shot->camera, camera);
         add_channel(&m, shot);
-        add_stream(&m, plan, shot, &region, flat);
+        add_stream(&m, plan, shot, ttf_camera_format(camera), calibration);
     }
     *ret = m;
     return 0;

@@ -3,14 +3,17 @@
 #ifndef TTF_CAPTURE_PRIVATE_MANIFEST_OF_PLAN_H
 #define TTF_CAPTURE_PRIVATE_MANIFEST_OF_PLAN_H
 
-#include <stdbool.h>
-
 #include "ttf/capture/plan.h"
+#include "ttf/dataset/calibration.h"
 #include "ttf/dataset/manifest.h"
 
-/* The plan has been checked on the box. flat: images are calibrated reflectances, else radiances. */
+/*
+ * The plan has been checked on the box. calibration: that of the run, NULL for none: with a flat images are reflectances,
+ * else radiances; its geometry gives the scale of its own camera's pixels where the plan gives none.
+ */
 TTF_MUST_USE int ttf_manifest_of_plan(const struct ttf_plan *plan, const struct ttf_box *box,
-                                      bool flat, struct ttf_manifest *ret, struct ttf_err *err);
+                                      const struct ttf_calibration *calibration,
+                                      struct ttf_manifest *ret, struct ttf_err *err);
 
 /* Whether the plan's images fit the streams of a dataset that is there: 0 or -EINVAL. */
 TTF_MUST_USE int ttf_manifest_takes_plan(const struct ttf_manifest *manifest,

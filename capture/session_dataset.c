@@ -279,7 +279,7 @@ int ttf_session_open_dataset(struct ttf_session *s, struct ttf_err *err)
     struct ttf_manifest manifest;
     struct ttf_utc utc = {0};
     int plan;
-    int r = ttf_manifest_of_plan(&s->plan, s->box, s->has_calibration && s->calibration.has_flat,
+    int r = ttf_manifest_of_plan(&s->plan, s->box, s->has_calibration ? &s->calibration : NULL,
                                  &manifest, err);
 
     if (r == 0) {

@@ -137,6 +137,20 @@ static void get_flicker(struct loader *loader, const json_t *flicker, struct ttf
     ret->flicker.drift_per_min = get_figure(loader, flicker, "drift_per_min", -1e6);
 }
 
+static void get_geometry(struct loader *loader, const json_t *from, struct ttf_geometry *ret)
+{
+    ret->frames = (unsigned)get_int(loader, from, "frames", 1, 65535);
+    ret->dots = (unsigned)get_int(loader, from, "dots", 1, UINT16_MAX);
+    ret->pitch_mm = get_figure(loader, from, "pitch_mm", 0);
+    ret->mm_per_px = get_double(loader, json_object_get(from, "mm_per_px"), "mm_per_px", 1e-6, 1e3);
+    ret->mm_per_px_least = get_figure(loader, from, "mm_per_px_least", 0);
+    ret->mm_per_px_most = get_figure(loader, from, "mm_per_px_most", 0);
+    ret->rotation_deg = get_figure(loader, from, "rotation_deg", -180);
+    ret->distortion = get_figure(loader, from, "distortion", -1);
+    ret->residual_px = get_figure(loader, from, "residual_px", 0);
+    ret->residual_max_px = get_figure(loader, from, "residual_max_px", 0);
+}
+
 static void get_parts(struct loader *loader, const json_t *root, struct ttf_calibration *ret)
 {
     const json_t *dark = json_object_get(root, "dark"), *flat = json_object_get(root, "flat");
@@ -168,6 +182,9 @@ static void get_parts(struct loader *loader, const json_t *root, struct ttf_cali
         get_chart(loader, chart, ret);
     if (json_object_get(root, "flicker"))
         get_flicker(loader, json_object_get(root, "flicker"), ret);
+    ret->has_geometry = json_object_get(root, "geometry") != NULL;
+    if (ret->has_geometry)
+        get_geometry(loader, json_object_get(root, "geometry"), &ret->geometry);
     get_hot(loader, json_object_get(root, "hot"), ret);
 }
 

@@ -10,7 +10,7 @@
 
 #define CALIBRATION_FORMAT "ttf-calibration"
 #define CALIBRATION_MAJOR  1
-#define CALIBRATION_MINOR  1 /* 1: "chart", "flicker" */
+#define CALIBRATION_MINOR  2 /* 1: "chart", "flicker"; 2: "geometry" */
 
 /* "RGGB", ..., "" for none; and back, -ENOENT. */
 const char *calibration_cfa_name(enum ttf_cfa cfa);

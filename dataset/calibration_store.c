@@ -151,6 +151,23 @@ static void json_flicker(struct ttf_json *json, const struct ttf_flicker *flicke
     ttf_json_object_end(json);
 }
 
+static void json_geometry(struct ttf_json *json, const struct ttf_geometry *geometry)
+{
+    ttf_json_key(json, "geometry");
+    ttf_json_object(json);
+    ttf_json_kint(json, "frames", geometry->frames);
+    ttf_json_kint(json, "dots", geometry->dots);
+    ttf_json_kdouble(json, "pitch_mm", geometry->pitch_mm);
+    ttf_json_kdouble(json, "mm_per_px", geometry->mm_per_px);
+    ttf_json_kdouble(json, "mm_per_px_least", geometry->mm_per_px_least);
+    ttf_json_kdouble(json, "mm_per_px_most", geometry->mm_per_px_most);
+    ttf_json_kdouble(json, "rotation_deg", geometry->rotation_deg);
+    ttf_json_kdouble(json, "distortion", geometry->distortion);
+    ttf_json_kdouble(json, "residual_px", geometry->residual_px);
+    ttf_json_kdouble(json, "residual_max_px", geometry->residual_max_px);
+    ttf_json_object_end(json);
+}
+
 static void json_parts(struct ttf_json *json, const struct ttf_calibration *calibration)
 {
     if (calibration->has_dark) {
@@ -189,6 +206,8 @@ static void json_parts(struct ttf_json *json, const struct ttf_calibration *cali
         json_chart(json, &calibration->chart);
     if (calibration->has_flicker)
         json_flicker(json, &calibration->flicker);
+    if (calibration->has_geometry)
+        json_geometry(json, &calibration->geometry);
 }
 
 static int save_json(const struct ttf_calibration *calibration, struct ttf_io *io,

@@ -39,6 +39,25 @@ static void say_dark(struct cli *cli, const struct ttf_calibration *c)
     ttf_json_kint(j, "hot_pixels", c->n_hot);
 }
 
+static void say_flat(struct cli *cli, const struct ttf_calibration *c)
+{
+    struct ttf_json *j = &cli->out;
+    double lo, hi;
+
+    gain_range(c, &lo, &hi);
+    cli_say(cli,
+            "flat              %u frames of %.3f ms, target %.3f, gain %.3f to %.3f, white at %.0f "
+            "codes",
+            c->flat_frames, (double)c->flat_settings.exposure_ns / 1e6, c->flat_reflectance, lo, hi,
+            c->flat_level);
+    ttf_json_kint(j, "flat_frames", c->flat_frames);
+    ttf_json_kint(j, "flat_exposure_ns", c->flat_settings.exposure_ns);
+    ttf_json_kdouble(j, "flat_reflectance", c->flat_reflectance);
+    ttf_json_kdouble(j, "flat_gain_min", lo);
+    ttf_json_kdouble(j, "flat_gain_max", hi);
+    ttf_json_kdouble(j, "flat_level", c->flat_level);
+}
+
 static void say_chart(struct cli *cli, const struct ttf_calibration *c)
 {
     const struct ttf_chart_fit *fit = &c->chart;
@@ -95,6 +114,37 @@ void calibrate_say_flicker(struct cli *cli, const struct ttf_calibration *c)
     ttf_json_kdouble(j, "flicker_drift_per_min", f->drift_per_min);
 }
 
+void calibrate_say_geometry(struct cli *cli, const struct ttf_calibration *c)
+{
+    const struct ttf_geometry *g = &c->geometry;
+    struct ttf_json *j = &cli->out;
+
+    ttf_json_kbool(j, "has_geometry", c->has_geometry);
+    if (!c->has_geometry)
+        return;
+    cli_say(
+        cli,
+        "geometry          %.5g mm per pixel in the middle, %.5g to %.5g over the frame; %u dots "
+        "%g mm apart, %.2f pixels off a plane (%.2f at most)",
+        g->mm_per_px, g->mm_per_px_least, g->mm_per_px_most, g->dots, g->pitch_mm, g->residual_px,
+        g->residual_max_px);
+    cli_say(cli, "                  grid turned by %+.2f degrees, lens %+.2f %% at the corners%s",
+            g->rotation_deg, 100 * g->distortion,
+            fabs(g->distortion) < 0.001 ? ""
+            : g->distortion < 0         ? " (barrel)"
+                                        : " (pincushion)");
+    ttf_json_kint(j, "geometry_frames", g->frames);
+    ttf_json_kint(j, "geometry_dots", g->dots);
+    ttf_json_kdouble(j, "geometry_pitch_mm", g->pitch_mm);
+    ttf_json_kdouble(j, "mm_per_px", g->mm_per_px);
+    ttf_json_kdouble(j, "mm_per_px_least", g->mm_per_px_least);
+    ttf_json_kdouble(j, "mm_per_px_most", g->mm_per_px_most);
+    ttf_json_kdouble(j, "rotation_deg", g->rotation_deg);
+    ttf_json_kdouble(j, "distortion", g->distortion);
+    ttf_json_kdouble(j, "geometry_residual_px", g->residual_px);
+    ttf_json_kdouble(j, "geometry_residual_max_px", g->residual_max_px);
+}
+
 void calibrate_advise(struct cli *cli, const struct ttf_flicker *f, double mains_hz)
 {
     const double half_ns = mains_hz > 0 ? 1e9 / (2 * mains_hz) : 0;
@@ -122,7 +172,6 @@ void calibrate_advise(struct cli *cli, const struct ttf_flicker *f, double mains
 void calibrate_say(struct cli *cli, const struct ttf_calibration *c, const char *folder)
 {
     struct ttf_json *j = &cli->out;
-    double lo, hi;
 
     cli_say(cli, "calibration       %s in %s%s", c->id, folder, c->simulated ? ", SIMULATED" : "");
     cli_say(cli, "camera            %s, %u x %u, black %u, white %u", c->camera, c->width,
@@ -139,23 +188,13 @@ void calibrate_say(struct cli *cli, const struct ttf_calibration *c, const char 
         say_dark(cli, c);
     else
         cli_say(cli, "dark              none");
-    if (!c->has_flat) {
+    if (c->has_flat)
+        say_flat(cli, c);
+    else
         cli_say(cli, "flat              none");
-        return;
-    }
-    gain_range(c, &lo, &hi);
-    cli_say(cli,
-            "flat              %u frames of %.3f ms, target %.3f, gain %.3f to %.3f, white at %.0f "
-            "codes",
-            c->flat_frames, (double)c->flat_settings.exposure_ns / 1e6, c->flat_reflectance, lo, hi,
-            c->flat_level);
-    ttf_json_kint(j, "flat_frames", c->flat_frames);
-    ttf_json_kint(j, "flat_exposure_ns", c->flat_settings.exposure_ns);
-    ttf_json_kdouble(j, "flat_reflectance", c->flat_reflectance);
-    ttf_json_kdouble(j, "flat_gain_min", lo);
-    ttf_json_kdouble(j, "flat_gain_max", hi);
-    ttf_json_kdouble(j, "flat_level", c->flat_level);
-    say_chart(cli, c);
+    if (c->has_flat)
+        say_chart(cli, c);
+    calibrate_say_geometry(cli, c);
     calibrate_say_flicker(cli, c);
 }
 

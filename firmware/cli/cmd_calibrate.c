@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cmd_calibrate.c: `ttfbox calibrate dark | flat | chart | flicker`. */
+/* cmd_calibrate.c: `ttfbox calibrate dark | flat | chart | geometry | flicker`. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -22,6 +22,7 @@ enum part {
     DARK,
     FLAT,
     CHART,
+    GEOMETRY,
     FLICKER
 };
 
@@ -79,7 +80,7 @@ static int choose_shot(struct cli *cli, struct guided *g)
 /* What there is in CAL already; -EEXIST if it has the very part that is to be made. */
 static int open_folder(struct cli *cli, struct guided *g)
 {
-    static const char *const names[] = {"dark", "flat", "chart", "flicker"};
+    static const char *const names[] = {"dark", "flat", "chart", "geometry", "flicker"};
     const char *folder = cli->opt.output;
     char path[4096];
     struct ttf_io_stat st;
@@ -94,6 +95,7 @@ static int open_folder(struct cli *cli, struct guided *g)
     if ((g->part == DARK && g->calibration.has_dark) ||
         (g->part == FLAT && g->calibration.has_flat) ||
         (g->part == CHART && g->calibration.has_chart) ||
+        (g->part == GEOMETRY && g->calibration.has_geometry) ||
         (g->part == FLICKER && g->calibration.has_flicker)) {
         ttf_err_set(&cli->err, -EEXIST, folder, "holds a %s already", names[g->part]);
         ttf_err_hint(&cli->err, "nothing is overwritten: make a new calibration with another -o");
@@ -141,6 +143,8 @@ static int take(struct cli *cli, struct guided *g, struct ttf_guided_config *con
             r = simulated_reflectance(cli, g, &config->reflectance);
         return r < 0 ? r : ttf_guided_flat(config, &g->calibration, &cli->err);
     }
+    if (g->part == GEOMETRY)
+        return ttf_guided_geometry(config, cli->opt.pitch_mm, &g->calibration, &cli->err);
     if (g->part == FLICKER) {
         r = ttf_guided_flicker(config, &g->calibration.flicker, &cli->err);
         g->calibration.has_flicker = r == 0;
@@ -178,6 +182,31 @@ static int acquire(struct cli *cli, struct guided *g)
     return r;
 }
 
+/* What must be said before anything is looked at. */
+static int check_options(struct cli *cli, enum part part)
+{
+    int r = part == GEOMETRY && cli->opt.pitch_mm <= 0
+                ? cli_need(cli, NULL, "--pitch", "say how far the dots are apart, as --pitch 5")
+                : 0;
+
+    if (r < 0 || part == FLICKER || part == GEOMETRY)
+        return r;
+    return cli_need(cli, cli->opt.output, "-o", "say where the calibration goes, as -o cal");
+}
+
+/* All that CAL holds now; without one, what was measured. */
+static void say(struct cli *cli, const struct guided *g)
+{
+    if (cli->opt.output)
+        calibrate_say(cli, &g->calibration, cli->opt.output);
+    else if (g->part == GEOMETRY)
+        calibrate_say_geometry(cli, &g->calibration);
+    else
+        calibrate_say_flicker(cli, &g->calibration);
+    if (g->part == FLICKER)
+        calibrate_advise(cli, &g->calibration.flicker, g->plan.mains_hz);
+}
+
 static int calibrate(struct cli *cli, enum part part)
 {
     struct guided *g = calloc(1, sizeof *g);
@@ -189,9 +218,7 @@ static int calibrate(struct cli *cli, enum part part)
         goto out;
     g->part = part;
     ttf_calibration_init(&g->calibration);
-    r = part == FLICKER
-            ? 0
-            : cli_need(cli, cli->opt.output, "-o", "say where the calibration goes, as -o cal");
+    r = check_options(cli, part);
     if (r == 0 && cli->opt.output)
         r = open_folder(cli, g);
     if (r == 0)
@@ -206,12 +233,8 @@ static int calibrate(struct cli *cli, enum part part)
         r = choose_shot(cli, g);
     if (r == 0)
         r = acquire(cli, g);
-    if (r == 0 && cli->opt.output)
-        calibrate_say(cli, &g->calibration, cli->opt.output);
-    else if (r == 0)
-        calibrate_say_flicker(cli, &g->calibration);
-    if (r == 0 && part == FLICKER)
-        calibrate_advise(cli, &g->calibration.flicker, g->plan.mains_hz);
+    if (r == 0)
+        say(cli, g);
 out:
     if (g) {
         ttf_box_destroy(&g->box);
@@ -236,6 +259,11 @@ int cmd_calibrate_flat(struct cli *cli)
 int cmd_calibrate_chart(struct cli *cli)
 {
     return calibrate(cli, CHART);
+}
+
+int cmd_calibrate_geometry(struct cli *cli)
+{
+    return calibrate(cli, GEOMETRY);
 }
 
 int cmd_calibrate_flicker(struct cli *cli)

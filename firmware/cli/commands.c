@@ -149,6 +149,31 @@ static const struct cli_command COMMANDS[] = {
                      {"ttfbox calibrate chart --scene chart -o cal", "in the simulated box"}},
     },
     {
+        .name = "calibrate geometry",
+        .args = "",
+        .summary = "measure how large a pixel is, and how square the camera looks",
+        .text =
+            "Photographs a printed grid of dark round dots, --pitch apart in rows and columns and "
+            "half as wide, in the sample's place, and says how many millimetres a pixel is there, "
+            "how "
+            "much that differs over the frame, how the grid is turned, and what the lens bends. "
+            "With -o it is kept in CAL, and datasets made with CAL say their scale. Refuses what "
+            "is no even grid, or covers too little of the frame.",
+        .run = cmd_calibrate_geometry,
+        .options = {BOARD_OPTIONS,
+                    {OPT_PLAN, NULL},
+                    {OPT_SHOT, NULL},
+                    {OPT_EXPOSURE, NULL},
+                    {OPT_PITCH, NULL},
+                    {OPT_FRAMES, "frames to average (default: 64)"},
+                    {OPT_OUTPUT, "a calibration folder that has its dark or flat"},
+                    {OPT_JSON, NULL},
+                    {OPT_QUIET, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox calibrate geometry --plan week.yaml --pitch 5 -o cal", NULL},
+                     {"ttfbox calibrate geometry --scene dots --pitch 5", "in the simulated box"}},
+    },
+    {
         .name = "calibrate flicker",
         .args = "",
         .summary = "measure how steady the light is, from frame to frame and within one",

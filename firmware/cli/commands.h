@@ -46,6 +46,7 @@ int cmd_board_probe(struct cli *cli);
 int cmd_calibrate_dark(struct cli *cli);
 int cmd_calibrate_flat(struct cli *cli);
 int cmd_calibrate_chart(struct cli *cli);
+int cmd_calibrate_geometry(struct cli *cli);
 int cmd_calibrate_flicker(struct cli *cli);
 int cmd_calibrate_report(struct cli *cli);
 int cmd_capture(struct cli *cli);

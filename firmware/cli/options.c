@@ -37,6 +37,8 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
          "eight numbers: x and y in the frame's pixels of the corners of the chart's "
          "field of patches, from 'dark skin' along the first row, clockwise (the page's "
          "live view picks them; of the simulated 'chart' they are known)"},
+    [OPT_PITCH] = {"pitch", 0, "MM", CLI_DECIMAL, O(pitch_mm), 1e-3, 1e4,
+                   "millimetres from the middle of a dot to that of the next one in its row"},
     [OPT_VALUES] = {"values", 0, "FILE", CLI_TEXT, O(values), 0, 0,
                     "L*, a* and b* (D50) of the chart's 24 patches, a line each, or a CGATS file "
                     "(default: the ColorChecker Classic since November 2014; the simulated 'chart' "

@@ -58,6 +58,7 @@ enum cli_option {
     OPT_BRACKET,
     OPT_WITH_EXCLUDED,
     OPT_CORNERS,
+    OPT_PITCH,
     OPT_VALUES,
     OPT_SIZE,
     OPT_BLOCK,
@@ -137,7 +138,7 @@ struct cli_options {
     int64_t interval_ns, exposure_ns;
     uint32_t size[2], block[2], overlap[2];
     bool block_auto;
-    double tolerance, reflectance, mm_per_px, white;
+    double tolerance, reflectance, mm_per_px, pitch_mm, white;
     /* of the quilting commands */
     const char *svd, *factors, *rate_map, *normals, *heights, *curvature, *save_map, *map;
     const char *sources[CLI_SOURCES_MAX];

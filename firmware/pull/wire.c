@@ -232,8 +232,8 @@ static int box_error(struct wire *wire, long status, const char *path, struct tt
         r = -EACCES;
     else if (status == 404)
         r = -ENOENT;
-    else if (status == 503)
-        r = -ETIMEDOUT; /* it will have time again */
+    else if (status == 503 || status == 429)
+        r = -EAGAIN; /* it is short of something, and will have it again */
     ttf_err_set(err, r, path, "the box says %ld: %.200s", status, text);
     if (status == 401)
         ttf_err_hint(err, "give the box's token by --token-file");

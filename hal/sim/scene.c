@@ -10,7 +10,7 @@
 /* The first is the default of those who let the user choose. */
 static const struct scene_kind *const kinds[] = {&scene_grass,  &scene_copper, &scene_paint,
                                                  &scene_banana, &scene_snow,   &scene_chart,
-                                                 &scene_white};
+                                                 &scene_dots,   &scene_white};
 
 /* Sizes kept: the camera's and that of whoever asks for the truth. */
 #define KEPT 2

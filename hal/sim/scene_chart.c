@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Samples that do not change: a chart of grey steps, colours and edges, and an even white target. */
+/* Samples that do not change: a chart of grey steps, colours and edges, a grid of dots, and an even white target. */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -7,6 +7,8 @@
 #include "scene_kind.h"
 
 #define WHITE_REFLECTANCE 0.9f
+
+#define DOT_COLUMNS 16 /* across the plane; as many rows as make a square pitch */
 
 #define COLUMNS 6
 #define ROWS    4
@@ -93,8 +95,35 @@ static void white_render(const void *features, const struct scene_canvas *c, flo
         rgb[i] = WHITE_REFLECTANCE;
 }
 
+/* Share of a pixel at (x, y) of the plane that a dot covers: its edge is a pixel wide. */
+static float dot_cover(float x, float y, const struct scene_canvas *c)
+{
+    const float column = (floorf(x * DOT_COLUMNS) + 0.5f) / DOT_COLUMNS;
+    const float row = (floorf(y * DOT_COLUMNS) + 0.5f) / DOT_COLUMNS;
+    const float dx = x - column, dy = y - row, off = sqrtf(dx * dx + dy * dy);
+    const float inside = (0.25f / DOT_COLUMNS - off) * 0.5f * (c->sx + c->sy) + 0.5f;
+
+    return fmaxf(0.0f, fminf(1.0f, inside));
+}
+
+static void dots_render(const void *features, const struct scene_canvas *c, float phase, float *rgb)
+{
+    const float ground = 0.85f, dot = 0.05f;
+
+    for (uint32_t y = 0; y < c->h; y++) {
+        for (uint32_t x = 0; x < c->w; x++, rgb += 3) {
+            const float cover = dot_cover(((float)x + 0.5f) / c->sx, ((float)y + 0.5f) / c->sy, c);
+
+            rgb[0] = rgb[1] = rgb[2] = ground + cover * (dot - ground);
+        }
+    }
+}
+
 const struct scene_kind scene_chart = {
     .name = "chart", .create = create_nothing, .destroy = free, .render = chart_render};
+
+const struct scene_kind scene_dots = {
+    .name = "dots", .create = create_nothing, .destroy = free, .render = dots_render};
 
 const struct scene_kind scene_white = {
     .name = "white", .create = create_nothing, .destroy = free, .render = white_render};

@@ -40,6 +40,6 @@ struct scene_kind {
 };
 
 extern const struct scene_kind scene_grass, scene_copper, scene_paint, scene_banana, scene_snow,
-    scene_chart, scene_white;
+    scene_chart, scene_dots, scene_white;
 
 #endif

@@ -10,6 +10,7 @@
 #include "ttf/hal/sim.h"
 
 static struct ttf_box box;
+static const struct ttf_calibration with_flat = {.has_flat = true};
 
 static int make_box(void **state)
 {
@@ -57,7 +58,7 @@ static void a_camera_of_two_shots_is_one_camera_with_two_channels_and_streams(vo
 
     (void)state;
     two_shots(&plan);
-    assert_int_equal(ttf_manifest_of_plan(&plan, &box, true, &m, NULL), 0);
+    assert_int_equal(ttf_manifest_of_plan(&plan, &box, &with_flat, &m, NULL), 0);
     assert_string_equal(m.title, "SIMULATED grass");
     assert_int_equal(m.n_cameras, 1);
     assert_int_equal(m.n_channels, 2);
@@ -68,9 +69,36 @@ static void a_camera_of_two_shots_is_one_camera_with_two_channels_and_streams(vo
     assert_string_equal(m.streams[1].quantity, "reflectance");
     /* The same lamps again: the same channel. */
     memcpy(plan.shots[1].channel, plan.shots[0].channel, sizeof(plan.shots[0].channel));
-    assert_int_equal(ttf_manifest_of_plan(&plan, &box, false, &m, NULL), 0);
+    assert_int_equal(ttf_manifest_of_plan(&plan, &box, NULL, &m, NULL), 0);
     assert_int_equal(m.n_channels, 1);
     assert_string_equal(m.streams[1].quantity, "radiance");
+}
+
+static void
+a_measured_scale_is_that_of_its_own_camera_and_mode_unless_the_plan_has_one(void **state)
+{
+    struct ttf_calibration measured = {
+        .width = 64, .height = 48, .has_geometry = true, .geometry = {.mm_per_px = 0.125}};
+    struct ttf_manifest m;
+    struct ttf_plan plan;
+
+    (void)state;
+    two_shots(&plan);
+    memcpy(measured.camera, plan.shots[0].camera, sizeof(measured.camera));
+    assert_int_equal(ttf_manifest_of_plan(&plan, &box, &measured, &m, NULL), 0);
+    assert_true(m.streams[0].mm_per_px == 0.125 && m.streams[1].mm_per_px == 0.125);
+    assert_string_equal(m.streams[0].quantity, "radiance");
+    measured.width = 128; /* another mode of the camera */
+    assert_int_equal(ttf_manifest_of_plan(&plan, &box, &measured, &m, NULL), 0);
+    assert_true(m.streams[0].mm_per_px == 0);
+    measured.width = 64;
+    memcpy(measured.camera, "other", 6);
+    assert_int_equal(ttf_manifest_of_plan(&plan, &box, &measured, &m, NULL), 0);
+    assert_true(m.streams[0].mm_per_px == 0);
+    memcpy(measured.camera, plan.shots[0].camera, sizeof(measured.camera));
+    plan.mm_per_px = 0.5;
+    assert_int_equal(ttf_manifest_of_plan(&plan, &box, &measured, &m, NULL), 0);
+    assert_true(m.streams[0].mm_per_px == 0.5);
 }
 
 static void a_real_box_invents_nothing(void **state)
@@ -81,7 +109,7 @@ static void a_real_box_invents_nothing(void **state)
     (void)state;
     two_shots(&plan);
     box.simulated = false;
-    assert_int_equal(ttf_manifest_of_plan(&plan, &box, true, &m, NULL), 0);
+    assert_int_equal(ttf_manifest_of_plan(&plan, &box, &with_flat, &m, NULL), 0);
     box.simulated = true;
     assert_string_equal(m.title, "grass");
     assert_false(m.simulated);
@@ -104,7 +132,7 @@ static void a_dataset_takes_only_images_of_its_own_kind(void **state)
 
     (void)state;
     two_shots(&plan);
-    assert_int_equal(ttf_manifest_of_plan(&plan, &box, true, &m, NULL), 0);
+    assert_int_equal(ttf_manifest_of_plan(&plan, &box, &with_flat, &m, NULL), 0);
     wanted = m;
     assert_int_equal(ttf_manifest_takes_plan(&m, &wanted, NULL), 0);
     wanted.n_streams = 1; /* fewer are no harm */
@@ -135,6 +163,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_camera_of_two_shots_is_one_camera_with_two_channels_and_streams),
+        cmocka_unit_test(
+            a_measured_scale_is_that_of_its_own_camera_and_mode_unless_the_plan_has_one),
         cmocka_unit_test(a_real_box_invents_nothing),
         cmocka_unit_test(a_dataset_takes_only_images_of_its_own_kind),
     };

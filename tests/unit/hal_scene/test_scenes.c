@@ -65,7 +65,7 @@ static void scenes_are_listed_and_an_unknown_one_is_refused_with_the_list(void *
         s = scene_of(ttf_scene_name(n), 1);
         s.ops->destroy(s.priv);
     }
-    assert_int_equal(n, 7);
+    assert_int_equal(n, 8);
     assert_int_equal(ttf_scene_procedural("gras", 1, SPAN, &s, &err), -ENOENT);
     assert_non_null(strstr(err.what, "gras"));
     assert_non_null(strstr(err.hint, "grass, copper, paint"));

@@ -41,6 +41,10 @@ TTF_MUST_USE int ttf_guided_chart(const struct ttf_guided_config *config,
                                   const struct ttf_chart_view *view, const struct ttf_chart *chart,
                                   struct ttf_calibration *calibration, struct ttf_err *err);
 
+/* The same light on a flat grid of dots in the sample's place, pitch_mm apart: how large a pixel is. */
+TTF_MUST_USE int ttf_guided_geometry(const struct ttf_guided_config *config, double pitch_mm,
+                                     struct ttf_calibration *calibration, struct ttf_err *err);
+
 /* The same light on a still subject: `frames` frames, one by one. *ret is written on success alone. */
 TTF_MUST_USE int ttf_guided_flicker(const struct ttf_guided_config *config, struct ttf_flicker *ret,
                                     struct ttf_err *err);

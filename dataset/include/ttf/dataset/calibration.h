@@ -80,6 +80,17 @@ struct ttf_flicker {
     double drift_per_min; /* slope over the frames, a minute */
 };
 
+/* How large a pixel is, by a flat grid of dots in the sample's place. */
+struct ttf_geometry {
+    unsigned frames, dots;
+    double pitch_mm;                        /* from dot to dot */
+    double mm_per_px;                       /* in the frame's middle, of a raw pixel */
+    double mm_per_px_least, mm_per_px_most; /* of the middle and the four corners */
+    double rotation_deg;                    /* of the grid in the frame, clockwise; -45 to 45 */
+    double distortion; /* radial, at the corners: below 0 a barrel, above a pincushion */
+    double residual_px, residual_max_px; /* what a plane and such a lens leave: rms, and most */
+};
+
 /* A calibration. Fields are read freely; made by the functions below. Owns its arrays. */
 struct ttf_calibration {
     char id[64]; /* [a-z0-9-]; from the content's hash when fitted */
@@ -116,6 +127,9 @@ struct ttf_calibration {
     /* how steady its light was found; a remark, too */
     bool has_flicker;
     struct ttf_flicker flicker;
+    /* how large a pixel is; a remark, too */
+    bool has_geometry;
+    struct ttf_geometry geometry;
 };
 
 /* Nothing known: identity. */
@@ -150,6 +164,16 @@ TTF_MUST_USE int ttf_calibration_fit_chart(struct ttf_calibration *calibration,
                                            const struct ttf_raw_sum *frames,
                                            const struct ttf_chart_view *view,
                                            const struct ttf_chart *chart, struct ttf_err *err);
+
+/*
+ * Measures how large a pixel is from frames of a flat grid of dark round dots on light ground, pitch_mm apart in rows and columns,
+ * of which at least 5 x 5 are seen, over 0.4 of the frame each way: middles of the dots, a homography and one
+ * radial term of the lens. Finished pictures will do where the calibration has neither dark nor flat. Refused with a reason
+ * when there is no such grid, or the dots are off it by more than a twentieth of the pitch (rms). -EINVAL, -ENOMEM.
+ */
+TTF_MUST_USE int ttf_calibration_fit_geometry(struct ttf_calibration *calibration,
+                                              const struct ttf_raw_sum *frames, double pitch_mm,
+                                              struct ttf_err *err);
 
 /* Gives it its id from its content; call after fitting. */
 TTF_MUST_USE int ttf_calibration_name(struct ttf_calibration *calibration, struct ttf_err *err);
