@@ -15,6 +15,7 @@
 #include "parts.h"
 #include "runs.h"
 #include "ttf/http/listen.h"
+#include "ttf/http/token.h"
 
 bool daemon_told_to_end(const struct daemon *d)
 {
@@ -118,6 +119,23 @@ static int check_config_plan(struct daemon *d, struct ttf_err *err)
     return r;
 }
 
+/* A token that somebody has written and that would not do. One that is not there is made, and so is an empty one where the
+ * daemon makes it; one that is another user's is not ours to look at. */
+static int check_token(struct daemon *d, struct ttf_err *err)
+{
+    struct ttf_err why = {0};
+    size_t n = strlen(d->config.state);
+    int r;
+
+    if (strncmp(d->config.token_file, d->config.state, n) == 0 && d->config.token_file[n] == '/')
+        return 0;
+    r = ttf_http_token_read(d->config.token_file, d->token, &why);
+    if (r == 0 || r == -ENOENT || r == -EACCES)
+        return 0;
+    *err = why;
+    return r;
+}
+
 static int own_box(struct daemon *d, struct ttf_err *err)
 {
     char who[256];
@@ -209,8 +227,10 @@ static int begin(struct daemon *d, struct ttf_err *err)
 
     if (r < 0)
         return r;
-    if (d->options->check)
-        return check_config_plan(d, err);
+    if (d->options->check) {
+        r = check_config_plan(d, err);
+        return r < 0 ? r : check_token(d, err);
+    }
     manager_find(&d->manager);
     d->host.notify = d->manager.socket;
     d->host.watchdog_ns = d->manager.watchdog_ns;

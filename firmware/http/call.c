@@ -83,13 +83,17 @@ static int judge_access(const struct call_socket *socket, struct call *call,
         access_decide(TTF_HTTP_READ, socket->free_to_read, &said, calls->token) == ACCESS_YES;
     call->request.may_change =
         access_decide(TTF_HTTP_TOKEN, false, &said, calls->token) == ACCESS_YES;
+    call->request.at_cable = socket->free_to_read;
     verdict = access_decide(needs, socket->free_to_read, &said, calls->token);
     if (verdict == ACCESS_NEEDS_TOKEN) {
         ttf_err_set(err, -EACCES, NULL, "this needs the box's token");
         ttf_err_hint(err, "send it as Authorization: Bearer TOKEN");
     } else if (verdict == ACCESS_OTHER_PAGE) {
         ttf_err_set(err, -EPERM, NULL, "this may come from another page than the box's own");
-        ttf_err_hint(err, "with a cookie, send X-Ttfbox: 1 from a page of this address");
+        ttf_err_hint(err, "send X-Ttfbox: 1; with a cookie, from a page of this address");
+    } else if (verdict == ACCESS_ELSEWHERE) {
+        ttf_err_set(err, -EPERM, NULL, "this is had at the box's USB cable alone");
+        ttf_err_hint(err, "ttfbox usb token");
     }
     return verdict == ACCESS_YES ? 0 : verdict == ACCESS_NEEDS_TOKEN ? -EACCES : -EPERM;
 }

@@ -186,6 +186,7 @@ static int pull_manifest(struct one *one, struct ttf_err *err)
         } else if (r < 0 && r != -ENOENT) {
             ttf_err_set(err, r, one->folder, "cannot be listed: %s", strerrordesc_np(-r));
         } else {
+            one->lines.is_new = r == -ENOENT; /* of the folder itself */
             r = ttf_io_mkdirs(io, one->folder, err);
             if (r == 0)
                 r = landing_put(&one->landing, "dataset.json", theirs, n_theirs, err);
@@ -239,6 +240,7 @@ static int pull_all(struct one *one, struct ttf_err *err)
 
     if (r == 0)
         r = lock(one, err);
+    one->settling.handle = one->lock;
     if (r == 0)
         r = ask_seal(one, &state, err);
     if (r == 0) {
@@ -280,8 +282,8 @@ int one_pull(const struct ttf_pull_config *config, struct wire *wire, struct cre
     (void)snprintf(one->folder, sizeof one->folder, "%s/%s", config->dest, name);
     one->landing =
         (struct landing){.io = config->io, .wire = wire, .name = name, .folder = one->folder};
-    one->settling.io = config->io;
-    one->settling.folder = one->folder;
+    one->settling = (struct settling){
+        .io = config->io, .clock = config->clock, .folder = one->folder, .handle = -1};
     one->records = (struct grown){.io = config->io, .wire = wire, .file = -1};
     (void)snprintf(one->records.url, sizeof one->records.url, "/datasets/%s/records", name);
     (void)snprintf(one->records.path, sizeof one->records.path, "%s/records.jsonl", one->folder);

@@ -176,6 +176,20 @@ timeout -s INT 4 "$TTFBOX" pull followed --box http://127.0.0.1:1 --follow >out 
 asked=$(grep -c 'does not answer' err)
 if [ "$asked" -lt 1 ] || [ "$asked" -gt 4 ]; then fail "a box that is gone was asked $asked times in 4 s"; fi
 
+# --- a box that is short of something says nothing of its file: it is asked again, and if it stays so, it is the box that is named
+background "$PYTHON" "$HERE/short_box.py" "${BOX#http://}" frames/main/000004.tif 3
+expect 0 "$TTFBOX" pull short --box "http://$WHERE"
+said err 'the box says 503'
+said err 'it is asked again'
+same whole short/grass
+drop
+background "$PYTHON" "$HERE/short_box.py" "${BOX#http://}" frames/main/000004.tif 0
+expect 1 "$TTFBOX" pull shorter --box "http://$WHERE"
+said err 'the box says 503'
+! grep -qi 'damaged' err || fail "a box that is short of something is called damaged"
+[ -e shorter/grass/frames/main/000003.tif ] || fail "what came before is gone"
+drop
+
 # --- killed at random moments, and connections cut at random bytes
 background "$PYTHON" "$HERE/bad_wire.py" "${BOX#http://}" "$SEED"
 RANDOM=$SEED
