@@ -14,7 +14,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#define WAITING 64 /* connections that nobody took yet */
+#define WAITING \
+    1024 /* connections that nobody took yet: of a crowd, too; one that finds no room tries again a second later */
 
 union address {
     struct sockaddr any;
