@@ -96,6 +96,19 @@ def expect_a_device_of_a_pc(m):
     assert "has shown its token before" in out and "this needs the box's token" in out, out + m.journal()
 
 
+def expect_a_restart_to_be_no_unplugging(m):
+    """The cable's service restarted, and its first process killed: the PC's end keeps the number that it gave the device."""
+    number = "grep -l '^ttfbox capture box' /sys/bus/usb/devices/*/product | sed 's|product$|devnum|' | xargs cat"
+    code, before = m.run(number)
+    assert before.strip(), before + m.journal()
+    for how in ("systemctl restart ttfbox-usbd", "systemctl kill -s KILL --kill-who=main ttfbox-usbd && sleep 1"):
+        code, out = m.run(how, 60)
+        assert code == 0, out
+        m.wait("systemctl is-active ttfbox-usbd && ttfbox pull /tmp/pulled --usb && rm -r /tmp/pulled", 60)
+        code, now = m.run(number)
+        assert now == before, "%s was an unplugging: %s, %s" % (how, before, now) + m.journal()
+
+
 def a_first_boot_takes_the_settings_and_captures_as_seen_from_outside(board, image):
     card(board, image, PLAN % (SLOTS, "capture-only"))
     since = time.time()
@@ -125,6 +138,7 @@ def a_first_boot_takes_the_settings_and_captures_as_seen_from_outside(board, ima
         code, out = m.run(RESTARTS)
         assert out.split() == ["0"] * len(SERVICES), "a service did not stay up: " + out + m.journal()
         expect_a_device_of_a_pc(m)
+        expect_a_restart_to_be_no_unplugging(m)
         expect_sealed_off(m)
         m.off()
     assert booted.get(image, "ttfbox-problem.txt") is None

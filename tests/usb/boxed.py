@@ -3,10 +3,13 @@
 import http.client
 import json
 import os
+import signal
 import stat
 import subprocess
 import threading
+import time
 
+from manager import Manager
 from world import Failed, say
 
 TOKEN = "/api/v1/session/token"
@@ -107,3 +110,53 @@ def with_it(world, cable, kept):
         raise Failed(f"trust {trust}, and the box says {world.log('daemon')}")
     if "took" in ttfbox(world, "pull", world.at("here"), "--box", cable).stdout:
         raise Failed("the time is taken from somebody without the token")
+
+
+# ---- the service ttfbox-usbd, as its manager starts it
+
+
+def answers(world):
+    try:
+        world.is_healthy(1.0)
+        return True
+    except Failed:
+        return False
+
+
+def restarts(world):
+    """A restart of ttfbox-usbd.service, or of ttfboxd's, is no unplugging: the manager keeps the gadget open meanwhile."""
+    world.daemon()
+    world.cable()
+    manager = Manager(world)
+    manager.begin()
+    world.bridge()
+    world.is_healthy(2.0)
+    away = lambda: world.log("bridge").count("the box is away")
+    before, took = away(), []
+    for number in (signal.SIGTERM, signal.SIGKILL, signal.SIGABRT) * 2:
+        manager.end(number)
+        time.sleep(0.2)  # the service's RestartSec
+        manager.begin()
+        begun = time.monotonic()
+        world.wait(lambda: answers(world), "no status after a restart", 3.0)
+        took.append(time.monotonic() - begun)
+    if world.log("usbd").count("goes on with the gadget as it is") != 6 or world.log("usbd").count("ready at") != 7:
+        raise Failed(f"the gadget was not handed on: {world.log('usbd')}")
+    if away() != before:
+        raise Failed("a PC saw the box go away")
+    # A restart of the box's own service: the cable's notices nothing.
+    worker = world.worker()
+    anew(world)
+    world.wait(lambda: answers(world), "no status from the next ttfboxd", 3.0)
+    if world.worker() != worker or away() != before:
+        raise Failed("the cable's service did not outlive the box's")
+    # Stopped, and nobody holds the gadget: it is gone.
+    manager.end(signal.SIGTERM)
+    manager.forget()
+    world.wait(lambda: away() > before, "a stopped box is at the bus still")
+    # What was handed to another process is not taken for one's own.
+    manager.begin(pid="1")
+    world.wait(lambda: answers(world), "no status")
+    if world.log("usbd").count("goes on with the gadget") != 6:
+        raise Failed("what was another's was taken")
+    say(f"restarts: 6 of the service by stop, kill and abort, and no PC saw the box go; the status was right {max(took) * 1e3:.0f} ms later at most")

@@ -469,7 +469,7 @@ def versions(world):
 
 
 SCENARIOS = {"sizes": sizes, "kills": kills, "usbd-dies": usbd_dies, "daemon-dies": daemon_dies, "unplugs": unplugs,
-             "sleeps": sleeps, "greedy": greedy, "strangers": strangers, "versions": versions, "token": boxed.token,
+             "sleeps": sleeps, "greedy": greedy, "strangers": strangers, "versions": versions, "token": boxed.token, "restarts": boxed.restarts,
               "latency": latency, "speed": speed, "listing": listing}
 
 

@@ -54,9 +54,9 @@ class World:
 
     # ---- processes
 
-    def start(self, name, *command, ready=None):
+    def start(self, name, *command, ready=None, **more):
         log = open(self.at(name + ".log"), "ab")
-        self.processes[name] = subprocess.Popen(command, stdout=log, stderr=log)
+        self.processes[name] = subprocess.Popen(command, stdout=log, stderr=log, **more)
         log.close()
         if ready:
             self.wait(lambda: self.listens(ready), f"{name} is not ready")
