@@ -60,7 +60,7 @@ static int make_server(struct keeper *k, struct ttf_err *err)
     if (r == 0)
         r = ttf_io_mkdirs(d->io, d->config.state, err);
     if (r == 0)
-        r = ttf_http_token_load(d->config.token_file, d->token, err);
+        r = ttf_http_token_load_to_show(d->config.token_file, d->token, err);
     if (r < 0)
         return r;
     if (gethostname(host, sizeof host - 1) == 0 && *host) {

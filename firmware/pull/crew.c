@@ -33,6 +33,7 @@ static void run_errand(struct landing *landing, struct errand *e)
     if (landing->folder != e->folder)
         landing->made[0] = '\0';
     landing->folder = e->folder;
+    landing->doubtful = e->doubtful;
     e->r = landing_ensure(landing, e->path, e->bytes, e->sha256, e->trust, &e->landed, &e->why);
 }
 

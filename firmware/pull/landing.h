@@ -15,8 +15,9 @@
 struct landing {
     struct ttf_io *io;
     struct wire *wire;
-    const char *name;     /* the dataset's */
-    const char *folder;   /* where it is laid, DEST/NAME */
+    const char *name;   /* the dataset's */
+    const char *folder; /* where it is laid, DEST/NAME */
+    bool doubtful; /* what is here may be seen and not be on the disk, whatever is synced: anew.h */
     char made[4600];      /* the folder that was made last */
     unsigned char *small; /* LANDING_SMALL bytes, for a file at a time; NULL: there are none yet */
 };

@@ -181,6 +181,7 @@ static int ask(struct lines *l, const char *path, int64_t bytes, const char *sha
                          .trust = !keep       ? LANDING_SIZE
                                   : l->is_new ? LANDING_NEW
                                               : LANDING_HASH,
+                         .doubtful = l->landing->doubtful,
                          .r = -EIO,
                          .done = true};
     (void)snprintf(e->path, sizeof e->path, "%s", path);

@@ -47,6 +47,10 @@ TTF_MUST_USE int pull_wire_get_text(struct wire *wire, const char *path, int64_t
                                     int64_t last, size_t max, char **ret_text, size_t *ret_bytes,
                                     struct ttf_err *err);
 
+/* POST: json NULL: without a body. The answer (any of 2xx) as above, at most 64 KiB. -EEXIST and -EPERM by what the box says (409, 403), else as above. */
+TTF_MUST_USE int pull_wire_post_text(struct wire *wire, const char *path, const char *json,
+                                     char **ret_text, size_t *ret_bytes, struct ttf_err *err);
+
 /* Bytes of answers so far, of its twins too. */
 int64_t pull_wire_bytes(const struct wire *wire);
 
