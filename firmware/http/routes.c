@@ -11,6 +11,7 @@
 #include "datasets.h"
 #include "health.h"
 #include "listeners.h"
+#include "preview_video.h"
 #include "previews.h"
 #include "run_answers.h"
 #include "session.h"
@@ -39,6 +40,8 @@ static const struct ttf_http_route ROUTES[] = {
      TTF_HTTP_PICTURES},
     {"GET", "/api/v1/datasets/{name}/preview", TTF_HTTP_READ, previews_state, TTF_HTTP_NO_BODY,
      TTF_HTTP_AT_ONCE},
+    {"GET", "/api/v1/datasets/{name}/preview.avi", TTF_HTTP_READ, preview_video, TTF_HTTP_NO_BODY,
+     TTF_HTTP_PICTURES},
     {"GET", "/api/v1/datasets/{name}/preview/{path}", TTF_HTTP_READ, previews_frame,
      TTF_HTTP_NO_BODY, TTF_HTTP_AT_ONCE},
     {"GET", "/api/v1/datasets/{name}/events", TTF_HTTP_READ, datasets_events, TTF_HTTP_NO_BODY,
