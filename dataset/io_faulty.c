@@ -213,6 +213,14 @@ static int fa_lock(struct ttf_io *io, int file)
     return self(io)->base->ops->lock(self(io)->base, file);
 }
 
+static int fa_sync_all(struct ttf_io *io, int file)
+{
+    struct faulty *f = self(io);
+    int r = ask(f, "sync_all", path_of(f, file));
+
+    return r ? r : ttf_io_sync_all(f->base, file);
+}
+
 static const struct ttf_io_ops faulty_ops = {
     .name = "faulty",
     .open = fa_open,
@@ -231,6 +239,7 @@ static const struct ttf_io_ops faulty_ops = {
     .list = fa_list,
     .space = fa_space,
     .lock = fa_lock,
+    .sync_all = fa_sync_all,
 };
 
 struct ttf_io *ttf_io_faulty_create(struct ttf_io *base, ttf_io_fault_fn *fault, void *ctx)

@@ -4,10 +4,13 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/statfs.h>
 #include <sys/statvfs.h>
+#include <sys/utsname.h>
 #include <unistd.h>
 
 #include "ttf/base/time.h"
@@ -210,6 +213,40 @@ static int px_lock(struct ttf_io *io, int file)
     return r < 0 ? -errno : 0;
 }
 
+/*
+ * Linux tells of failed write-back by syncfs since 5.8. Of these file systems it is known to be so, and that they bring over everything;
+ * what comes over a network or from a program (FUSE) may have been handed on, and no more.
+ */
+static bool tells_of_all(int file)
+{
+    static const unsigned long KNOWN[] = {0xEF53 /* ext2, 3, 4 */, 0x58465342 /* XFS */,
+                                          0x9123683E /* btrfs */, 0xF2F52010 /* F2FS */,
+                                          0x01021994 /* tmpfs: on no disk */};
+    unsigned long major, minor = 0;
+    struct utsname kernel;
+    struct statfs fs;
+    char *end;
+
+    if (uname(&kernel) < 0 || fstatfs(file, &fs) < 0)
+        return false;
+    major = strtoul(kernel.release, &end, 10);
+    if (*end == '.')
+        minor = strtoul(end + 1, NULL, 10);
+    if (major < 5 || (major == 5 && minor < 8))
+        return false;
+    for (unsigned i = 0; i < sizeof KNOWN / sizeof *KNOWN; i++)
+        if ((unsigned long)fs.f_type == KNOWN[i])
+            return true;
+    return false;
+}
+
+static int px_sync_all(struct ttf_io *io, int file)
+{
+    if (!tells_of_all(file))
+        return -EOPNOTSUPP;
+    return syncfs(file) < 0 ? -errno : 0;
+}
+
 static const struct ttf_io_ops posix_ops = {
     .name = "posix",
     .open = px_open,
@@ -228,6 +265,7 @@ static const struct ttf_io_ops posix_ops = {
     .list = px_list,
     .space = px_space,
     .lock = px_lock,
+    .sync_all = px_sync_all,
 };
 
 struct ttf_io *ttf_io_posix(void)

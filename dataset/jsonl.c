@@ -157,6 +157,29 @@ static int put_newline_first(struct ttf_json *json, const char **text, size_t *n
     return 0;
 }
 
+/*
+ * What is appended to a file that nobody finds any more (its folder was removed, or its disk taken away from under it) is
+ * synced like any other, and lost. Asked after the sync: a line that is acknowledged was to be found then.
+ */
+static bool is_gone(const struct ttf_jsonl *f)
+{
+    struct ttf_io_stat st;
+    int r = f->io->ops->stat(f->io, f->path, &st);
+
+    return r == -ENOENT || r == -ENOTDIR;
+}
+
+/* Images of the line's slot lie elsewhere by now, if anywhere: where the disk comes back, the line is not on it. */
+static int refuse_gone(struct ttf_jsonl *f, struct ttf_err *err)
+{
+    f->broken = -EIO;
+    if (f->io->ops->truncate(f->io, f->file, f->bytes) == 0)
+        (void)f->io->ops->sync(f->io, f->file, true);
+    ttf_err_set(err, f->broken, f->path, "is not there any more");
+    ttf_err_hint(err, "its folder was removed, or its disk was taken away");
+    return f->broken;
+}
+
 int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_err *err)
 {
     const char *text;
@@ -176,6 +199,8 @@ int ttf_jsonl_append(struct ttf_jsonl *f, struct ttf_err *err)
             return ttf_err_set(err, r, f->path, "no memory");
     }
     r = put(f, text, n);
+    if (r == 0 && is_gone(f))
+        return refuse_gone(f, err);
     if (r)
         return ttf_err_set(err, r, f->path, "a line cannot be written: %s", strerrordesc_np(-r));
     f->bytes += (int64_t)n;

@@ -35,29 +35,77 @@ const char *alert_mail(const struct alert *alert, const char *to, char ret[ALERT
 /* What is told of goes here. */
 typedef void alert_fn(void *ctx, const struct alert *alert);
 
-/* ---- watch.c ---- */
+/* ---- wanted.c: what ttfboxd is to do, as it stands on the disk: also while it is dead ---- */
+
+enum wants {
+    WANTS_NOTHING = 0, /* nobody asked for a run, or it is done */
+    WANTS_RUN,
+    WANTS_REST,  /* stopped by a person: so it is to stay */
+    WANTS_PERSON /* nobody knows what was decided */
+};
+
+struct wanted {
+    enum wants wants;
+    char dataset[65]; /* of the run; empty: of none */
+    char second[512]; /* its plan's second storage; empty: none */
+    char why[512];    /* PERSON */
+    bool known;
+    struct ttf_io_stat seen[2]; /* of which files that is so: what was decided, the plan */
+};
+
+/* Looks once. What cannot be read now is as it was. */
+void wanted_look(struct wanted *wanted, const struct ttf_alerts_config *config, struct ttf_io *io);
+
+/* ---- watch.c: the dataset; judge.c: what follows from it ---- */
+
+/* What the daemon says of itself just now, "" if it says nothing. */
+typedef void says_fn(void *ctx, char *ret, size_t size);
 
 struct watch {
     struct ttf_io *io;
     struct ttf_clock *clock;
-    const char *folder;
+    const struct ttf_alerts_config *config;
     alert_fn *tell;
+    says_fn *says; /* NULL: nobody is asked */
     void *ctx;
+    bool looked; /* at least once */
+    struct wanted wanted;
+    int64_t since_ns; /* since when that is wanted, as far as it was seen from here */
     /* the dataset under way; name empty: none */
     char name[65], path[4096];
     struct ttf_growth records, events;
     bool fresh; /* the first look at it: what lies there is no news */
-    bool ended, stopped, losing;
+    bool came;  /* a record has come since since_ns */
+    bool ended, losing;
+    bool stopped;        /* an alarm was told, and no record has come since */
+    bool rests;          /* stopped by a person: so it was told */
+    bool by_button;      /* that is to come, or has */
+    int64_t told_end_ns; /* when its events said that it was told to end; TTF_NS_UNKNOWN */
     int64_t interval_ns, index, lost;
-    int64_t
-        seen_ns; /* when the last record was seen to come; of a dataset as it was found: when it was found */
+    struct ttf_segment segment; /* the last; segment -1: none */
+    int64_t seen_ns;            /* when the last record was seen to come */
 };
+
+void watch_init(struct watch *watch, const struct ttf_alerts_config *config, struct ttf_io *io,
+                struct ttf_clock *clock);
 
 /* Looks once. Errors of the disk are no alert by themselves: records do not come then. */
 void watch_look(struct watch *watch);
 
 /* When it is to look again, at the latest. */
 int64_t watch_next_ns(const struct watch *watch, int64_t now_ns);
+
+/* An alert about the dataset. */
+void watch_tell(struct watch *watch, const char *kind, enum ttf_alert_severity severity,
+                const char *text);
+
+/* What is to be told now. ended_before: its end had been seen before this look. */
+void judge(struct watch *watch, bool ended_before);
+
+/* ---- says.c ---- */
+
+/* Asks ttfboxd at its UNIX socket for a moment: "retrying: the lamp guardian does not answer". */
+void says_ask(const char *socket, char *ret, size_t size);
 
 /* ---- parts.c ---- */
 

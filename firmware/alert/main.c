@@ -63,6 +63,13 @@ static void tell(void *ctx, const struct alert *alert)
         hook_put(a->hooks[i], alert);
 }
 
+static void says(void *ctx, char *ret, size_t size)
+{
+    const struct alertd *a = ctx;
+
+    says_ask(a->config.http_at, ret, size);
+}
+
 /* ---- the heartbeat ---- */
 
 static void *beat(void *ctx)
@@ -103,12 +110,10 @@ static int begin(struct alertd *a, struct ttf_err *err)
 {
     int r = 0;
 
-    a->watch = (struct watch){.io = ttf_io_posix(),
-                              .clock = a->clock,
-                              .folder = a->config.data,
-                              .tell = tell,
-                              .ctx = a,
-                              .index = -1};
+    watch_init(&a->watch, &a->config, ttf_io_posix(), a->clock);
+    a->watch.tell = tell;
+    a->watch.says = says;
+    a->watch.ctx = a;
     a->parts = (struct parts){.config = &a->config, .clock = a->clock, .tell = tell, .ctx = a};
     for (unsigned i = 0; i < a->config.n_hooks && r == 0; i++)
         r = hook_create(&a->config.hooks[i], a->clock, &a->hooks[i], err);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* watch.c: the dataset under way, from outside. A slot that is due gets a record: records that stop are a capture that stopped. */
+/* watch.c: the dataset under way, from outside: what comes to its records and its events. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -9,12 +9,14 @@
 #include "alert.h"
 #include "ttf/dataset/copy.h"
 
-#define LEAST_NS (500 * TTF_NS_PER_MS) /* that a record may be late, however short the interval */
-#define LOOK_NS  (500 * TTF_NS_PER_MS)
-#define SOON_NS  (50 * TTF_NS_PER_MS)
+#define LOOK_NS (500 * TTF_NS_PER_MS)
+#define SOON_NS (50 * TTF_NS_PER_MS)
 
-static void tell(struct watch *w, const char *kind, enum ttf_alert_severity severity,
-                 const char *text)
+/* dataset/FORMAT.md: of slots that nobody wanted. */
+#define BY_PERSON "stopped by a person"
+
+void watch_tell(struct watch *w, const char *kind, enum ttf_alert_severity severity,
+                const char *text)
 {
     struct alert alert = {.kind = kind, .severity = severity, .index = w->index};
     struct ttf_utc utc;
@@ -26,24 +28,42 @@ static void tell(struct watch *w, const char *kind, enum ttf_alert_severity seve
     w->tell(w->ctx, &alert);
 }
 
-static void begin(struct watch *w, const char *name)
+/* From now on records are waited for. */
+static void expect(struct watch *w)
+{
+    w->since_ns = ttf_clock_now_ns(w->clock);
+    w->came = false;
+    w->told_end_ns = TTF_NS_UNKNOWN;
+}
+
+static void begin(struct watch *w, const char *name, const char *path)
 {
     memset(&w->records, 0, sizeof w->records);
     memset(&w->events, 0, sizeof w->events);
     (void)snprintf(w->name, sizeof w->name, "%s", name);
-    (void)snprintf(w->path, sizeof w->path, "%s/%s", w->folder, name);
-    w->fresh = true;
-    w->ended = w->stopped = w->losing = false;
+    (void)snprintf(w->path, sizeof w->path, "%s", path);
+    w->ended = w->losing = w->by_button = false;
     w->interval_ns = w->lost = 0;
-    w->index = -1;
-    w->seen_ns = ttf_clock_now_ns(w->clock);
+    w->index = w->segment.segment = -1;
+    expect(w);
+}
+
+void watch_init(struct watch *watch, const struct ttf_alerts_config *config, struct ttf_io *io,
+                struct ttf_clock *clock)
+{
+    memset(watch, 0, sizeof *watch);
+    watch->config = config;
+    watch->io = io;
+    watch->clock = clock;
+    begin(watch, "", "");
 }
 
 /* ---- records ---- */
 
 static void on_slot(struct watch *w, const struct ttf_slot_record *record)
 {
-    bool lost = record->result != TTF_RESULT_CAPTURED && record->result != TTF_RESULT_PAUSED;
+    bool lost = record->result != TTF_RESULT_CAPTURED && record->result != TTF_RESULT_PAUSED &&
+                strcmp(record->reason, BY_PERSON) != 0;
     char text[300];
 
     w->index = record->index;
@@ -57,12 +77,12 @@ static void on_slot(struct watch *w, const struct ttf_slot_record *record)
     if (lost) {
         (void)snprintf(text, sizeof text, "slots are being lost: %s, %s",
                        ttf_result_name(record->result), record->reason);
-        tell(w, "slots-lost", TTF_ALERT_WARNING, text);
+        watch_tell(w, "slots-lost", TTF_ALERT_WARNING, text);
     } else {
         (void)snprintf(text, sizeof text, "slots are captured again; %" PRId64 " were lost",
                        w->lost);
         w->lost = 0;
-        tell(w, "slots-captured", TTF_ALERT_NOTICE, text);
+        watch_tell(w, "slots-captured", TTF_ALERT_NOTICE, text);
     }
 }
 
@@ -73,9 +93,13 @@ static int on_record(void *ctx, const struct ttf_growth_line *line, struct ttf_e
     struct ttf_segment segment;
 
     w->seen_ns = ttf_clock_now_ns(w->clock);
+    w->came = w->came || !w->fresh;
     w->ended = strcmp(line->type, "end") == 0;
-    if (strcmp(line->type, "segment") == 0 && ttf_growth_segment(line, &segment, err) == 0)
+    if (strcmp(line->type, "segment") == 0 && ttf_growth_segment(line, &segment, err) == 0 &&
+        segment.segment >= w->segment.segment) { /* else it corrects one that is over */
+        w->segment = segment;
         w->interval_ns = segment.interval_ns;
+    }
     if (strcmp(line->type, "slot") == 0 && ttf_growth_slot(line, &record, err) == 0) {
         on_slot(w, &record);
         ttf_slot_record_free(&record);
@@ -95,11 +119,17 @@ static int on_event(void *ctx, const struct ttf_growth_line *line, struct ttf_er
     (void)err;
     if (w->fresh || !kind)
         return 0;
+    /* Who wanted it is found out first (judge.c). */
+    if (strcmp(kind, "button") == 0 || strcmp(kind, "stop") == 0) {
+        w->by_button = w->by_button || strcmp(kind, "button") == 0;
+        w->told_end_ns = ttf_clock_now_ns(w->clock);
+        return 0;
+    }
     for (unsigned i = 0; i < sizeof ALARMS / sizeof *ALARMS; i++)
         if (strcmp(kind, ALARMS[i]) == 0)
             severity = TTF_ALERT_ALARM;
     (void)snprintf(said, sizeof said, "%s: %s", kind, text ? text : "");
-    tell(w, "event", severity, said);
+    watch_tell(w, "event", severity, said);
     return 0;
 }
 
@@ -114,56 +144,63 @@ static void read_lines(struct watch *w, const char *name, struct ttf_growth *gro
             '\0'; /* another dataset has come into its place: from its beginning, next time */
 }
 
-/* ---- */
+/* ---- which one ---- */
 
-static int64_t patience_ns(const struct watch *w)
+static bool is_there(const struct watch *w, const char *path)
 {
-    int64_t late_ns = w->interval_ns / 2;
+    char file[4200];
+    struct ttf_io_stat st;
 
-    return w->interval_ns + (late_ns > LEAST_NS ? late_ns : LEAST_NS);
+    (void)snprintf(file, sizeof file, "%s/dataset.json", path);
+    return w->io->ops->stat(w->io, file, &st) == 0;
 }
 
-static void judge(struct watch *w, bool ended_before)
+/* The one that is to be captured; where nobody wants one, the newest: it may be captured without the daemon. */
+static bool find(const struct watch *w, char ret_name[65], char ret_path[1200])
 {
-    int64_t silent_ns = ttf_clock_now_ns(w->clock) - w->seen_ns;
-    char text[300];
+    const struct wanted *wanted = &w->wanted;
 
-    if (w->ended) {
-        if (!ended_before && !w->fresh)
-            tell(w, "ended", TTF_ALERT_NOTICE, "the capture has come to its end");
-        w->stopped = false;
-        return;
-    }
-    if (w->interval_ns > 0 && !w->stopped && silent_ns > patience_ns(w)) {
-        w->stopped = true;
-        (void)snprintf(text, sizeof text,
-                       "the capture has stopped: no record for %.1f s, at an interval of %.1f s",
-                       (double)silent_ns / 1e9, (double)w->interval_ns / 1e9);
-        tell(w, "stopped", TTF_ALERT_ALARM, text);
-    } else if (w->stopped && silent_ns <= patience_ns(w)) {
-        w->stopped = false;
-        tell(w, "going-on", TTF_ALERT_NOTICE, "the capture goes on");
-    }
+    if (wanted->wants != WANTS_NOTHING && *wanted->dataset)
+        memcpy(ret_name, wanted->dataset, 65);
+    else if (ttf_growth_newest(w->io, w->config->data, ret_name) < 0)
+        return false;
+    (void)snprintf(ret_path, 1200, "%s/%s", wanted->second, ret_name);
+    if (!*wanted->second || !is_there(w, ret_path))
+        (void)snprintf(ret_path, 1200, "%s/%s", w->config->data, ret_name);
+    return true;
+}
+
+/* true: something else is wanted than before. */
+static bool look_at_wanted(struct watch *w)
+{
+    struct wanted before = w->wanted;
+
+    wanted_look(&w->wanted, w->config, w->io);
+    if (w->wanted.wants == before.wants && strcmp(w->wanted.dataset, before.dataset) == 0)
+        return false;
+    expect(w);
+    if (w->wanted.wants == WANTS_REST)
+        w->rests = false;
+    return true;
 }
 
 void watch_look(struct watch *w)
 {
-    char newest[65];
-    bool ended_before;
+    char name[65], path[1200];
+    bool other = look_at_wanted(w), ended_before;
 
-    if (ttf_growth_newest(w->io, w->folder, newest) == 0 && strcmp(newest, w->name) != 0) {
-        bool first = w->name[0] == '\0' && w->seen_ns == 0;
-
-        begin(w, newest);
-        w->fresh = first; /* of one that came while we looked, all is news */
+    w->fresh = !w->looked; /* of one that came while we looked, all is news */
+    if (find(w, name, path) && (strcmp(name, w->name) != 0 || strcmp(path, w->path) != 0)) {
+        begin(w, name, path);
+        w->fresh = w->fresh || (other && is_there(w, path)); /* it is gone on with */
     }
-    if (w->name[0] == '\0')
-        return;
     ended_before = w->ended;
-    read_lines(w, "records.jsonl", &w->records, on_record);
+    if (w->name[0] != '\0')
+        read_lines(w, "records.jsonl", &w->records, on_record);
     if (w->name[0] != '\0')
         read_lines(w, "events.jsonl", &w->events, on_event);
     judge(w, ended_before);
+    w->looked = true;
     w->fresh = false;
 }
 

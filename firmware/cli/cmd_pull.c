@@ -10,6 +10,7 @@
 #include "ttf/dataset/json_parse.h"
 #include "ttf/hal/clock.h"
 #include "ttf/http/token.h"
+#include "ttf/pull/ask.h"
 #include "ttf/pull/pull.h"
 #include "usb_box.h"
 
@@ -99,6 +100,13 @@ static int list(struct cli *cli, const struct ttf_pull_config *config)
     return 0;
 }
 
+/* A box without network and battery does not know what time it is. Whatever comes of it, the pull goes on. */
+static void offer_time(struct cli *cli, const struct ttf_pull_config *config)
+{
+    if (config->token && ttf_pull_offer_time(config, NULL) == 1)
+        cli_say(cli, "the box          took this machine's time: it had none better");
+}
+
 static int pull(struct cli *cli, struct ttf_pull_config *config)
 {
     struct show show = {.cli = cli};
@@ -112,6 +120,7 @@ static int pull(struct cli *cli, struct ttf_pull_config *config)
     config->stop = cli_stop_flag();
     config->progress = on_progress;
     config->progress_ctx = &show;
+    offer_time(cli, config);
     r = ttf_pull(config, &result, &cli->err);
     s = (double)(ttf_clock_now_ns(config->clock) - begun) / 1e9;
     cli_progress_end(&show.bar);

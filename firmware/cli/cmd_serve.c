@@ -15,10 +15,12 @@
 #define LOOK_NS        (100 * TTF_NS_PER_MS) /* how soon Ctrl-C is seen */
 
 /* Until Ctrl-C. */
-static void stay(struct ttf_clock *clock)
+static void stay(struct ttf_clock *clock, struct ttf_http_server *server)
 {
-    while (*cli_stop_flag() == 0)
+    while (*cli_stop_flag() == 0) {
+        ttf_http_server_tidy(server);
         (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + LOOK_NS);
+    }
 }
 
 static void tell(struct cli *cli, const struct ttf_http_socket *socket, const char *token)
@@ -69,7 +71,7 @@ int cmd_serve(struct cli *cli)
     }
     if (r == 0) {
         tell(cli, &socket, token);
-        stay(config.clock);
+        stay(config.clock, server);
     }
     ttf_http_server_destroy(server);
     ttf_clock_destroy(config.clock);

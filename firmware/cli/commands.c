@@ -362,6 +362,27 @@ static const struct cli_command COMMANDS[] = {
         .examples = {{"ttfbox usb list", NULL}},
     },
     {
+        .name = "usb token",
+        .args = "",
+        .summary = "have the box at USB show its token, which it does once",
+        .text =
+            "A box that nobody can log in to shows the token that it made at its first start to "
+            "the first who asks at its cable, and never again. Keep it: 'ttfbox pull "
+            "--token-file' and a browser at the box's page take it. If it was shown already and "
+            "not to you, somebody else may change the box: write a token of your own on its "
+            "card (settings/token).",
+        .min_args = 0,
+        .max_args = 0,
+        .run = cmd_usb_token,
+        .options = {{OPT_BOX, "usb (default: the one that is plugged in) or usb:SERIAL"},
+                    {OPT_TOKEN_FILE, "a new file, for you alone, that the token is written into"},
+                    {OPT_JSON, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox usb token", NULL},
+                     {"ttfbox usb token --token-file box-token",
+                      "and ttfbox pull --usb --token-file box-token"}},
+    },
+    {
         .name = "usb",
         .args = "",
         .summary = "join a box's HTTP interface at USB to an address of this machine",

@@ -65,6 +65,7 @@ int cmd_token(struct cli *cli);
 int cmd_synth_rank(struct cli *cli);
 int cmd_usb(struct cli *cli);
 int cmd_usb_list(struct cli *cli);
+int cmd_usb_token(struct cli *cli);
 int cmd_verify(struct cli *cli);
 int cmd_view(struct cli *cli);
 

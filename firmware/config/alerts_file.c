@@ -9,8 +9,10 @@
 #include "decode.h"
 #include "paths.h"
 #include "ttf/base/time.h"
+#include "ttf/config/daemon_file.h"
 
 #define GRACE_NS   (5 * TTF_NS_PER_S)
+#define BEGIN_NS   TTF_NS_PER_MIN
 #define TIMEOUT_NS (10 * TTF_NS_PER_S)
 
 /* A hook as it is written: one of the four says what it is. */
@@ -144,6 +146,8 @@ static const struct cfg_field ALERTS[] = {
     {"hooks", read_hooks, 0, 0, 0, "who is told, as {phone: {webhook: https://...}}", 0, 0},
     {"parts", read_parts, 0, 0, 0, "processes, as {daemon: /run/ttfbox/http.sock}", 0, 0},
     {"grace", cfg_i64_time, A(grace_ns), 1e8, 3.6e12, "how long a part may be away, as 5s", 0, 0},
+    {"begin", cfg_i64_time, A(begin_ns), 1e9, 3.6e12, "how long a run may take to begin, as 1min",
+     0, 0},
     {"heartbeat", cfg_path512, A(heartbeat), 0, 0, "a URL that is asked again and again", 0, 0},
     {"every", cfg_i64_time, A(heartbeat_every_ns), 1e8, 8.64e13, "how often, as 1min", 0, 0},
     {0}};
@@ -154,6 +158,55 @@ static const struct cfg_field WHOLE[] = {
     {"alerts", cfg_section, 0, 0, 0, "who is told of what", ALERTS, 0},
     {0}};
 
+/* ---- what is the daemon's: taken as it is meant to be, or not at all ---- */
+
+static void take_text(const struct yaml_node *node, char *ret, size_t size)
+{
+    if (node && node->kind == YAML_SCALAR && strlen(node->text) < size)
+        memcpy(ret, node->text, strlen(node->text) + 1);
+}
+
+static void take_dataset(const struct yaml_node *root, struct ttf_alerts_config *config)
+{
+    char name[128] = "";
+
+    take_text(yaml_child(root, "dataset"), name, sizeof name);
+    if (!*name)
+        cfg_dataset_of_plan(config->plan, name);
+    if (*config->plan && strlen(name) < sizeof config->dataset)
+        memcpy(config->dataset, name, strlen(name) + 1);
+}
+
+/* The first UNIX socket that it listens at. */
+static void take_http(const struct yaml_node *listen, struct ttf_alerts_config *config)
+{
+    const size_t n = strlen("unix:");
+    const struct yaml_node *at = listen && listen->kind == YAML_LIST ? listen->child : NULL;
+    char text[128] = "";
+
+    if (!listen)
+        (void)snprintf(text, sizeof text, "%s", TTF_DAEMON_LISTEN_UNIX);
+    for (; at && !*text; at = at->next)
+        if (at->kind == YAML_SCALAR && strncmp(at->text, "unix:", n) == 0)
+            take_text(at, text, sizeof text);
+    if (strlen(text) > n && strlen(text) - n < sizeof config->http_at)
+        memcpy(config->http_at, text + n, strlen(text) - n + 1);
+}
+
+static void take_daemons(const char *file, const struct yaml_node *root,
+                         struct ttf_alerts_config *config)
+{
+    take_text(yaml_child(root, "plan"), config->plan, sizeof config->plan);
+    take_dataset(root, config);
+    take_text(yaml_child(root, "state"), config->state, sizeof config->state);
+    if (!*config->state && snprintf(config->state, sizeof config->state, "%s/.ttfbox",
+                                    config->data) >= (int)sizeof config->state)
+        config->state[0] = '\0';
+    cfg_from_folder_of(file, config->plan);
+    cfg_from_folder_of(file, config->state);
+    take_http(yaml_child(root, "listen"), config);
+}
+
 static int read_all(struct ttf_alerts_config *config, const char *file, struct yaml_node *root,
                     struct ttf_err *err)
 {
@@ -161,15 +214,18 @@ static int read_all(struct ttf_alerts_config *config, const char *file, struct y
     int r;
 
     config->grace_ns = GRACE_NS;
+    config->begin_ns = BEGIN_NS;
     config->heartbeat_every_ns = TTF_NS_PER_MIN;
     for (struct yaml_node *c = root->child; c; c = c->next)
         c->used = strcmp(c->key, "data") != 0 && strcmp(c->key, "alerts") != 0;
     r = cfg_map(WHOLE, root, config, err);
     if (r == 0 && *config->heartbeat && !is_url(config->heartbeat))
         return cfg_error(yaml_child(alerts, "heartbeat"), err, "as https://...", "is no URL");
-    if (r == 0)
-        cfg_from_folder_of(file, config->data);
-    return r;
+    if (r < 0)
+        return r;
+    cfg_from_folder_of(file, config->data);
+    take_daemons(file, root, config);
+    return 0;
 }
 
 int ttf_alerts_file_parse(const char *name, const char *text, size_t bytes,

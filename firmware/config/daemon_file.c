@@ -127,17 +127,6 @@ static const struct cfg_field DAEMON[] = {
 
 static const struct cfg_field BOARD_ONLY[] = {BOARD, SET, {0}};
 
-/* Without a name the plan's: /etc/ttfbox/grass.yaml makes grass. */
-static void name_of_plan(const char *plan, char ret[128])
-{
-    const char *slash = strrchr(plan, '/'), *name = slash ? slash + 1 : plan;
-    size_t n = strlen(name);
-
-    if (n > 5 && strcmp(name + n - 5, ".yaml") == 0)
-        n -= 5;
-    (void)snprintf(ret, 128, "%.*s", (int)n, name);
-}
-
 static void find_board(const char *file, struct ttf_daemon_config *c)
 {
     if (strchr(c->board, '/'))
@@ -154,7 +143,7 @@ static int finish(struct read *read, const char *file, const struct yaml_node *r
     if (!*c->plan && named)
         return cfg_error(named, err, "name the plan too", "a dataset without a plan");
     if (*c->plan && !*read->name)
-        name_of_plan(c->plan, read->name);
+        cfg_dataset_of_plan(c->plan, read->name);
     if (*c->plan && (strchr(read->name, '/') || read->name[0] == '.' || !*read->name ||
                      strlen(read->name) > NAME_MAX_BYTES))
         return cfg_error(named ? named : yaml_child(root, "plan"), err,

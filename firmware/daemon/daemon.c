@@ -14,6 +14,8 @@
 #include "log.h"
 #include "parts.h"
 #include "runs.h"
+#include "ttf/http/listen.h"
+#include "ttf/http/token.h"
 
 bool daemon_told_to_end(const struct daemon *d)
 {
@@ -58,11 +60,36 @@ void daemon_does(struct daemon *d, enum doing doing, const char *why, int64_t re
 
 /* ---- before ---- */
 
+/* Whether each place to listen is one: whether it can be had is no matter yet. */
+static int check_places(const struct daemon *d, struct ttf_err *err)
+{
+    const struct ttf_daemon_config *config = &d->config;
+    char at[TTF_HTTP_WHERE_SIZE];
+
+    for (unsigned i = 0; i < config->n_listen; i++) {
+        const char *place = config->listen[i];
+        struct ttf_err why = {0};
+
+        if (ttf_http_listen_where(place, ttf_http_address_of, NULL, at, &why) == -EINVAL) {
+            ttf_err_set(err, -EINVAL, d->options->config, "listen: '%s' %s", place, why.what);
+            ttf_err_hint(err, "%s", why.hint);
+            return -EINVAL;
+        }
+        for (unsigned j = 0; j < i; j++)
+            if (strcmp(place, config->listen[j]) == 0)
+                return ttf_err_set(err, -EINVAL, d->options->config, "listen: '%s' is there twice",
+                                   place);
+    }
+    return 0;
+}
+
 static int load(struct daemon *d, struct ttf_err *err)
 {
     char path[512];
     int r = ttf_daemon_file_load(d->options->config, &d->config, err);
 
+    if (r == 0)
+        r = check_places(d, err);
     if (r < 0)
         return r;
     for (unsigned i = 0; i < d->config.n_sets; i++)
@@ -89,6 +116,23 @@ static int check_config_plan(struct daemon *d, struct ttf_err *err)
     int r = *d->config.plan ? ttf_plan_file_load(d->config.plan, &file, err) : 0;
 
     ttf_plan_file_free(file);
+    return r;
+}
+
+/* A token that somebody has written and that would not do. One that is not there is made, and so is an empty one where the
+ * daemon makes it; one that is another user's is not ours to look at. */
+static int check_token(struct daemon *d, struct ttf_err *err)
+{
+    struct ttf_err why = {0};
+    size_t n = strlen(d->config.state);
+    int r;
+
+    if (strncmp(d->config.token_file, d->config.state, n) == 0 && d->config.token_file[n] == '/')
+        return 0;
+    r = ttf_http_token_read(d->config.token_file, d->token, &why);
+    if (r == 0 || r == -ENOENT || r == -EACCES)
+        return 0;
+    *err = why;
     return r;
 }
 
@@ -185,8 +229,10 @@ static int begin(struct daemon *d, struct ttf_err *err)
 
     if (r < 0)
         return r;
-    if (d->options->check)
-        return check_config_plan(d, err);
+    if (d->options->check) {
+        r = check_config_plan(d, err);
+        return r < 0 ? r : check_token(d, err);
+    }
     manager_find(&d->manager);
     d->host.notify = d->manager.socket;
     d->host.watchdog_ns = d->manager.watchdog_ns;

@@ -12,6 +12,7 @@
 #include "log.h"
 #include "parts.h"
 #include "ttf/dataset/notes.h"
+#include "ttf/http/token.h"
 
 static struct daemon *of(struct ttf_http_box *box)
 {
@@ -338,6 +339,22 @@ static int door_newest(struct ttf_http_box *box, char ret_dataset[65], struct tt
     return *ret_dataset ? 0 : ttf_err_set(err, -ENOENT, NULL, "nothing was captured yet");
 }
 
+/* ---- the token ---- */
+
+static bool door_token_waits(struct ttf_http_box *box)
+{
+    return ttf_http_token_waits(of(box)->config.token_file, of(box)->token);
+}
+
+static int door_token_show(struct ttf_http_box *box, struct ttf_err *err)
+{
+    int r = ttf_http_token_show(of(box)->config.token_file, of(box)->token, err);
+
+    if (r == 0)
+        log_line(LOG_LEVEL_NOTICE, "token", "shown=once to=cable");
+    return r;
+}
+
 const struct ttf_http_box_ops DOOR_OPS = {
     .name = "ttfboxd",
     .status = door_status,
@@ -359,4 +376,6 @@ const struct ttf_http_box_ops DOOR_OPS = {
     .calibration_use = door_calibration_use,
     .live = door_live,
     .newest = door_newest,
+    .token_waits = door_token_waits,
+    .token_show = door_token_show,
 };

@@ -6,11 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ttf/dataset/manifest.h"
+
 struct reading {
     struct daemon *d;
     const char *dataset;
-    bool second; /* it is the second storage's */
-    char *last;  /* readings of the newest slot among what is new; NULL */
+    enum course_part part;
+    char *last; /* readings of the newest slot among what is new; NULL */
+    int64_t last_index;
 };
 
 static void put_lamps(const struct ttf_shot *shot, struct ttf_json *json)
@@ -68,15 +71,18 @@ static int on_line(void *ctx, const struct ttf_growth_line *line, struct ttf_err
     struct ttf_segment segment;
 
     if (strcmp(line->type, "segment") == 0 && ttf_growth_segment(line, &segment, err) == 0)
-        situation_segment(reading->d->situation, reading->dataset, reading->second, &segment);
+        situation_segment(reading->d->situation, reading->dataset, reading->part, &segment);
     if (strcmp(line->type, "slot") == 0 && ttf_growth_slot(line, &record, err) == 0) {
         char *readings =
             record.n_images > 0 || record.n_sensors > 0 ? follow_readings(&record) : NULL;
 
-        situation_record(reading->d->situation, reading->dataset, &record, readings);
-        if (readings) {
+        situation_record(reading->d->situation, reading->dataset, reading->part, &record, readings);
+        if (readings && (!reading->last || record.index > reading->last_index)) {
             free(reading->last);
             reading->last = readings;
+            reading->last_index = record.index;
+        } else {
+            free(readings);
         }
         ttf_slot_record_free(&record);
     }
@@ -85,48 +91,73 @@ static int on_line(void *ctx, const struct ttf_growth_line *line, struct ttf_err
 
 bool follow_elsewhere(const struct follow *follow, struct daemon *d)
 {
-    char dataset[65];
+    char dataset[65], second[512];
 
-    (void)situation_dataset(d->situation, dataset);
-    return strcmp(dataset, follow->dataset) != 0;
+    (void)situation_records(d->situation, dataset, second);
+    return strcmp(dataset, follow->dataset) != 0 || strcmp(second, follow->second) != 0;
 }
 
-/* What is new in one of the two. A dataset that was begun anew is forgotten with all that was known of it. */
-static void read_new(struct follow *follow, struct reading *reading, const char *folder)
+/* Is what lies in the second storage under this name what a run went on in? */
+static int look_at_second(const struct follow *follow, struct daemon *d)
 {
-    struct ttf_growth *growth = reading->second ? &follow->second : &follow->first;
-    struct daemon *d = reading->d;
+    struct ttf_manifest manifest;
     char path[512 + 96];
     int r;
 
+    (void)snprintf(path, sizeof path, "%s/%s", follow->second, follow->dataset);
+    r = ttf_manifest_load(d->io, path, &manifest, NULL);
+    if (r == 0 && strcmp(manifest.group_member, "second") != 0)
+        r = -ENOENT;
+    return r;
+}
+
+/* What is new in one of the two. 1: it was begun anew. */
+static int read_part(struct follow *follow, struct reading *reading, const char *folder)
+{
+    struct ttf_growth *growth = &follow->growth[reading->part];
+    struct daemon *d = reading->d;
+    char path[512 + 96];
+    int r = 0;
+
+    if (reading->part == COURSE_SECOND && growth->lines == 0)
+        r = look_at_second(follow, d);
     (void)snprintf(path, sizeof path, "%s/%s/records.jsonl", folder, follow->dataset);
-    r = ttf_growth_read(d->io, path, growth, 0, on_line, reading, NULL);
-    if (r != -ESTALE)
-        return;
-    memset(growth, 0, sizeof *growth);
-    if (!reading->second) {
-        situation_forget(d->situation, follow->dataset);
-        memset(&follow->second, 0, sizeof follow->second);
+    if (r == 0)
+        r = ttf_growth_read(d->io, path, growth, 0, on_line, reading, NULL);
+    follow->missing = follow->missing || r < 0;
+    return r == -ESTALE;
+}
+
+/* The second one first: it says which slots of the first one are its own. */
+static bool read_both(struct follow *follow, struct reading *reading)
+{
+    bool anew = false;
+
+    follow->missing = false;
+    if (*follow->second) {
+        reading->part = COURSE_SECOND;
+        anew = read_part(follow, reading, follow->second);
     }
-    (void)!ttf_growth_read(d->io, path, growth, 0, on_line, reading, NULL);
+    reading->part = COURSE_FIRST;
+    return read_part(follow, reading, reading->d->config.data) || anew;
 }
 
 void follow_read(struct follow *follow, struct daemon *d)
 {
-    struct reading reading = {.d = d};
+    struct reading reading = {.d = d, .dataset = follow->dataset};
     char dataset[65], second[512];
 
-    (void)situation_dataset(d->situation, dataset);
-    if (strcmp(dataset, follow->dataset) != 0) {
+    (void)situation_records(d->situation, dataset, second);
+    if (strcmp(dataset, follow->dataset) != 0 || strcmp(second, follow->second) != 0) {
         memset(follow, 0, sizeof *follow);
         memcpy(follow->dataset, dataset, sizeof follow->dataset);
+        memcpy(follow->second, second, sizeof follow->second);
     }
-    reading.dataset = follow->dataset;
-    read_new(follow, &reading, d->config.data);
-    situation_get_second(d->situation, second);
-    if (*second) {
-        reading.second = true;
-        read_new(follow, &reading, second);
+    /* A dataset that was begun anew is forgotten with all that was known of it. */
+    if (read_both(follow, &reading)) {
+        memset(follow->growth, 0, sizeof follow->growth);
+        situation_forget(d->situation, follow->dataset);
+        (void)read_both(follow, &reading);
     }
     if (reading.last)
         ttf_http_events_publish(d->events, "readings", reading.last);

@@ -7,14 +7,16 @@
 #include "ttf/dataset/growth.h"
 
 struct follow {
-    char dataset[65];
-    struct ttf_growth first, second; /* where it began; where it went on when that storage failed */
+    char dataset[65], second[512];
+    struct ttf_growth
+        growth[COURSE_PARTS]; /* where it began; where it went on when that storage failed */
+    bool missing;             /* one of them could not be read: it may come late */
 };
 
 /* What is new, into the situation; the last slot's lamps and sensors as an event. */
 void follow_read(struct follow *follow, struct daemon *d);
 
-/* The situation has come to be about another dataset than the one that was read last. */
+/* The situation has come to be about another dataset than the one that was read last, or about a second storage of it. */
 bool follow_elsewhere(const struct follow *follow, struct daemon *d);
 
 /* Lamps and sensors of a record, as the status has them; by malloc, NULL: no memory. */

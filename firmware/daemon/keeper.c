@@ -37,7 +37,7 @@ struct keeper {
     struct ttf_http_server *server;
     struct sockets sockets;
     bool complained; /* that there is no server */
-    int64_t again_ns, look_ns, save_ns, tick_ns, preview_ns;
+    int64_t again_ns, look_ns, save_ns, tick_ns, preview_ns, follow_ns;
 };
 
 /* ---- sockets ---- */
@@ -60,7 +60,7 @@ static int make_server(struct keeper *k, struct ttf_err *err)
     if (r == 0)
         r = ttf_io_mkdirs(d->io, d->config.state, err);
     if (r == 0)
-        r = ttf_http_token_load(d->config.token_file, d->token, err);
+        r = ttf_http_token_load_to_show(d->config.token_file, d->token, err);
     if (r < 0)
         return r;
     if (gethostname(host, sizeof host - 1) == 0 && *host) {
@@ -206,6 +206,17 @@ static void tell_answers(struct daemon *d)
     }
 }
 
+/* Whatever becomes of it is told by a letter; but its disk may come late, and nobody says so. */
+static void follow_records(struct keeper *k, int64_t now_ns)
+{
+    bool late = k->follow.missing && now_ns >= k->follow_ns;
+
+    if (!late && !follow_elsewhere(&k->follow, k->d))
+        return;
+    k->follow_ns = now_ns + AGAIN_NS;
+    follow_read(&k->follow, k->d);
+}
+
 static void *keep(void *ctx)
 {
     struct keeper *k = ctx;
@@ -222,8 +233,7 @@ static void *keep(void *ctx)
             __atomic_store_n(&k->d->view_stop, 1, __ATOMIC_SEQ_CST);
         open_sockets(k, now_ns);
         keep_orders(k, now_ns);
-        if (follow_elsewhere(&k->follow, k->d))
-            follow_read(&k->follow, k->d);
+        follow_records(k, now_ns);
         empty_mailbox(k);
         tell_answers(k->d);
         if (now_ns >= k->preview_ns) {

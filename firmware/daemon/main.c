@@ -40,7 +40,7 @@ static void usage(FILE *to)
         "them after each start, and stays until it is told to end (SIGTERM), which it does within\n"
         "a slot.\n\n"
         "  -c, --config FILE   which board, plan and data folder\n"
-        "      --check         read configuration, board and plan, and end\n"
+        "      --check         read configuration, board, plan and token, and end\n"
         "      --version       the program's version\n"
         "  -h, --help          this\n\n"
         "Exit: 0 told to end, 1 failed, 2 the configuration or the board is wrong.\n",

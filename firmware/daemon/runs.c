@@ -134,6 +134,11 @@ static int look_for_plan(struct daemon *d, const struct order *order, struct ttf
     return 1;
 }
 
+static const char *second_storage(const struct daemon *d)
+{
+    return ttf_plan_file_plan(d->run.file)->second_storage;
+}
+
 /* What a run said is told before its end is: whoever hears that nothing runs finds all its slots counted. */
 static void let_be_told(struct daemon *d)
 {
@@ -244,9 +249,8 @@ static void one_run(struct daemon *d, const struct order *order)
     if (r > 0)
         return;
     (void)snprintf(path, sizeof path, "%s/%s", d->config.data, order->dataset);
-    d->mailbox->run = situation_run(d->situation, order);
+    d->mailbox->run = situation_run(d->situation, order, r == 0 ? second_storage(d) : NULL);
     if (r == 0) {
-        situation_second(d->situation, ttf_plan_file_plan(d->run.file)->second_storage);
         workshop_open(d->workshop, false);
         calibrations_give_up(d->calibrations);
         view_close(d, true);
@@ -264,14 +268,21 @@ static void one_run(struct daemon *d, const struct order *order)
 
 /* ---- between runs ---- */
 
+/* What rests is told of too: where its slots lie, its plan says. */
+static void know(struct daemon *d, const struct order *order)
+{
+    if (*order->dataset)
+        (void)situation_run(d->situation, order,
+                            load_plan(d, order, NULL) == 0 ? second_storage(d) : NULL);
+}
+
 static void rest(struct daemon *d, const struct order *order)
 {
     if (order->state == ORDER_STOPPED) {
         const char *why = *order->why ? order->why : "stopped by a person";
         char quoted[500];
 
-        if (*order->dataset)
-            (void)situation_run(d->situation, order);
+        know(d, order);
         manager_status(&d->manager, "%s: %s", why, order->dataset);
         if (situation_doing(d->situation) != DOING_STOPPED)
             log_line(*order->why ? LOG_LEVEL_ERROR : LOG_LEVEL_NOTICE, "resting",
@@ -281,7 +292,7 @@ static void rest(struct daemon *d, const struct order *order)
         if (order->state == ORDER_NONE)
             manager_status(&d->manager, "idle");
         else
-            (void)situation_run(d->situation, order);
+            know(d, order);
         if (order->state == ORDER_DONE) /* it is that by its seal alone */
             situation_sealed(d->situation);
         daemon_does(d, DOING_IDLE, NULL, TTF_NS_UNKNOWN);

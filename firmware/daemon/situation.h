@@ -9,11 +9,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "course.h"
 #include "mailbox.h"
 #include "orders.h"
 #include "ttf/base/attr.h"
 #include "ttf/dataset/json_writer.h"
-#include "ttf/dataset/record.h"
 #include "ttf/hal/clock.h"
 
 enum doing {
@@ -34,8 +34,11 @@ struct situation;
 struct situation *situation_create(struct ttf_clock *clock); /* NULL: no memory */
 void situation_destroy(struct situation *situation);         /* NULL allowed */
 
-/* Which run it is about from now on; what was known of another one is forgotten. Returns its number, another one for each dataset. */
-int64_t situation_run(struct situation *situation, const struct order *order);
+/*
+ * Which run it is about from now on; what was known of another one is forgotten. second: the folder of its second storage, "": it has
+ * none; NULL: that is not known, and what was known of this run holds. Returns its number, another one for each dataset.
+ */
+int64_t situation_run(struct situation *situation, const struct order *order, const char *second);
 void situation_slot_bytes(struct situation *situation, int64_t bytes);
 void situation_sealed(struct situation *situation);
 
@@ -52,20 +55,19 @@ bool situation_is_of(struct situation *situation, const struct letter *letter);
 
 /*
  * What the records of a dataset say, in their order; one that is begun anew is forgotten first. Nothing happens where it is about
- * another by now. second: of the dataset in the second storage, which goes on where the first one ends. A slot counts once.
+ * another by now. part: in which storage they lie.
  */
 void situation_forget(struct situation *situation, const char *dataset);
-void situation_segment(struct situation *situation, const char *dataset, bool second,
+void situation_segment(struct situation *situation, const char *dataset, enum course_part part,
                        const struct ttf_segment *segment);
-void situation_record(struct situation *situation, const char *dataset,
+void situation_record(struct situation *situation, const char *dataset, enum course_part part,
                       const struct ttf_slot_record *record, const char *readings);
 
 /* The dataset's name, and whether a run is under way into it. */
 bool situation_dataset(struct situation *situation, char ret[65]);
 
-/* The folder of the run's second storage; "": it has none. Another run has none until it is said. */
-void situation_second(struct situation *situation, const char *folder);
-void situation_get_second(struct situation *situation, char ret[512]);
+/* The same, and the folder of the run's second storage; "": it has none. */
+bool situation_records(struct situation *situation, char ret[65], char ret_second[512]);
 
 /* Members of the status: state, why, time, run, readings, alarms. */
 void situation_status(struct situation *situation, struct ttf_json *json);

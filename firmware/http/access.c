@@ -81,11 +81,22 @@ static bool is_own(const char *origin, const char *host)
     return name && host && strcasecmp(name + 3, host) == 0;
 }
 
+/* A page elsewhere would have to be let by us before it could send this header. */
+static bool is_marked(const struct access_said *said)
+{
+    return said->marker && strcmp(said->marker, "1") == 0;
+}
+
 enum access_verdict access_decide(enum ttf_http_access needs, bool free_to_read,
                                   const struct access_said *said, const char *token)
 {
     bool elsewhere = said->site && strcasecmp(said->site, "same-origin") != 0;
 
+    if (needs == TTF_HTTP_CABLE) {
+        if (!free_to_read)
+            return ACCESS_ELSEWHERE;
+        return is_marked(said) && !elsewhere ? ACCESS_YES : ACCESS_OTHER_PAGE;
+    }
     if (needs == TTF_HTTP_OPEN || (needs == TTF_HTTP_READ && free_to_read))
         return ACCESS_YES;
     if (access_token(said->authorization, token))
@@ -97,8 +108,6 @@ enum access_verdict access_decide(enum ttf_http_access needs, bool free_to_read,
     if (needs ==
         TTF_HTTP_TOKEN) /* a picture, which a person may open in a window of its own as well */
         return elsewhere && strcasecmp(said->site, "none") != 0 ? ACCESS_OTHER_PAGE : ACCESS_YES;
-    return elsewhere || !said->marker || strcmp(said->marker, "1") != 0 ||
-                   !is_own(said->origin, said->host)
-               ? ACCESS_OTHER_PAGE
-               : ACCESS_YES;
+    return elsewhere || !is_marked(said) || !is_own(said->origin, said->host) ? ACCESS_OTHER_PAGE
+                                                                              : ACCESS_YES;
 }

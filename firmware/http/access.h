@@ -27,7 +27,8 @@ struct access_said {
 enum access_verdict {
     ACCESS_YES = 0,
     ACCESS_NEEDS_TOKEN,
-    ACCESS_OTHER_PAGE /* the cookie is right, but the request may be another page's */
+    ACCESS_OTHER_PAGE, /* it may do this, but the request may be another page's */
+    ACCESS_ELSEWHERE   /* this is had at the cable alone */
 };
 
 /* free_to_read: the socket lets all read. token NULL: there is none. */

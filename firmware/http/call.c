@@ -14,9 +14,6 @@
 #include "access.h"
 #include "answer.h"
 
-/* For a body, however it dribbles in: one of 256 KiB over the slowest of networks takes some seconds. */
-#define BODY_NS (60 * TTF_NS_PER_S)
-
 struct call {
     struct call_socket *socket; /* that it came by; told when it has slept */
     struct ttf_http_match match;
@@ -54,8 +51,24 @@ static const struct sockaddr *client_of(struct MHD_Connection *connection)
     return info ? info->client_addr : NULL;
 }
 
-static int too_many(struct ttf_err *err)
+static struct guest *guest_of(struct MHD_Connection *connection)
 {
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+
+    return info ? info->socket_context : NULL;
+}
+
+/* A token was wrong. The right one is known before this is asked, and never suffers from it. */
+static int count_wrong(const struct calls *calls, struct MHD_Connection *connection,
+                       struct ttf_err *err)
+{
+    const struct sockaddr *client = client_of(connection);
+
+    if (limits_allow(calls->limits, client)) {
+        limits_wrong(calls->limits, client);
+        return 0;
+    }
     ttf_err_set(err, -EUSERS, NULL, "too many wrong tokens came from this address");
     ttf_err_hint(err, "wait some seconds");
     return -EUSERS;
@@ -75,21 +88,24 @@ static int judge_access(const struct call_socket *socket, struct call *call,
     enum ttf_http_access needs = call->match.route->access;
     enum access_verdict verdict;
 
-    if (said.authorization && !limits_allow(calls->limits, client_of(connection)))
-        return too_many(err);
-    if (said.authorization && !access_token(said.authorization, calls->token))
-        limits_wrong(calls->limits, client_of(connection));
+    if (said.authorization && !access_token(said.authorization, calls->token) &&
+        count_wrong(calls, connection, err) < 0)
+        return err->code;
     call->request.may_read =
         access_decide(TTF_HTTP_READ, socket->free_to_read, &said, calls->token) == ACCESS_YES;
     call->request.may_change =
         access_decide(TTF_HTTP_TOKEN, false, &said, calls->token) == ACCESS_YES;
+    call->request.at_cable = socket->free_to_read;
     verdict = access_decide(needs, socket->free_to_read, &said, calls->token);
     if (verdict == ACCESS_NEEDS_TOKEN) {
         ttf_err_set(err, -EACCES, NULL, "this needs the box's token");
         ttf_err_hint(err, "send it as Authorization: Bearer TOKEN");
     } else if (verdict == ACCESS_OTHER_PAGE) {
         ttf_err_set(err, -EPERM, NULL, "this may come from another page than the box's own");
-        ttf_err_hint(err, "with a cookie, send X-Ttfbox: 1 from a page of this address");
+        ttf_err_hint(err, "send X-Ttfbox: 1; with a cookie, from a page of this address");
+    } else if (verdict == ACCESS_ELSEWHERE) {
+        ttf_err_set(err, -EPERM, NULL, "this is had at the box's USB cable alone");
+        ttf_err_hint(err, "ttfbox usb token");
     }
     return verdict == ACCESS_YES ? 0 : verdict == ACCESS_NEEDS_TOKEN ? -EACCES : -EPERM;
 }
@@ -235,15 +251,18 @@ static enum MHD_Result on_headers(struct call_socket *socket, struct MHD_Connect
     if (!call)
         return MHD_NO;
     *of_request = call;
+    guest_is_answered(guest_of(connection));
     if (expected < 0)
         return answer_error(connection, "", &err);
     if (expected == 0)
         return MHD_YES;
+    guest_reads_body(guest_of(connection));
     call->expected = (size_t)expected;
-    call->until_ns = ttf_clock_now_ns(socket->calls->clock) + BODY_NS;
-    if (judge(socket, call, connection, method, url, &err) < 0)
-        return refuse(connection, url, &err);
-    return MHD_YES;
+    call->until_ns = ttf_clock_now_ns(socket->calls->clock) + GUEST_BODY_NS;
+    if (judge(socket, call, connection, method, url, &err) == 0)
+        return MHD_YES;
+    guest_is_answered(guest_of(connection));
+    return refuse(connection, url, &err);
 }
 
 /* Memory for what has come, not for what was announced. */
@@ -306,6 +325,7 @@ static bool fall_asleep(struct call *call)
 
     (void)__atomic_add_fetch(&socket->asleep, 1, __ATOMIC_SEQ_CST);
     if (!__atomic_load_n(&socket->leaving, __ATOMIC_SEQ_CST)) {
+        guest_sleeps(guest_of(call->request.connection));
         MHD_suspend_connection(call->request.connection);
         return true;
     }
@@ -317,6 +337,7 @@ static void wake(struct call *call)
 {
     struct call_socket *socket = call->socket;
 
+    guest_is_answered(guest_of(call->request.connection));
     MHD_resume_connection(
         call->request.connection); /* from here on the call is the connection's again */
     (void)__atomic_sub_fetch(&socket->asleep, 1, __ATOMIC_SEQ_CST);
@@ -338,11 +359,13 @@ void call_cancel(struct call *call, const char *why)
 static enum MHD_Result send_it(struct call *call, struct MHD_Connection *connection,
                                const struct calls *calls, const char *method)
 {
+    if (call->answer.listener)
+        guest_sleeps(guest_of(connection));
     if (call->r == 0)
         return answer_send(connection, strcmp(method, "GET") == 0, &call->answer);
     /* A token in a body is a token too. */
     if (call->r == -EACCES)
-        limits_wrong(calls->limits, client_of(connection));
+        (void)count_wrong(calls, connection, &call->request.err);
     return answer_error(connection, "", &call->request.err);
 }
 
@@ -353,14 +376,11 @@ static enum MHD_Result on_whole(struct call_socket *socket, struct call *call,
 {
     struct ttf_err err = {0};
 
+    guest_is_answered(guest_of(connection));
     if (call->ran)
         return send_it(call, connection, socket->calls, method);
     if (!call->judged && judge(socket, call, connection, method, url, &err) < 0)
         return refuse(connection, url, &err);
-    if (brings_token(call) && !limits_allow(socket->calls->limits, client_of(connection))) {
-        (void)too_many(&err);
-        return refuse(connection, url, &err);
-    }
     if (call->match.route->lane == TTF_HTTP_AT_ONCE) {
         handle(call);
         return send_it(call, connection, socket->calls, method);
@@ -381,6 +401,22 @@ enum MHD_Result call_admit(void *ctx, const struct sockaddr *address, socklen_t 
     (void)address;
     (void)size;
     return __atomic_load_n(&socket->leaving, __ATOMIC_SEQ_CST) ? MHD_NO : MHD_YES;
+}
+
+void call_comes_and_goes(void *ctx, struct MHD_Connection *connection, void **of_connection,
+                         enum MHD_ConnectionNotificationCode what)
+{
+    const struct call_socket *socket = ctx;
+    const union MHD_ConnectionInfo *fd;
+
+    if (what == MHD_CONNECTION_NOTIFY_STARTED) {
+        fd = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+        if (fd)
+            *of_connection = guests_enter(socket->guests, client_of(connection), fd->connect_fd);
+    } else { /* its descriptor is open still */
+        guest_leaves(*of_connection);
+        *of_connection = NULL;
+    }
 }
 
 enum MHD_Result call_on(void *ctx, struct MHD_Connection *connection, const char *url,
@@ -404,8 +440,8 @@ void call_done(void *ctx, struct MHD_Connection *connection, void **of_request,
     struct call *call = *of_request;
 
     (void)ctx;
-    (void)connection;
     (void)how;
+    guest_waits(guest_of(connection));
     if (!call)
         return;
     answer_free(&call->answer);

@@ -6,6 +6,7 @@
 #include <microhttpd.h>
 #include <stdbool.h>
 
+#include "guests.h"
 #include "request.h"
 #include "slow.h"
 #include "token_limits.h"
@@ -28,6 +29,7 @@ struct calls {
 
 struct call_socket {
     const struct calls *calls;
+    struct guests *guests;
     bool free_to_read;
     int leaving; /* atomically: nothing new is taken here, and no connection falls asleep any more */
     int asleep;  /* atomically: connections that sleep until a lane has answered them */
@@ -42,6 +44,8 @@ enum MHD_Result call_on(void *ctx, struct MHD_Connection *connection, const char
                         size_t *data_bytes, void **of_request);
 void call_done(void *ctx, struct MHD_Connection *connection, void **of_request,
                enum MHD_RequestTerminationCode how);
+void call_comes_and_goes(void *ctx, struct MHD_Connection *connection, void **of_connection,
+                         enum MHD_ConnectionNotificationCode what);
 
 /* Runs a call's handler, and lets its connection go on; or, where it is not to be answered, only the latter, saying why. */
 void call_run(struct call *call);

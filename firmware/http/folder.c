@@ -4,11 +4,10 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <linux/openat2.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include "ttf/dataset/copy.h"
@@ -47,15 +46,38 @@ bool folder_is_path(const char *path)
     return path[0] != '.' && !strstr(path, "/.") && ttf_path_ok(path);
 }
 
-/* Beneath a folder, whatever the names are made of; links are refused, so none leads out either. */
-static int open_beneath(int folder, const char *path, uint64_t flags)
+/*
+ * Beneath a folder, whatever the names are made of: one by one, and none may be a link, so none leads out. (openat2 would do it
+ * in one call, and a service with RestrictSUIDSGID= may not call it.) path: "." or names that are no "." and "..".
+ */
+static int open_beneath(int folder, const char *path, int flags)
 {
-    struct open_how how = {
-        .flags = flags | O_CLOEXEC,
-        .resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS,
-    };
+    int at = folder;
 
-    return (int)syscall(SYS_openat2, folder, path, &how, sizeof how);
+    while (true) {
+        const char *slash = strchr(path, '/');
+        size_t n = slash ? (size_t)(slash - path) : strlen(path);
+        char name[NAME_MAX + 1];
+        int next, error;
+
+        if (n > NAME_MAX) {
+            errno = ENAMETOOLONG;
+            next = -1;
+        } else {
+            memcpy(name, path, n);
+            name[n] = '\0';
+            next =
+                openat(at, name, (slash ? O_PATH | O_DIRECTORY : flags) | O_NOFOLLOW | O_CLOEXEC);
+        }
+        error = errno;
+        if (at != folder)
+            (void)close(at);
+        errno = error;
+        if (next < 0 || !slash)
+            return next;
+        at = next;
+        path = slash + 1;
+    }
 }
 
 static int open_file(const struct folder *folder, const char *below, const char *dataset,

@@ -14,7 +14,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#define WAITING 64 /* connections that nobody took yet */
+#define WAITING \
+    1024 /* connections that nobody took yet: of a crowd, too; one that finds no room tries again a second later */
 
 union address {
     struct sockaddr any;
@@ -70,33 +71,6 @@ static int read_port(const char *text)
     return *end || port > 65535 ? -EINVAL : (int)port;
 }
 
-/* "usb0:80" as "1.2.3.4:80"; any other text as it is. */
-static int where(const char *text, ttf_http_address_fn *address_of, void *ctx,
-                 char ret[TTF_HTTP_WHERE_SIZE])
-{
-    const char *colon = strrchr(text, ':');
-    size_t n = colon ? (size_t)(colon - text) : 0;
-    char name[IFNAMSIZ], address[TTF_HTTP_ADDRESS_SIZE];
-    int port, r;
-
-    if (strlen(text) >= TTF_HTTP_WHERE_SIZE)
-        return -EINVAL;
-    (void)snprintf(ret, TTF_HTTP_WHERE_SIZE, "%s", text);
-    if (n == 0 || n >= sizeof name || strncmp(text, "unix:", 5) == 0)
-        return 0;
-    memcpy(name, text, n);
-    name[n] = '\0';
-    if (!is_interface(name))
-        return 0;
-    port = read_port(colon + 1);
-    if (port < 0)
-        return port;
-    r = address_of(ctx, name, address);
-    if (r == 0)
-        (void)snprintf(ret, TTF_HTTP_WHERE_SIZE, "%s:%d", address, port);
-    return r;
-}
-
 /* "1.2.3.4:80", "[::1]:80". Its length, or -EINVAL. */
 static int read_address(const char *text, union address *ret, bool *ret_loopback)
 {
@@ -124,6 +98,39 @@ static int read_address(const char *text, union address *ret, bool *ret_loopback
         return -EINVAL;
     *ret_loopback = (ntohl(ret->v4.sin_addr.s_addr) >> 24) == 127;
     return (int)sizeof ret->v4;
+}
+
+/* "usb0:80" as "1.2.3.4:80"; any other text as it is. */
+static int where(const char *text, ttf_http_address_fn *address_of, void *ctx,
+                 char ret[TTF_HTTP_WHERE_SIZE])
+{
+    const char *colon = strrchr(text, ':');
+    size_t n = colon ? (size_t)(colon - text) : 0;
+    char name[IFNAMSIZ] = "", address[TTF_HTTP_ADDRESS_SIZE];
+    union address numbers;
+    bool loopback;
+    int port, r;
+
+    if (strlen(text) >= TTF_HTTP_WHERE_SIZE)
+        return -EINVAL;
+    (void)snprintf(ret, TTF_HTTP_WHERE_SIZE, "%s", text);
+    if (strncmp(text, "unix:", 5) == 0)
+        return text[5] ? 0 : -EINVAL;
+    if (n > 0 && n < sizeof name) {
+        memcpy(name, text, n);
+        name[n] = '\0';
+    }
+    if (!colon || !is_interface(name)) {
+        r = read_address(text, &numbers, &loopback);
+        return r < 0 ? r : 0;
+    }
+    port = read_port(colon + 1);
+    if (port < 0)
+        return port;
+    r = address_of(ctx, name, address);
+    if (r == 0)
+        (void)snprintf(ret, TTF_HTTP_WHERE_SIZE, "%s:%d", address, port);
+    return r;
 }
 
 /* What was bound, in words; port 0 has become one. */

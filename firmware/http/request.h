@@ -30,6 +30,7 @@ struct ttf_http_request {
     struct MHD_Connection *connection; /* of request_header and request_query alone */
     const char *token;                 /* NULL: there is none */
     bool may_read, may_change;         /* whoever asks, whatever this route is */
+    bool at_cable;                     /* it came by a socket at which all may read */
     const char *body;                  /* a zero behind it; "" without one */
     size_t body_bytes;
     struct ttf_err err; /* what a handler that fails leaves */

@@ -25,6 +25,8 @@ static const struct ttf_http_route ROUTES[] = {
     {"POST", "/api/v1/session", TTF_HTTP_OPEN, session_begin, TTF_HTTP_JSON, TTF_HTTP_AT_ONCE},
     {"GET", "/api/v1/session", TTF_HTTP_OPEN, session_show, TTF_HTTP_NO_BODY, TTF_HTTP_AT_ONCE},
     {"DELETE", "/api/v1/session", TTF_HTTP_OPEN, session_end, TTF_HTTP_NO_BODY, TTF_HTTP_AT_ONCE},
+    {"POST", "/api/v1/session/token", TTF_HTTP_CABLE, session_token, TTF_HTTP_NO_BODY,
+     TTF_HTTP_ORDERS},
     {"GET", "/api/v1/datasets", TTF_HTTP_READ, datasets_list, TTF_HTTP_NO_BODY, TTF_HTTP_WORK},
     {"GET", "/api/v1/datasets/{name}", TTF_HTTP_READ, datasets_one, TTF_HTTP_NO_BODY,
      TTF_HTTP_AT_ONCE},

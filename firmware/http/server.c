@@ -14,14 +14,13 @@
 #include "files_limit.h"
 #include "listeners.h"
 
-#define SOCKETS_MAX    8
-#define PLACES         (2 * SOCKETS_MAX) /* of sockets; some may be on their way out */
-#define NAMES_MAX      16
-#define THREADS        2u
-#define CONNECTIONS    512u /* of a socket */
-#define OF_ONE_ADDRESS 128u
-#define SILENCE_S      30u
-#define HEADERS_BYTES  ((size_t)32 * 1024) /* what libmicrohttpd may hold for one connection */
+#define SOCKETS_MAX   8
+#define PLACES        (2 * SOCKETS_MAX) /* of sockets; some may be on their way out */
+#define NAMES_MAX     16
+#define THREADS       2u
+#define CONNECTIONS   512u /* of a socket */
+#define SILENCE_S     30u
+#define HEADERS_BYTES ((size_t)32 * 1024) /* what libmicrohttpd may hold for one connection */
 
 struct socket {
     struct call_socket call;
@@ -136,6 +135,28 @@ static struct socket *free_place(struct ttf_http_server *server)
     return n < SOCKETS_MAX ? place : NULL;
 }
 
+static bool make_socket(struct ttf_http_server *server, struct socket *socket, int fd,
+                        bool free_to_read)
+{
+    unsigned n = files_limit_connections(CONNECTIONS, SOCKETS_MAX);
+
+    *socket = (struct socket){.call = {.calls = &server->calls,
+                                       .guests = guests_create(server->calls.clock, n),
+                                       .free_to_read = free_to_read},
+                              .fd = fd};
+    if (!socket->call.guests)
+        return false;
+    socket->daemon = MHD_start_daemon(
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_ERROR_LOG | MHD_ALLOW_SUSPEND_RESUME, 0, call_admit,
+        &socket->call, call_on, &socket->call, MHD_OPTION_EXTERNAL_LOGGER, on_log, server,
+        MHD_OPTION_NOTIFY_COMPLETED, call_done, NULL, MHD_OPTION_NOTIFY_CONNECTION,
+        call_comes_and_goes, &socket->call, MHD_OPTION_LISTEN_SOCKET, fd,
+        MHD_OPTION_THREAD_POOL_SIZE, THREADS, MHD_OPTION_CONNECTION_LIMIT, n,
+        MHD_OPTION_CONNECTION_TIMEOUT, SILENCE_S, MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADERS_BYTES,
+        MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_SIGPIPE_HANDLED_BY_APP, 1, MHD_OPTION_END);
+    return socket->daemon != NULL;
+}
+
 int ttf_http_server_listen(struct ttf_http_server *server, int fd, bool free_to_read,
                            struct ttf_err *err)
 {
@@ -145,19 +166,9 @@ int ttf_http_server_listen(struct ttf_http_server *server, int fd, bool free_to_
         (void)close(fd);
         return ttf_err_set(err, -ENOSPC, NULL, "more than %d sockets", SOCKETS_MAX);
     }
-    *socket =
-        (struct socket){.call = {.calls = &server->calls, .free_to_read = free_to_read}, .fd = fd};
-    socket->daemon = MHD_start_daemon(
-        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_ERROR_LOG | MHD_ALLOW_SUSPEND_RESUME, 0, call_admit,
-        &socket->call, call_on, &socket->call, MHD_OPTION_EXTERNAL_LOGGER, on_log, server,
-        MHD_OPTION_NOTIFY_COMPLETED, call_done, NULL, MHD_OPTION_LISTEN_SOCKET, fd,
-        MHD_OPTION_THREAD_POOL_SIZE, THREADS, MHD_OPTION_CONNECTION_LIMIT,
-        files_limit_connections(CONNECTIONS, SOCKETS_MAX), MHD_OPTION_PER_IP_CONNECTION_LIMIT,
-        OF_ONE_ADDRESS, MHD_OPTION_CONNECTION_TIMEOUT, SILENCE_S,
-        MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADERS_BYTES, MHD_OPTION_STRICT_FOR_CLIENT, 1,
-        MHD_OPTION_SIGPIPE_HANDLED_BY_APP, 1, MHD_OPTION_END);
-    if (!socket->daemon) {
+    if (!make_socket(server, socket, fd, free_to_read)) {
         (void)close(fd);
+        guests_destroy(socket->call.guests);
         return ttf_err_set(err, -EIO, NULL, "the server cannot be started");
     }
     return 0;
@@ -175,6 +186,7 @@ static void begin_leaving(struct socket *socket)
 static void stop(struct socket *socket)
 {
     MHD_stop_daemon(socket->daemon);
+    guests_destroy(socket->call.guests);
     socket->daemon = NULL;
 }
 
@@ -183,9 +195,12 @@ void ttf_http_server_tidy(struct ttf_http_server *server)
     for (unsigned i = 0; i < PLACES; i++) {
         struct socket *socket = &server->sockets[i];
 
-        if (socket->daemon && is_leaving(socket) &&
-            __atomic_load_n(&socket->call.asleep, __ATOMIC_SEQ_CST) == 0)
+        if (!socket->daemon)
+            continue;
+        if (is_leaving(socket) && __atomic_load_n(&socket->call.asleep, __ATOMIC_SEQ_CST) == 0)
             stop(socket);
+        else
+            guests_tidy(socket->call.guests);
     }
 }
 

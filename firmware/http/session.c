@@ -116,14 +116,39 @@ int session_begin(struct ttf_http_request *request, struct ttf_http_answer *ret)
 
 int session_show(struct ttf_http_request *request, struct ttf_http_answer *ret)
 {
-    char *text = malloc(80);
+    struct ttf_http_box *box = request->box;
+    bool waits = box && request->at_cable && box->ops->token_waits && box->ops->token_waits(box);
+    char *text = malloc(100);
     int n;
 
     if (!text)
         return ttf_err_set(&request->err, -ENOMEM, NULL, "no memory");
-    n = snprintf(text, 80, "{\"box\":%s,\"read\":%s,\"change\":%s}",
-                 request->box ? "true" : "false", request->may_read ? "true" : "false",
-                 request->may_change ? "true" : "false");
+    n = snprintf(text, 100, "{\"box\":%s,\"read\":%s,\"change\":%s,\"token_waits\":%s}",
+                 box ? "true" : "false", request->may_read ? "true" : "false",
+                 request->may_change ? "true" : "false", waits ? "true" : "false");
+    answer_json(ret, text, (size_t)n);
+    return 0;
+}
+
+/* The token itself, once: README.md, "How a person gets the token". */
+int session_token(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    struct ttf_http_box *box = request->box;
+    char *text;
+    int n, r;
+
+    if (!box || !box->ops->token_show || !request->token)
+        return ttf_err_set(&request->err, -ENODEV, NULL, "this server has no box");
+    text = malloc(100);
+    if (!text)
+        return ttf_err_set(&request->err, -ENOMEM, NULL, "no memory");
+    r = box->ops->token_show(box, &request->err);
+    if (r < 0) {
+        free(text);
+        return r;
+    }
+    /* It was made by the box, of hex digits. */
+    n = snprintf(text, 100, "{\"token\":\"%s\"}", request->token);
     answer_json(ret, text, (size_t)n);
     return 0;
 }

@@ -29,5 +29,6 @@ bool session_valid(const char *value, const char *token);
 int session_begin(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int session_show(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int session_end(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int session_token(struct ttf_http_request *request, struct ttf_http_answer *ret);
 
 #endif

@@ -120,12 +120,74 @@ static int token_make_anew(const char *path, char ret[TTF_HTTP_TOKEN_SIZE], stru
     return r == 0 ? make_file(path, ret, err) : r;
 }
 
-int ttf_http_token_load(const char *path, char ret[TTF_HTTP_TOKEN_SIZE], struct ttf_err *err)
+/* An empty one is what a power cut can leave of one that was being made: nobody knows it. */
+static bool is_missing(const char *path)
 {
     struct stat st;
 
-    /* An empty one is what a power cut can leave of one that was being made: nobody knows it. */
-    if (stat(path, &st) < 0 ? errno != ENOENT : !S_ISREG(st.st_mode) || st.st_size > 0)
+    return stat(path, &st) < 0 ? errno == ENOENT : S_ISREG(st.st_mode) && st.st_size == 0;
+}
+
+int ttf_http_token_load(const char *path, char ret[TTF_HTTP_TOKEN_SIZE], struct ttf_err *err)
+{
+    return is_missing(path) ? token_make_anew(path, ret, err) : ttf_http_token_read(path, ret, err);
+}
+
+/* ---- shown once ---- */
+
+static int unshown_path(const char *path, char ret[4096], struct ttf_err *err)
+{
+    return snprintf(ret, 4096, "%s.unshown", path) < 4096
+               ? 0
+               : ttf_err_set(err, -ENAMETOOLONG, path, "its name is too long");
+}
+
+int ttf_http_token_load_to_show(const char *path, char ret[TTF_HTTP_TOKEN_SIZE],
+                                struct ttf_err *err)
+{
+    char unshown[4096];
+    int r;
+
+    if (!is_missing(path))
         return ttf_http_token_read(path, ret, err);
-    return token_make_anew(path, ret, err);
+    r = unshown_path(path, unshown, err);
+    if (r == 0)
+        r = ttf_http_token_make(ret, err);
+    if (r < 0)
+        return r;
+    /* Of a former token, or of one that a power cut kept from being made. */
+    (void)unlink(unshown);
+    r = make_file(unshown, ret, err);
+    return r == 0 ? make_file(path, ret, err) : r;
+}
+
+/* It holds the token itself: of another one, as somebody may have put in its place, it says nothing. */
+bool ttf_http_token_waits(const char *path, const char *token)
+{
+    char unshown[4096], waits[TTF_HTTP_TOKEN_SIZE];
+
+    return unshown_path(path, unshown, NULL) == 0 &&
+           ttf_http_token_read(unshown, waits, NULL) == 0 && strcmp(waits, token) == 0;
+}
+
+int ttf_http_token_show(const char *path, const char *token, struct ttf_err *err)
+{
+    char unshown[4096];
+    int r = 0;
+
+    if (!ttf_http_token_waits(path, token))
+        r = -EEXIST;
+    else if (unshown_path(path, unshown, NULL) < 0 || unlink(unshown) < 0)
+        r = errno == ENOENT ? -EEXIST : -errno; /* of two who ask at once one takes it away */
+    else
+        r = token_sync_folder(path);
+    if (r == -EEXIST) {
+        ttf_err_set(err, r, NULL, "the token was shown before, or is one that a person chose");
+        ttf_err_hint(err,
+                     "ttfbox token, on the box; or write another one: firmware/image/README.md");
+    } else if (r < 0) {
+        ttf_err_set(err, r, path, "that it is shown cannot be written down: %s",
+                    strerrordesc_np(-r));
+    }
+    return r;
 }

@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "token_limits.h"
 
-#include <netinet/in.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define CLIENTS 256 /* remembered; the one whose debt ends first makes room */
+#include "client.h"
 
-struct client {
-    uint8_t address[8];
+#define DEBTORS 256 /* remembered; the one whose debt ends first makes room */
+
+struct debtor {
+    uint8_t address[CLIENT_BYTES];
     int64_t paid_ns; /* when all its wrong tokens will be forgotten */
 };
 
 struct limits {
     struct ttf_clock *clock;
     pthread_mutex_t lock; /* over what follows */
-    struct client clients[CLIENTS];
+    struct debtor debtors[DEBTORS];
 };
 
 struct limits *limits_create(struct ttf_clock *clock)
@@ -40,35 +41,19 @@ void limits_destroy(struct limits *limits)
     free(limits);
 }
 
-static void take_address(const struct sockaddr *client, uint8_t ret[8])
+static struct debtor *find(struct limits *limits, const uint8_t address[CLIENT_BYTES])
 {
-    struct sockaddr_in v4;
-    struct sockaddr_in6 v6;
+    struct debtor *least = &limits->debtors[0];
 
-    memset(ret, 0, 8);
-    if (client && client->sa_family == AF_INET) {
-        memcpy(&v4, client, sizeof v4);
-        ret[0] = 4;
-        memcpy(ret + 4, &v4.sin_addr, 4);
-    } else if (client && client->sa_family == AF_INET6) {
-        memcpy(&v6, client, sizeof v6);
-        memcpy(ret, &v6.sin6_addr, 8);
-    }
-}
+    for (unsigned i = 0; i < DEBTORS; i++) {
+        struct debtor *c = &limits->debtors[i];
 
-static struct client *find(struct limits *limits, const uint8_t address[8])
-{
-    struct client *least = &limits->clients[0];
-
-    for (unsigned i = 0; i < CLIENTS; i++) {
-        struct client *c = &limits->clients[i];
-
-        if (c->paid_ns > 0 && memcmp(c->address, address, 8) == 0)
+        if (c->paid_ns > 0 && client_is_same(c->address, address))
             return c;
         if (c->paid_ns < least->paid_ns)
             least = c;
     }
-    memcpy(least->address, address, 8);
+    memcpy(least->address, address, CLIENT_BYTES);
     least->paid_ns = 0;
     return least;
 }
@@ -76,14 +61,14 @@ static struct client *find(struct limits *limits, const uint8_t address[8])
 bool limits_allow(struct limits *limits, const struct sockaddr *client)
 {
     int64_t now_ns = ttf_clock_now_ns(limits->clock);
-    uint8_t address[8];
+    uint8_t address[CLIENT_BYTES];
     bool allowed = true;
 
-    take_address(client, address);
+    client_of_address(client, address);
     (void)pthread_mutex_lock(&limits->lock);
-    for (unsigned i = 0; i < CLIENTS; i++)
-        if (memcmp(limits->clients[i].address, address, 8) == 0 &&
-            limits->clients[i].paid_ns - now_ns > (LIMITS_AT_ONCE - 1) * LIMITS_ONE_NS)
+    for (unsigned i = 0; i < DEBTORS; i++)
+        if (client_is_same(limits->debtors[i].address, address) &&
+            limits->debtors[i].paid_ns - now_ns > (LIMITS_AT_ONCE - 1) * LIMITS_ONE_NS)
             allowed = false;
     (void)pthread_mutex_unlock(&limits->lock);
     return allowed;
@@ -92,10 +77,10 @@ bool limits_allow(struct limits *limits, const struct sockaddr *client)
 void limits_wrong(struct limits *limits, const struct sockaddr *client)
 {
     int64_t now_ns = ttf_clock_now_ns(limits->clock);
-    struct client *c;
-    uint8_t address[8];
+    struct debtor *c;
+    uint8_t address[CLIENT_BYTES];
 
-    take_address(client, address);
+    client_of_address(client, address);
     (void)pthread_mutex_lock(&limits->lock);
     c = find(limits, address);
     c->paid_ns = (c->paid_ns > now_ns ? c->paid_ns : now_ns) + LIMITS_ONE_NS;

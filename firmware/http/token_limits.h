@@ -17,7 +17,7 @@ struct limits;
 struct limits *limits_create(struct ttf_clock *clock); /* NULL: no memory */
 void limits_destroy(struct limits *limits);            /* NULL allowed */
 
-/* May a token of this client be looked at? Of IPv6 a whole /64 counts as one; all of a UNIX socket as one; NULL too. */
+/* May this client (client.h) send a wrong one? Asked once it is known to be wrong: whoever brings the right one never suffers from others. */
 bool limits_allow(struct limits *limits, const struct sockaddr *client);
 
 /* One was wrong. */

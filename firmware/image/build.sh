@@ -62,7 +62,7 @@ fstab() { # DISK-ID
     cat <<END
 # SPDX-License-Identifier: Apache-2.0
 PARTUUID=$1-02 / ext4 ro,noatime 0 1
-PARTUUID=$1-01 /boot/box vfat ro,umask=0022,nofail,x-systemd.device-timeout=3min 0 2
+PARTUUID=$1-01 /boot/box vfat ro,umask=0077,nofail,x-systemd.device-timeout=3min 0 2
 PARTUUID=$1-03 /data ext4 errors=remount-ro,noatime,nofail,x-systemd.growfs,x-systemd.device-timeout=3min 0 2
 /data/datasets /var/lib/ttfbox none bind,nofail,x-systemd.requires-mounts-for=/data 0 0
 tmpfs /tmp tmpfs nosuid,nodev,size=25% 0 0
@@ -133,7 +133,7 @@ boot_files_pi() { # TREE FOLDER DISK-ID
 
 # Inside fakeroot: who owns what is kept without being root.
 assemble() { # DISK-ID
-    local tree=$work/tree boot=$work/boot img=$work/img type=ef
+    local tree=$work/tree boot=$work/boot img=$work/img type=ef listen
     rm -rf "$tree" "$boot"
     mkdir -p "$tree" "$boot/settings"
     tar -C "$tree" --numeric-owner -xf "$work/system.tar"
@@ -141,7 +141,9 @@ assemble() { # DISK-ID
     [ "$firmware" = efi ] || type=c
     # On the boot partition once; the root has no use for them.
     rm -rf "$tree"/boot/vmlinuz-* "$tree"/boot/initrd.img-* "$tree"/boot/firmware/*
-    sed "s/@BOARD@/$board/g" $here/settings/ttfbox.yaml >"$boot/settings/ttfbox.yaml"
+    # Where the board's port is no device there is no cable's network: what the daemon does by itself is right.
+    [ "$role" != device ] && listen=/^listen:/d || listen=''
+    sed -e "s/@BOARD@/$board/g" -e "$listen" $here/settings/ttfbox.yaml >"$boot/settings/ttfbox.yaml"
     sed 's/$/\r/' $here/settings/README.txt >"$boot/README.txt"
     rm -f "$img" "$work"/part.*
     truncate -s $((DATA_START * 512)) "$img"

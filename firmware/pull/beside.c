@@ -129,7 +129,7 @@ static int pull_people(struct beside *b, const char *file, struct ttf_err *err)
 
         (void)snprintf(text, sizeof text, "%s here is not the box's, and stays as it is", file);
         tell(b, text);
-    } else if (r == -ENOENT || (r == 0 && n_ours < n_theirs)) {
+    } else if (r == -ENOENT || n_ours < n_theirs || b->landing->doubtful) {
         r = landing_put(b->landing, file, theirs, n_theirs, err);
     }
     free(ours);

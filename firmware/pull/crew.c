@@ -33,6 +33,7 @@ static void run_errand(struct landing *landing, struct errand *e)
     if (landing->folder != e->folder)
         landing->made[0] = '\0';
     landing->folder = e->folder;
+    landing->doubtful = e->doubtful;
     e->r = landing_ensure(landing, e->path, e->bytes, e->sha256, e->trust, &e->landed, &e->why);
 }
 
@@ -118,7 +119,9 @@ void crew_destroy(struct crew *crew)
     for (unsigned i = 0; i < crew->n_hands; i++) {
         (void)pthread_join(crew->hands[i].thread, NULL);
         pull_wire_destroy(crew->hands[i].landing.wire);
+        landing_free(&crew->hands[i].landing);
     }
+    landing_free(&crew->own);
     (void)pthread_cond_destroy(&crew->done);
     (void)pthread_cond_destroy(&crew->work);
     (void)pthread_mutex_destroy(&crew->mutex);

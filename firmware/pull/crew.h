@@ -19,6 +19,7 @@ struct errand {
     char sha256[65];
     int64_t bytes;
     enum landing_trust trust;
+    bool doubtful; /* landing.h */
     /* what came of it */
     int r;
     struct landed landed;

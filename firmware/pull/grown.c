@@ -116,18 +116,22 @@ static bool is_wrong_line(const char *text, size_t n)
 /* 1: the box has the same bytes there; 0: others, or none. */
 static int same(struct grown *grown, int64_t first, int64_t end, struct ttf_err *err)
 {
-    size_t n = (size_t)(end - first), n_theirs = 0;
+    /* The end of the line before, too: where the box has none, it is no line of its that the range holds. */
+    int64_t before = first > 0 ? 1 : 0;
+    size_t n = (size_t)(end - first + before), n_theirs = 0;
     char *ours = malloc(n), *theirs = NULL;
     int r;
 
     if (!ours)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
-    r = pull_wire_get_text(grown->wire, grown->url, first, end - 1, n, &theirs, &n_theirs, err);
-    if (r == 0 && ttf_io_pread_all(grown->io, grown->file, ours, n, first) != (int64_t)n)
+    r = pull_wire_get_text(grown->wire, grown->url, first - before, end - 1, n, &theirs, &n_theirs,
+                           err);
+    if (r == 0 && ttf_io_pread_all(grown->io, grown->file, ours, n, first - before) != (int64_t)n)
         r = ttf_err_set(err, -EIO, grown->path, "cannot be read");
     if (r == 0 && n_theirs == n && memcmp(ours, theirs, n) == 0)
         r = 1;
-    else if (r == 0 && is_wrong_line(theirs, n_theirs))
+    else if (r == 0 && n_theirs > (size_t)before && (before == 0 || theirs[0] == '\n') &&
+             is_wrong_line(theirs + before, n_theirs - (size_t)before))
         /* What a power cut takes is gone; what is there and wrong is rot, and ours is the better one. */
         r = ttf_err_set(err, -TTF_EDAMAGED, grown->url, "a line of the box's is damaged");
     else if (r == -ERANGE)

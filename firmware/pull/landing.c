@@ -3,8 +3,10 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "anew.h"
 #include "ttf/dataset/copy.h"
 #include "ttf/dataset/hash.h"
 
@@ -14,8 +16,9 @@
 struct coming {
     struct ttf_io *io;
     int file;
-    int64_t bytes;    /* there */
-    int64_t expected; /* -1: not known */
+    int64_t bytes;         /* there */
+    unsigned char *memory; /* where they are, instead of in file; NULL: they are not */
+    int64_t expected;      /* -1: not known */
     struct ttf_sha256 hash;
     int ours; /* what failed here, not on the wire; 0 */
 };
@@ -53,7 +56,8 @@ static int on_begin(void *ctx, int64_t first)
     if (first == c->bytes)
         return 0;
     /* The whole, although a part was asked for: it is another entity, or the server knows no parts. */
-    r = c->ours = c->io->ops->truncate(c->io, c->file, 0);
+    if (!c->memory)
+        r = c->ours = c->io->ops->truncate(c->io, c->file, 0);
     c->bytes = 0;
     ttf_sha256_init(&c->hash);
     return first == 0 ? r : -EIO;
@@ -66,7 +70,10 @@ static int on_take(void *ctx, const void *data, size_t n)
     if (c->expected >= 0 && (int64_t)n > c->expected - c->bytes)
         return -TTF_EDAMAGED; /* longer than recorded */
     ttf_sha256_add(&c->hash, data, n);
-    c->ours = ttf_io_pwrite_all(c->io, c->file, data, n, c->bytes);
+    if (c->memory)
+        memcpy(c->memory + c->bytes, data, n);
+    else
+        c->ours = ttf_io_pwrite_all(c->io, c->file, data, n, c->bytes);
     c->bytes += (int64_t)n;
     return c->ours;
 }
@@ -129,6 +136,8 @@ static int try_once(struct landing *landing, const char *path, int64_t bytes, co
 
     place(landing, path, ".tmp", temporary);
     place(landing, path, "", final);
+    if (landing->doubtful)
+        (void)io->ops->unlink(io, temporary);
     c.file = io->ops->open(io, temporary, TTF_IO_CREATE_NEW);
     is_new = c.file >= 0;
     if (c.file == -EEXIST)
@@ -163,6 +172,59 @@ static int try_once(struct landing *landing, const char *path, int64_t bytes, co
     return r == 0 ? 0 : own(ret, r, final, "cannot be put in place", err);
 }
 
+/* ---- small files, written when they are known to be right ---- */
+
+static bool has_small(struct landing *landing)
+{
+    if (!landing->small)
+        landing->small = malloc((size_t)LANDING_SMALL);
+    return landing->small != NULL;
+}
+
+/* A new file of these bytes. *ret: of what failed. */
+static int write_new(struct landing *landing, const char *place, const struct coming *c,
+                     struct landed *ret, struct ttf_err *err)
+{
+    struct ttf_io *io = landing->io;
+    int file = io->ops->open(io, place, TTF_IO_CREATE_NEW), r, closed;
+
+    if (file < 0)
+        return own(ret, file, place, "cannot be made", err);
+    r = ttf_io_pwrite_all(io, file, c->memory, (size_t)c->bytes, 0);
+    closed = io->ops->close(io, file);
+    if (r == 0)
+        r = closed;
+    if (r == 0)
+        return 0;
+    (void)io->ops->unlink(io, place);
+    return own(ret, r, place, "cannot be written", err);
+}
+
+/* As try_once, without its temporary file and the renaming of it, which take longer than a small file's bytes. */
+static int try_small(struct landing *landing, const char *path, int64_t bytes, const char *sha256,
+                     struct landed *ret, struct ttf_err *err)
+{
+    struct coming c = {.io = landing->io, .file = -1, .expected = bytes, .memory = landing->small};
+    char final[PATH_SIZE], temporary[PATH_SIZE], hex[65];
+    int r;
+
+    place(landing, path, "", final);
+    place(landing, path, ".tmp", temporary);
+    ttf_sha256_init(&c.hash);
+    r = fetch(landing, &c, path, sha256, err);
+    if (r < 0 && r != -TTF_EDAMAGED) { /* gone on with the next time */
+        struct landed unsaid;
+
+        if (c.bytes > 0)
+            (void)write_new(landing, temporary, &c, &unsaid, NULL);
+        return r;
+    }
+    ttf_sha256_hex(&c.hash, hex);
+    if (r == 0 && (strcmp(hex, sha256) != 0 || c.bytes != bytes))
+        r = -TTF_EDAMAGED; /* asked for once more, and said then */
+    return r < 0 ? r : write_new(landing, final, &c, ret, err);
+}
+
 /* ---- what is there ---- */
 
 int landing_has(const struct landing *landing, const char *path, int64_t bytes, struct ttf_err *err)
@@ -186,12 +248,13 @@ static int is_there(struct landing *landing, const char *path, int64_t bytes, co
 {
     char final[PATH_SIZE], hex[65];
     int64_t got;
-    int r = landing_has(landing, path, bytes, err);
+    int r = trust == LANDING_NEW ? 0 : landing_has(landing, path, bytes, err);
 
     if (r <= 0 || trust == LANDING_SIZE)
         return r;
     place(landing, path, "", final);
-    r = ttf_sha256_file(landing->io, final, &got, hex, err);
+    r = landing->doubtful ? anew_write(landing->io, final, false, hex, err)
+                          : ttf_sha256_file(landing->io, final, &got, hex, err);
     return r < 0 ? r : strcmp(hex, sha256) == 0;
 }
 
@@ -217,7 +280,9 @@ static int come(struct landing *landing, const char *path, int64_t bytes, const 
     int r = make_folder(landing, path, err);
 
     ret->ours = r < 0;
-    if (r == 0)
+    if (r == 0 && trust == LANDING_NEW && bytes > 0 && bytes <= LANDING_SMALL && has_small(landing))
+        r = try_small(landing, path, bytes, sha256, ret, err);
+    else if (r == 0)
         r = try_once(landing, path, bytes, sha256, trust, ret, err);
     if (r == -TTF_EDAMAGED) { /* the wire, or a temporary file of another time */
         memset(err, 0, sizeof *err);
@@ -235,12 +300,22 @@ int landing_ensure(struct landing *landing, const char *path, int64_t bytes, con
     if (r < 0)
         return r;
     /* What an earlier try brought and did not settle is settled with the rest. */
-    ret->unsettled = r == 0 || trust == LANDING_HASH;
+    ret->unsettled = r == 0 || trust != LANDING_SIZE;
     if (r > 0)
         return 0;
     r = come(landing, path, bytes, sha256, trust, ret, err);
+    if (r == -EEXIST && trust == LANDING_NEW) { /* named twice */
+        memset(err, 0, sizeof *err);
+        return landing_ensure(landing, path, bytes, sha256, LANDING_HASH, ret, err);
+    }
     ret->came = r == 0;
     return r;
+}
+
+void landing_free(struct landing *landing)
+{
+    free(landing->small);
+    landing->small = NULL;
 }
 
 int landing_put(struct landing *landing, const char *path, const void *data, size_t n,

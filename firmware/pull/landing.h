@@ -17,7 +17,9 @@ struct landing {
     struct wire *wire;
     const char *name;   /* the dataset's */
     const char *folder; /* where it is laid, DEST/NAME */
-    char made[4600];    /* the folder that was made last */
+    bool doubtful; /* what is here may be seen and not be on the disk, whatever is synced: anew.h */
+    char made[4600];      /* the folder that was made last */
+    unsigned char *small; /* LANDING_SMALL bytes, for a file at a time; NULL: there are none yet */
 };
 
 /* What came of a file. */
@@ -27,16 +29,23 @@ struct landed {
     bool ours;      /* what failed is this machine's, and says nothing about the box */
 };
 
+/* What it holds; not the struct. */
+void landing_free(struct landing *landing);
+
 /* May a record or a seal name it? A file of the format's folders, none of whose names is hidden or temporary. */
 bool landing_is_image(const char *path);
 
 /* The same of what a seal lists, which may lie beside those folders. */
 bool landing_is_listed(const char *path);
 
+#define LANDING_SMALL \
+    ((int64_t)256 << 10) /* files up to this size can be hashed before they are written */
+
 /* How a file that is there already is looked at. */
 enum landing_trust {
     LANDING_SIZE, /* its size will do: it was durable before a line named it */
-    LANDING_HASH  /* it may be what a crash left */
+    LANDING_HASH, /* it may be what a crash left */
+    LANDING_NEW   /* there is none: this pull has made the dataset's folder */
 };
 
 /*

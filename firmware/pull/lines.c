@@ -42,7 +42,7 @@ static void fail_at(struct lines *l, const struct lines_batch *b, unsigned i)
     l->failed = e->r;
     l->why = e->why;
     l->result->slots = b->slots_at[i];
-    if (pull_wire_may_pass(e->r))
+    if (pull_wire_may_pass(e->r) && e->r != -EAGAIN) /* a box that is busy says nothing of a file */
         (void)snprintf(l->result->stuck, sizeof l->result->stuck, "%s", e->path);
     crew_drop(l->crew);
 }
@@ -53,6 +53,7 @@ static void set_failed(struct lines *l, int r, const struct ttf_err *why)
     if (r < 0 && (l->failed == 0 || pull_wire_may_pass(l->failed))) {
         l->failed = r;
         l->why = *why;
+        crew_drop(l->crew);
     }
 }
 
@@ -70,6 +71,8 @@ static size_t gather(struct lines *l, struct lines_batch *b)
             crew_wait(l->crew, &b->errands[i + group < b->n ? i + group - 1 : b->n - 1]);
         crew_wait(l->crew, e);
         l->result->files += e->landed.came;
+        if (e->r < 0 || e->landed.unsettled)
+            settle_forget(l->settling, e->path); /* a failed sync may have been of this one, too */
         if (l->failed < 0)
             continue;
         if (e->r == 0 && e->landed.unsettled) {
@@ -132,18 +135,30 @@ static bool is_skipped(const struct lines *l, const char *path)
     return false;
 }
 
+/* A number that is the same for names that differ by case alone (FNV-1a). */
+static uint32_t fold(const char *path)
+{
+    uint32_t n = 2166136261u;
+
+    for (; *path; path++)
+        n = (n ^ ((unsigned char)*path & 0xdfu)) * 16777619u;
+    return n;
+}
+
 /* Two at one file at once would spoil it; on some file systems names that differ by case alone are one. */
-static void wait_for_same(struct lines *l, const char *path)
+static void wait_for_same(struct lines *l, const char *path, uint32_t folded)
 {
     for (unsigned k = 0; k < 2; k++)
         for (unsigned i = 0; i < l->batch[k].n; i++)
-            if (strcasecmp(l->batch[k].errands[i].path, path) == 0)
+            if (l->batch[k].folded[i] == folded &&
+                strcasecmp(l->batch[k].errands[i].path, path) == 0)
                 crew_wait(l->crew, &l->batch[k].errands[i]);
 }
 
 static int ask(struct lines *l, const char *path, int64_t bytes, const char *sha256, bool keep,
                struct ttf_err *err)
 {
+    const uint32_t folded = fold(path);
     struct lines_batch *b;
     struct errand *e;
     int r = keep ? 0 : landing_has(l->landing, path, bytes, err);
@@ -153,16 +168,20 @@ static int ask(struct lines *l, const char *path, int64_t bytes, const char *sha
     r = turn(l, err);
     if (r < 0)
         return r;
-    wait_for_same(l, path);
+    wait_for_same(l, path, folded);
     b = current(l);
     b->slots_at[b->n] = (unsigned)l->result->slots;
     b->line_at[b->n] = b->text_bytes;
+    b->folded[b->n] = folded;
     b->bytes += bytes < BATCH_BYTES ? bytes : BATCH_BYTES;
     e = &b->errands[b->n++];
     *e = (struct errand){.name = l->name,
                          .folder = l->folder,
                          .bytes = bytes,
-                         .trust = keep ? LANDING_HASH : LANDING_SIZE,
+                         .trust = !keep       ? LANDING_SIZE
+                                  : l->is_new ? LANDING_NEW
+                                              : LANDING_HASH,
+                         .doubtful = l->landing->doubtful,
                          .r = -EIO,
                          .done = true};
     (void)snprintf(e->path, sizeof e->path, "%s", path);

@@ -18,6 +18,7 @@
 struct lines_batch {
     unsigned n, slots_at[LINES_FILES]; /* slots before the line that errands[i] is for */
     size_t line_at[LINES_FILES];       /* where that begins in text */
+    uint32_t folded[LINES_FILES];      /* of its path, whatever its case */
     int64_t bytes;
     char *
         text; /* whole lines, to be appended; those whose files are in this batch or were in one before */
@@ -37,6 +38,7 @@ struct lines {
     void (*tell)(void *ctx, int64_t slots,
                  const char *text); /* how it stands; text: NULL allowed */
     void *tell_ctx;
+    bool is_new;  /* the dataset's folder was made by this pull: none of its files is here */
     bool changed; /* lines were appended */
     /* its own */
     int failed; /* the first error behind which nothing is appended */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "anew.h"
 #include "beside.h"
 #include "grown.h"
 #include "landing.h"
@@ -30,6 +31,7 @@ struct one {
     struct lines lines;
     int64_t slots_there; /* as the box says */
     bool taken_back;     /* lines were */
+    bool marked;         /* by this pull, or it has taken over the mark: anew.h */
     struct one_result *result;
 };
 
@@ -157,6 +159,60 @@ static int not_empty(void *ctx, const char *name, bool is_dir)
     return 1;
 }
 
+static int sync_above(struct one *one, struct ttf_err *err)
+{
+    int r = one->config->io->ops->sync_dir(one->config->io, one->config->dest);
+
+    return r == 0 ? 0
+                  : ttf_err_set(err, r, one->config->dest, "cannot be synced: %s",
+                                strerrordesc_np(-r));
+}
+
+/* A folder that is there already may be one whose sync failed. */
+static int make_folder(struct one *one, struct ttf_err *err)
+{
+    int r = ttf_io_mkdirs(one->config->io, one->folder, err);
+
+    if (r == 0)
+        r = sync_above(one, err);
+    if (r == 0)
+        r = anew_mark(one->config->io, one->folder, err);
+    one->marked = r == 0;
+    return r;
+}
+
+/* What an earlier pull left that did not end well. */
+static int write_anew(struct one *one, struct ttf_err *err)
+{
+    static const char *const FILES[] = {"dataset.json", "records.jsonl", "events.jsonl"};
+    char path[4600];
+    int r = sync_above(one, err);
+
+    for (unsigned i = 0; r == 0 && i < sizeof FILES / sizeof *FILES; i++) {
+        (void)snprintf(path, sizeof path, "%s/%s", one->folder, FILES[i]);
+        r = anew_write(one->config->io, path, true, NULL, err);
+        if (r == -ENOENT)
+            r = 0;
+    }
+    return r;
+}
+
+/* The folder is this pull's alone, from here on. */
+static int take_over(struct one *one, struct ttf_err *err)
+{
+    int r = 0;
+
+    if (one->marked)
+        return 0;
+    one->landing.doubtful = anew_is_marked(one->config->io, one->folder);
+    if (one->landing.doubtful)
+        r = write_anew(one, err);
+    else
+        r = anew_mark(one->config->io, one->folder, err);
+    one->marked = r == 0;
+    return r;
+}
+
 /* The dataset's own manifest here, or a folder that may become it. */
 static int pull_manifest(struct one *one, struct ttf_err *err)
 {
@@ -186,7 +242,8 @@ static int pull_manifest(struct one *one, struct ttf_err *err)
         } else if (r < 0 && r != -ENOENT) {
             ttf_err_set(err, r, one->folder, "cannot be listed: %s", strerrordesc_np(-r));
         } else {
-            r = ttf_io_mkdirs(io, one->folder, err);
+            one->lines.is_new = r == -ENOENT; /* of the folder itself */
+            r = make_folder(one, err);
             if (r == 0)
                 r = landing_put(&one->landing, "dataset.json", theirs, n_theirs, err);
         }
@@ -239,12 +296,19 @@ static int pull_all(struct one *one, struct ttf_err *err)
 
     if (r == 0)
         r = lock(one, err);
+    one->settling.handle = one->lock;
+    if (r == 0)
+        r = take_over(one, err);
     if (r == 0)
         r = ask_seal(one, &state, err);
     if (r == 0) {
         one->slots_there = state.slots;
         one->result->box_sealed = state.sealed;
         r = seal_look(one->config->io, one->folder, &state, err);
+        if (one->landing.doubtful && state.here) { /* its name may be all that there is */
+            state.here = false;
+            state.other_here = true;
+        }
     }
     if (r == 0)
         r = open_records(one, &state, err);
@@ -260,6 +324,19 @@ static int pull_all(struct one *one, struct ttf_err *err)
         (one->lines.changed || one->taken_back || state.other_here))
         r = ttf_sums_rebuild(one->config->io, one->folder, err);
     return r;
+}
+
+/* Was it the box or the wire, if anything? Then all that is here is what it seems; of what was doubtful before, once all was gone through. */
+static bool is_of_box(int r)
+{
+    return r == 0 || pull_wire_may_pass(r) || r == -ECANCELED || r == -TTF_EDAMAGED;
+}
+
+static bool leaves_no_doubt(const struct one *one, int r)
+{
+    if (one->landing.doubtful)
+        return r == 0;
+    return is_of_box(r) && is_of_box(one->lines.failed) && one->settling.failed == 0;
 }
 
 int one_pull(const struct ttf_pull_config *config, struct wire *wire, struct crew *crew,
@@ -280,8 +357,8 @@ int one_pull(const struct ttf_pull_config *config, struct wire *wire, struct cre
     (void)snprintf(one->folder, sizeof one->folder, "%s/%s", config->dest, name);
     one->landing =
         (struct landing){.io = config->io, .wire = wire, .name = name, .folder = one->folder};
-    one->settling.io = config->io;
-    one->settling.folder = one->folder;
+    one->settling = (struct settling){
+        .io = config->io, .clock = config->clock, .folder = one->folder, .handle = -1};
     one->records = (struct grown){.io = config->io, .wire = wire, .file = -1};
     (void)snprintf(one->records.url, sizeof one->records.url, "/datasets/%s/records", name);
     (void)snprintf(one->records.path, sizeof one->records.path, "%s/records.jsonl", one->folder);
@@ -297,6 +374,8 @@ int one_pull(const struct ttf_pull_config *config, struct wire *wire, struct cre
     one->lines.tell = tell;
     one->lines.tell_ctx = one;
     r = pull_all(one, err);
+    if (one->marked && leaves_no_doubt(one, r))
+        anew_unmark(config->io, one->folder);
     lines_free(&one->lines);
     grown_close(&one->records);
     if (one->lock >= 0)

@@ -186,6 +186,7 @@ static int persist(const struct ttf_pull_config *config, struct wire *wire, stru
         note_stuck(ret, stuck, &times, &skips);
         if (++tries >= TRIES && !config->follow)
             return r;
+        ttf_err_hint(err, "it is asked again");
         (void)ttf_err_text(err, text, sizeof text);
         say(config, wire, name, text);
         pause_ns(config, tries <= 1 ? POLL_NS / 5 : wait_ns);

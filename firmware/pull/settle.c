@@ -12,6 +12,10 @@
 #define PATH_SIZE   4600
 #define STACK_BYTES ((size_t)256 << 10)
 #define HELPERS     15 /* threads that sync beside whoever settles */
+#define TOGETHER    8u /* files for which the whole file system is synced */
+/* A sync of all that takes so long waits for what others write; so many batches after it are synced file by file. */
+#define SLOW_NS     TTF_NS_PER_S
+#define APART       16u
 
 static int sync_file(struct settling *settling, const char *path)
 {
@@ -45,13 +49,20 @@ static int sync_folders(struct settling *settling, const char *path)
 /* What a sync that failed leaves may be on the disk or not, and the next sync would not say so again: it is to come anew. */
 static void take_away(struct settling *settling)
 {
-    char final[PATH_SIZE];
+    for (unsigned i = 0; i < settling->n; i++)
+        settle_forget(settling, settling->paths[i]);
+}
 
-    for (unsigned i = 0; i < settling->n; i++) {
-        if (!landing_is_image(settling->paths[i]))
-            continue; /* dataset.json: without it the folder is none */
-        (void)snprintf(final, sizeof final, "%s/%s", settling->folder, settling->paths[i]);
-        (void)settling->io->ops->unlink(settling->io, final);
+void settle_forget(const struct settling *settling, const char *path)
+{
+    static const char *const ENDS[] = {"", ".tmp"};
+    char whole[PATH_SIZE];
+
+    if (settling->failed == 0 || !landing_is_image(path))
+        return; /* dataset.json: without it the folder is none */
+    for (unsigned i = 0; i < sizeof ENDS / sizeof *ENDS; i++) {
+        (void)snprintf(whole, sizeof whole, "%s/%s%s", settling->folder, path, ENDS[i]);
+        (void)settling->io->ops->unlink(settling->io, whole);
     }
 }
 
@@ -61,7 +72,7 @@ static bool same_folder(const struct settling *settling, unsigned i)
     const char *slash = strrchr(settling->paths[i], '/');
     size_t n = slash ? (size_t)(slash - settling->paths[i]) + 1 : 0;
 
-    for (unsigned k = 0; k < i; k++)
+    for (unsigned k = i; k-- > 0;) /* most often the last one does */
         if (strncmp(settling->paths[k], settling->paths[i], n) == 0 &&
             !strchr(settling->paths[k] + n, '/'))
             return true;
@@ -117,18 +128,73 @@ static int sync_files(struct settling *settling)
     return atomic_load(&round.failed);
 }
 
+static int sync_each(struct settling *settling)
+{
+    int r = sync_files(settling);
+
+    for (unsigned i = 0; r == 0 && i < settling->n; i++)
+        if (!same_folder(settling, i))
+            r = sync_folders(settling, settling->paths[i]);
+    return r;
+}
+
+/* Are all of the batch on the dataset's own file system? */
+static bool on_one_disk(const struct settling *settling)
+{
+    struct ttf_io *io = settling->io;
+    struct ttf_io_stat whole, st;
+    char path[PATH_SIZE];
+
+    if (io->ops->stat(io, settling->folder, &whole) < 0 || whole.device == 0)
+        return false;
+    for (unsigned i = 0; i < settling->n; i++) {
+        if (same_folder(settling, i))
+            continue;
+        (void)snprintf(path, sizeof path, "%s/%s", settling->folder, settling->paths[i]);
+        if (io->ops->stat(io, path, &st) < 0 || st.device != whole.device)
+            return false;
+    }
+    return true;
+}
+
+/*
+ * One turn of the journal for all of them. The folder's own sync behind it costs little, and finds what is left: a file system that gave
+ * up its journal meanwhile (before Linux 5.17 syncfs does not say so), and what one without a journal leaves in the disk's own cache.
+ */
+static int sync_together(struct settling *settling)
+{
+    int64_t begun_ns = ttf_clock_now_ns(settling->clock);
+    int r = ttf_io_sync_all(settling->io, settling->handle);
+
+    if (r == 0)
+        r = settling->io->ops->sync_dir(settling->io, settling->folder);
+    if (ttf_clock_now_ns(settling->clock) - begun_ns > SLOW_NS)
+        settling->apart = APART;
+    return r;
+}
+
+static int sync_batch(struct settling *settling)
+{
+    int r = -EOPNOTSUPP;
+
+    if (settling->n == 0)
+        return 0;
+    if (settling->apart > 0)
+        settling->apart--;
+    else if (settling->n >= TOGETHER && settling->handle >= 0 && on_one_disk(settling))
+        r = sync_together(settling);
+    return r == -EOPNOTSUPP ? sync_each(settling) : r;
+}
+
 int settle_all(struct settling *settling, struct ttf_err *err)
 {
     int r = settling->failed;
 
-    if (r == 0 && settling->n > 0)
-        r = sync_files(settling);
-    for (unsigned i = 0; r == 0 && i < settling->n; i++)
-        if (!same_folder(settling, i))
-            r = sync_folders(settling, settling->paths[i]);
+    if (r == 0)
+        r = sync_batch(settling);
+    settling->failed = r;
     if (r < 0)
         take_away(settling);
-    settling->failed = r;
     settling->n = 0;
     if (r < 0)
         return ttf_err_set(err, r, settling->folder, "cannot be synced: %s", strerrordesc_np(-r));

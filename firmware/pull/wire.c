@@ -9,8 +9,9 @@
 #include <string.h>
 
 #define CONNECT_S 10L
-#define SILENCE_S 30L  /* without a byte */
-#define SAID_MAX  2048 /* of what the box says of an error */
+#define SILENCE_S 30L   /* without a byte */
+#define POST_MAX  65536 /* of an answer to what was sent */
+#define SAID_MAX  2048  /* of what the box says of an error */
 
 struct wire {
     CURL *curl;
@@ -232,33 +233,53 @@ static int box_error(struct wire *wire, long status, const char *path, struct tt
         r = -EACCES;
     else if (status == 404)
         r = -ENOENT;
-    else if (status == 503)
-        r = -ETIMEDOUT; /* it will have time again */
+    else if (status == 403 || status == 409)
+        r = status == 403 ? -EPERM : -EEXIST;
+    else if (status == 503 || status == 429)
+        r = -EAGAIN; /* it is short of something, and will have it again */
     ttf_err_set(err, r, path, "the box says %ld: %.200s", status, text);
     if (status == 401)
         ttf_err_hint(err, "give the box's token by --token-file");
     return r;
 }
 
-int pull_wire_get(struct wire *wire, const char *path, int64_t first, int64_t last,
-                  const char *if_tag, const struct wire_sink *sink, struct ttf_err *err)
+/* What was set up, with these headers. */
+static int perform(struct wire *wire, const char *path, struct curl_slist *headers,
+                   const struct wire_sink *sink, struct ttf_err *err)
 {
-    char url[1024], range[64], tag[128];
-    struct curl_slist *tags = NULL;
+    char url[1024];
     CURLcode code;
     long status;
-    bool part = first > 0 || last >= 0;
 
     if ((size_t)snprintf(url, sizeof url, "%s%s", wire->base, path) >= sizeof url)
         return ttf_err_set(err, -EINVAL, path, "is too long");
-    (void)snprintf(range, sizeof range, "%" PRId64 "-", first);
-    if (last >= 0)
-        (void)snprintf(range, sizeof range, "%" PRId64 "-%" PRId64, first, last);
     wire->sink = sink;
-    wire->asked_first = first;
     wire->begun = false;
     wire->sink_error = 0;
     wire->n_said = 0;
+    (void)curl_easy_setopt(wire->curl, CURLOPT_URL, url);
+    (void)curl_easy_setopt(wire->curl, CURLOPT_HTTPHEADER, headers);
+    code = curl_easy_perform(wire->curl);
+    status = status_of(wire);
+    if (code != CURLE_OK)
+        return wire_error(wire, code, path, err);
+    if (status != 200 && status != 206)
+        return box_error(wire, status, path, err);
+    return begin(wire); /* an empty answer has begun too */
+}
+
+int pull_wire_get(struct wire *wire, const char *path, int64_t first, int64_t last,
+                  const char *if_tag, const struct wire_sink *sink, struct ttf_err *err)
+{
+    char range[64], tag[128];
+    struct curl_slist *tags = NULL;
+    bool part = first > 0 || last >= 0;
+    int r;
+
+    (void)snprintf(range, sizeof range, "%" PRId64 "-", first);
+    if (last >= 0)
+        (void)snprintf(range, sizeof range, "%" PRId64 "-%" PRId64, first, last);
+    wire->asked_first = first;
     /* The token's header is the list's tail, which the request's own comes before. */
     if (part && if_tag) {
         (void)snprintf(tag, sizeof tag, "If-Range: \"%s\"", if_tag);
@@ -267,20 +288,13 @@ int pull_wire_get(struct wire *wire, const char *path, int64_t first, int64_t la
             return ttf_err_set(err, -ENOMEM, NULL, "no memory");
         tags->next = wire->headers;
     }
-    (void)curl_easy_setopt(wire->curl, CURLOPT_URL, url);
     (void)curl_easy_setopt(wire->curl, CURLOPT_RANGE, part ? range : NULL);
-    (void)curl_easy_setopt(wire->curl, CURLOPT_HTTPHEADER, tags ? tags : wire->headers);
-    code = curl_easy_perform(wire->curl);
+    r = perform(wire, path, tags ? tags : wire->headers, sink, err);
     if (tags) {
         tags->next = NULL;
         curl_slist_free_all(tags);
     }
-    status = status_of(wire);
-    if (code != CURLE_OK)
-        return wire_error(wire, code, path, err);
-    if (status != 200 && status != 206)
-        return box_error(wire, status, path, err);
-    return begin(wire); /* an empty answer has begun too */
+    return r;
 }
 
 /* ---- texts ---- */
@@ -322,6 +336,27 @@ static int text_take(void *ctx, const void *data, size_t n)
     return 0;
 }
 
+static int text_give(struct text *text, int r, const char *path, char **ret_text, size_t *ret_bytes,
+                     struct ttf_err *err)
+{
+    if (r == 0 && !text->bytes)
+        text->bytes = malloc(1);
+    if (r == 0 && !text->bytes)
+        r = -ENOMEM;
+    if (r < 0 || !text->bytes) {
+        free(text->bytes);
+        if (r == -EPROTO)
+            ttf_err_set(err, r, path, "comes whole where a part was asked for: this is no ttfbox");
+        if (r == -ENOMEM || r == -EFBIG)
+            ttf_err_set(err, r, path, r == -ENOMEM ? "no memory" : "is longer than can be");
+        return r;
+    }
+    text->bytes[text->n] = '\0';
+    *ret_text = text->bytes;
+    *ret_bytes = text->n;
+    return 0;
+}
+
 int pull_wire_get_text(struct wire *wire, const char *path, int64_t first, int64_t last, size_t max,
                        char **ret_text, size_t *ret_bytes, struct ttf_err *err)
 {
@@ -329,20 +364,53 @@ int pull_wire_get_text(struct wire *wire, const char *path, int64_t first, int64
     const struct wire_sink sink = {text_begin, text_take, &text};
     int r = pull_wire_get(wire, path, first, last, NULL, &sink, err);
 
-    if (r == 0 && !text.bytes)
-        text.bytes = malloc(1);
-    if (r == 0 && !text.bytes)
-        r = -ENOMEM;
-    if (r < 0 || !text.bytes) {
-        free(text.bytes);
-        if (r == -EPROTO)
-            ttf_err_set(err, r, path, "comes whole where a part was asked for: this is no ttfbox");
-        if (r == -ENOMEM || r == -EFBIG)
-            ttf_err_set(err, r, path, r == -ENOMEM ? "no memory" : "is longer than can be");
-        return r;
+    return text_give(&text, r, path, ret_text, ret_bytes, err);
+}
+
+/* ---- asking ---- */
+
+/* A request's own headers, before those of every one. NULL: no memory. */
+static struct curl_slist *post_headers(const struct wire *wire, const char *json)
+{
+    struct curl_slist *marker = curl_slist_append(NULL, "X-Ttfbox: 1");
+    /* Without a body none is announced, as libcurl would. */
+    struct curl_slist *type =
+        curl_slist_append(NULL, json ? "Content-Type: application/json" : "Content-Type:");
+
+    if (!marker || !type) {
+        curl_slist_free_all(marker);
+        curl_slist_free_all(type);
+        return NULL;
     }
-    text.bytes[text.n] = '\0';
-    *ret_text = text.bytes;
-    *ret_bytes = text.n;
-    return 0;
+    marker->next = type;
+    type->next = wire->headers;
+    return marker;
+}
+
+static int post(struct wire *wire, const char *path, const char *json, const struct wire_sink *sink,
+                struct ttf_err *err)
+{
+    struct curl_slist *headers = post_headers(wire, json);
+    int r;
+
+    if (!headers)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    wire->asked_first = 0;
+    (void)curl_easy_setopt(wire->curl, CURLOPT_RANGE, NULL);
+    (void)curl_easy_setopt(wire->curl, CURLOPT_POSTFIELDS, json ? json : "");
+    r = perform(wire, path, headers, sink, err);
+    headers->next->next = NULL;
+    curl_slist_free_all(headers);
+    (void)curl_easy_setopt(wire->curl, CURLOPT_HTTPGET, 1L);
+    return r;
+}
+
+int pull_wire_post_text(struct wire *wire, const char *path, const char *json, char **ret_text,
+                        size_t *ret_bytes, struct ttf_err *err)
+{
+    struct text text = {.max = POST_MAX};
+    const struct wire_sink sink = {text_begin, text_take, &text};
+    int r = post(wire, path, json, &sink, err);
+
+    return text_give(&text, r, path, ret_text, ret_bytes, err);
 }

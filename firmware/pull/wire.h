@@ -35,7 +35,7 @@ void pull_wire_destroy(struct wire *wire); /* NULL allowed */
 /*
  * GET of a path below /api/v1. first > 0 or last >= 0: that part of it, both inclusive, if the entity is still if_tag (NULL:
  * whichever it is); the answer may be the whole all the same (begin is told). 0: it is there. -ERANGE: nothing begins at
- * first. -ENOENT, -EACCES and -EIO by what the box says, in its words. -ECANCELED: told to stop. -ETIMEDOUT, -ECONNREFUSED, -ECONNRESET:
+ * first. -ENOENT, -EACCES and -EIO by what the box says, in its words; -EAGAIN: it is short of handles, archives or the like. -ECANCELED: told to stop. -ETIMEDOUT, -ECONNREFUSED, -ECONNRESET:
  * the wire; what config->ended says in place of these.
  */
 TTF_MUST_USE int pull_wire_get(struct wire *wire, const char *path, int64_t first, int64_t last,
@@ -47,14 +47,18 @@ TTF_MUST_USE int pull_wire_get_text(struct wire *wire, const char *path, int64_t
                                     int64_t last, size_t max, char **ret_text, size_t *ret_bytes,
                                     struct ttf_err *err);
 
+/* POST: json NULL: without a body. The answer (any of 2xx) as above, at most 64 KiB. -EEXIST and -EPERM by what the box says (409, 403), else as above. */
+TTF_MUST_USE int pull_wire_post_text(struct wire *wire, const char *path, const char *json,
+                                     char **ret_text, size_t *ret_bytes, struct ttf_err *err);
+
 /* Bytes of answers so far, of its twins too. */
 int64_t pull_wire_bytes(const struct wire *wire);
 
-/* Is it an error of the wire, which another try may not have? */
+/* Is it an error of the wire, or of a box that is busy, which another try may not have? */
 static inline bool pull_wire_may_pass(int error)
 {
     return error == -ETIMEDOUT || error == -ECONNREFUSED || error == -ECONNRESET ||
-           error == -EHOSTUNREACH;
+           error == -EHOSTUNREACH || error == -EAGAIN;
 }
 
 #endif

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "supervise.h"
@@ -19,6 +20,7 @@
 #include "ttf/usb/functionfs.h"
 
 #define DEFAULT_FOLDER "/run/ttfbox-usb"
+#define FD_NAME        "ep0" /* to the service manager */
 #define DEFAULT_SERVER "/run/ttfbox/http.sock"
 
 struct usbd {
@@ -148,11 +150,44 @@ static int work(struct usbd *u, struct ttf_clock *clock, struct ttf_err *err)
     return r;
 }
 
+/* Of a FunctionFS that was taken down since, ep0 is of no use; it would be used for ever. */
+static bool is_of_folder(const struct usbd *u, int ep0)
+{
+    struct stat kept, there;
+
+    if (u->cable || !u->folder)
+        return true;
+    return fstat(ep0, &kept) == 0 && stat(u->folder, &there) == 0 && kept.st_dev == there.st_dev;
+}
+
+/*
+ * What must stay open: kept by the manager from the process before this one, with all that was written into it, so that the gadget
+ * never came to be unbound; else opened, and given to the manager to keep.
+ */
+static int open_ep0(const struct usbd *u, struct ttf_err *err)
+{
+    int fd = ttf_systemd_kept_fd(FD_NAME);
+
+    if (fd >= 0 && is_of_folder(u, fd)) {
+        fputs("ttfbox-usbd: goes on with the gadget as it is\n", stderr);
+        return fd;
+    }
+    if (fd >= 0) {
+        (void)ttf_systemd_notify(u->notify, "FDSTOREREMOVE=1\nFDNAME=" FD_NAME);
+        (void)close(fd);
+    }
+    fd =
+        u->cable ? ttf_usb_pipe_connect(u->cable, err) : ttf_usb_functionfs_prepare(u->folder, err);
+    /* FDPOLL=0: it is not for the manager to look whether anything has happened to it. */
+    if (fd >= 0)
+        (void)ttf_systemd_notify_fd(u->notify, "FDSTORE=1\nFDNAME=" FD_NAME "\nFDPOLL=0", fd);
+    return fd;
+}
+
 /* Opens what must stay open, and runs this program again for the work. */
 static int keep(const struct usbd *u, struct ttf_clock *clock, struct ttf_err *err)
 {
-    int fd =
-        u->cable ? ttf_usb_pipe_connect(u->cable, err) : ttf_usb_functionfs_prepare(u->folder, err);
+    int fd = open_ep0(u, err);
     char number[16];
     const char *const again[] = {"/proc/self/exe",
                                  u->cable ? "--cable" : "--functionfs",

@@ -56,9 +56,28 @@ function show() {
 
 function login_card() {
   return h("section", { class: "card" }, h("h1", {}, "This box asks for its token"),
-    h("p", {}, "It was made when the box was started first. On the box, or at the cable, ", h("code", {}, "ttfbox token"), " shows it; of ",
-      h("code", {}, "ttfbox serve"), " it stands where that was started."),
+    h("p", {}, "It was made when the box was started first. With the box at this machine's USB, ", h("code", {}, "ttfbox usb token"), " shows it, once; on the box, ",
+      h("code", {}, "ttfbox token"), " does; of ", h("code", {}, "ttfbox serve"), " it stands where that was started. One of your own: settings/token on the box's card."),
     login_form(() => {}));
+}
+
+/* At the cable, of a box that has shown its token to nobody yet: once. */
+function first_form(shown) {
+  const said = h("div", { role: "status" });
+  const button = h("button", { type: "button", onclick: async () => {
+    button.disabled = true;
+    try {
+      const { token } = await post("session/token");
+      fill(said, h("p", {}, "The box's token: ", h("code", {}, token)),
+        h("p", {}, "It is shown this once. Keep it: other browsers and programs are asked for it. This browser knows it now."));
+      await post("session", { token });
+      await box.renew();
+      shown();
+    } catch (error) {
+      fill(said, h("p", { class: "bad" }, error.text || error.message));
+    }
+  } }, "Show the token");
+  return h("div", { class: "stack" }, h("p", {}, "You are at the box's cable, and nobody has seen its token yet."), button, said);
 }
 
 function login_form(done) {
@@ -88,7 +107,8 @@ async function login() {
     return;
   }
   const dialog = $("ask");
-  fill(dialog, h("h2", { id: "ask-title" }, "The box's token"), login_form(() => dialog.close()),
+  const form = login_form(() => dialog.close());
+  fill(dialog, h("h2", { id: "ask-title" }, "The box's token"), box.session.token_waits && first_form(() => { form.remove(); show(); }), form,
     h("div", { class: "row end" }, h("button", { type: "button", onclick: () => dialog.close() }, "Close")));
   dialog.onclose = null;
   dialog.showModal();

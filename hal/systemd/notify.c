@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,7 +14,35 @@
 #include "ttf/base/time.h"
 #include "ttf/hal/systemd.h"
 
+static ssize_t send_state(int fd, const struct sockaddr_un *at, socklen_t n, const char *state,
+                          int with)
+{
+    union {
+        struct cmsghdr head;
+        char bytes[CMSG_SPACE(sizeof(int))];
+    } control = {.bytes = {0}};
+    struct sockaddr_un to = *at;
+    struct iovec part = {.iov_len = strlen(state)};
+    struct msghdr message = {.msg_name = &to, .msg_namelen = n, .msg_iov = &part, .msg_iovlen = 1};
+
+    memcpy(&part.iov_base, &state, sizeof(state)); /* it is read, and not const for readv's sake */
+    if (with >= 0) {
+        message.msg_control = control.bytes;
+        message.msg_controllen = sizeof(control.bytes);
+        control.head.cmsg_level = SOL_SOCKET;
+        control.head.cmsg_type = SCM_RIGHTS;
+        control.head.cmsg_len = CMSG_LEN(sizeof(int));
+        memcpy(CMSG_DATA(&control.head), &with, sizeof(int));
+    }
+    return sendmsg(fd, &message, MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
 int ttf_systemd_notify(const char *socket_path, const char *state)
+{
+    return ttf_systemd_notify_fd(socket_path, state, -1);
+}
+
+int ttf_systemd_notify_fd(const char *socket_path, const char *state, int with)
 {
     struct sockaddr_un at = {.sun_family = AF_UNIX};
     size_t n = socket_path ? strlen(socket_path) : 0;
@@ -31,11 +60,44 @@ int ttf_systemd_notify(const char *socket_path, const char *state)
     if (fd < 0)
         return -errno;
     sent =
-        sendto(fd, state, strlen(state), MSG_NOSIGNAL | MSG_DONTWAIT, (const struct sockaddr *)&at,
-               (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n));
+        send_state(fd, &at, (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n), state, with);
     r = sent < 0 ? -errno : 1;
     (void)close(fd);
     return r;
+}
+
+#define FIRST_FD 3  /* SD_LISTEN_FDS_START */
+#define MOST_FDS 64 /* nobody keeps more here */
+
+/* The number-th of "one:two:three" is this name. */
+static bool is_named(const char *names, long number, const char *name)
+{
+    size_t n = strlen(name);
+
+    for (; names && number > 0; number--) {
+        names = strchr(names, ':');
+        names = names ? names + 1 : NULL;
+    }
+    return names && strncmp(names, name, n) == 0 && (names[n] == ':' || names[n] == '\0');
+}
+
+int ttf_systemd_kept_fd(const char *name)
+{
+    const char *pid = getenv("LISTEN_PID");       /* NOLINT(concurrency-mt-unsafe) */
+    const char *fds = getenv("LISTEN_FDS");       /* NOLINT(concurrency-mt-unsafe) */
+    const char *names = getenv("LISTEN_FDNAMES"); /* NOLINT(concurrency-mt-unsafe) */
+    long n = fds && pid && strtol(pid, NULL, 10) == (long)getpid() ? strtol(fds, NULL, 10) : 0;
+    int found = -ENOENT;
+
+    for (long i = 0; i < n && i < MOST_FDS; i++) {
+        if (fcntl(FIRST_FD + (int)i, F_SETFD, FD_CLOEXEC) == 0 && found < 0 &&
+            is_named(names, i, name))
+            found = FIRST_FD + (int)i;
+    }
+    (void)unsetenv("LISTEN_PID");     /* NOLINT(concurrency-mt-unsafe) */
+    (void)unsetenv("LISTEN_FDS");     /* NOLINT(concurrency-mt-unsafe) */
+    (void)unsetenv("LISTEN_FDNAMES"); /* NOLINT(concurrency-mt-unsafe) */
+    return found;
 }
 
 int64_t ttf_systemd_watchdog_ns(void)

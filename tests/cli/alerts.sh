@@ -90,6 +90,7 @@ alerts:
     bus: {mqtt: box/alerts, host: broker, program: $WORK/mqtt}
   parts: {daemon: $WORK/http, guardian: $WORK/guardian, preview: lock}
   grace: 1s
+  begin: 3s
   heartbeat: $base/beat?token=SECRET4
   every: 500ms
 END
@@ -110,18 +111,24 @@ gone() { # PROCESS
     kill -9 "$1"
     wait "$1" 2>/dev/null
 }
+# ---- a run that cannot begin: said with why, and the heart is silent; one that begins is no false alarm ----
 mkdir data
-start_guardian
+start_alertd
+begun=$(now)
 start_daemon
 start_preview
-for _ in $(seq 300); do [ "$(slots)" -ge 1 ] 2>/dev/null && break; sleep 0.05; done
-start_alertd
+hears "$begun" 8 '"kind":"not-begun"' '"severity":"alarm"' '"dataset":"grass"' "retrying" "the lamp guardian does not answer"
+silent=$(now)
+sleep 1
+[ "$(beats "$silent" "$(now)")" = 0 ] || fail "the heart beats although the capture cannot begin"
+start_guardian
+hears "$silent" 30 '"kind":"going-on"'
 begun=$(now)
 another
 another
 [ "$(beats "$begun" "$(now)")" -ge 2 ] || fail "no heartbeat: $(cat alertd.log)"
-[ -z "$(told "$begun" stopped)" ] || fail "a capture that runs is said to have stopped"
-[ -z "$(told "$begun" part-gone)" ] || fail "a part that lives is said to be gone: $(cat received)"
+[ -z "$(told "$begun" '"kind":"stopped"')" ] || fail "a capture that runs is said to have stopped"
+[ -z "$(told "$begun" '"kind":"part-gone"')" ] || fail "a part that lives is said to be gone: $(cat received)"
 
 # ---- the daemon is killed ----
 at=$(now)
@@ -171,6 +178,23 @@ another
 start_alertd
 sleep 2
 [ "$(beats "$at" "$(now)")" -ge 1 ] || fail "no heartbeat again"
+
+# ---- a person stops it: told as that, once, and the heart goes on beating; gone on with, that is told ----
+another
+asked() { # PATH [curl's options]
+    curl -sSf --unix-socket http -H "Authorization: Bearer $(cat data/.ttfbox/token)" "${@:2}" "http://localhost/api/v1/$1" >out ||
+        fail "$1 is refused"
+}
+at=$(now)
+asked run/stop -X POST
+hears "$at" $((2 * INTERVAL_S)) '"kind":"stopped-by-person"' '"severity":"warning"' '"dataset":"grass"'
+silent=$(now)
+sleep $((2 * INTERVAL_S))
+[ "$(beats "$silent" "$(now)")" -ge 2 ] || fail "the heart does not beat, as if something were wrong"
+[ "$(awk -v at="$at" '$1 >= at && / POST \/hook/' received | wc -l)" = 1 ] || fail "told more than once: $(tail -3 received)"
+asked run -H 'Content-Type: application/json' -d '{}'
+hears "$at" 30 '"kind":"going-on"'
+another
 
 # ---- all kinds of hooks were told, whatever the hanging ones did ----
 grep -q '"kind":"stopped"' command.said || fail "the command was not told"

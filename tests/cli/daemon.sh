@@ -72,6 +72,14 @@ said err "'data' is missing"
 printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nlisten: 8417\n' >bad.yaml
 expect 2 "$DAEMON" --config bad.yaml
 said err "bad.yaml:4:9"
+for wrong in 127.0.0.1 8417 '127.0.0.1:70000' '1.2.3:80' 'unix:' 'a-name-that-is-too-long-for-one:80'; do
+    printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nlisten: ["%s"]\n' "$wrong" >bad.yaml
+    expect 2 "$DAEMON" --config bad.yaml --check
+    said err "bad.yaml: listen: '$wrong' is no address to listen on"
+done
+printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nlisten: ["usb0:80", "usb0:80"]\n' >bad.yaml
+expect 2 "$DAEMON" --config bad.yaml --check
+said err "'usb0:80' is there twice"
 printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nset: {sim.sensor.width: 4px}\n' >bad.yaml
 expect 2 "$DAEMON" --config bad.yaml
 said err "--set sim.sensor.width"

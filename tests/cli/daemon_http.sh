@@ -306,6 +306,42 @@ none_missed two
 expect 0 "$TTFBOX" verify data/two
 grep -q '"reason":"watering"' data/two/records.jsonl || fail "the pause is not in the records"
 
+# ---- a run that went on in its second storage rests: all its slots are counted, after a boot, and when the first one comes late ----
+mkdir second
+cp box.yaml whole.yaml
+echo '  faults: [{kind: read-only, at: 8s, target: first}]' >>box.yaml
+start
+plan third.yaml 'interval: 500ms' 'count: 400' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B' "storage: {second: $WORK/second}"
+json_of third.yaml "$URL/plans/third" 200 -X PUT
+post "$URL/run" 202 '{"plan":"third","dataset":"three"}'
+for _ in $(seq 400); do
+    [ "$(grep -c '"type":"slot"' second/three/records.jsonl 2>/dev/null)" -ge 3 ] 2>/dev/null && break
+    sleep 0.05
+done
+get "$URL/run/stop" 202 "${ME[@]}" -X POST
+state stopped
+all=$(($(slots three) + $(grep -c '"type":"slot"' second/three/records.jsonl)))
+[ "$(slots three)" -ge 1 ] || fail "it moved before its first slot: $(cat log)"
+[ "$all" -gt "$(slots three)" ] || fail "it did not move: $(cat log)"
+counted() { # SLOTS: within 15 s
+    for _ in $(seq 300); do
+        get "$URL/status" 200 "${ME[@]}"
+        [ "$(json run.done)" = "$1" ] && return 0
+        sleep 0.05
+    done
+    fail "$(json run.done) slots are counted of $1"
+}
+counted "$all"
+end
+mv data/three three.away
+start
+state stopped
+counted $((all - $(grep -c '"type":"slot"' three.away/records.jsonl)))
+mv three.away data/three
+counted "$all"
+end
+mv whole.yaml box.yaml
+
 plan first.yaml 'interval: 500ms' 'count: 4' 'shot: {exposure: 10ms}' 'keep: both' 'reserve: 0B'
 # ---- a port that is taken is said, and tried again; the box captures all the same ----
 rm -rf data/* data/.ttfbox log

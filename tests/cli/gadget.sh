@@ -81,6 +81,37 @@ expect 0 "$GADGET" --into "$in" bind
 expect 1 "$GADGET" --into "$in" compose
 said err 'there is a gadget already'
 [ "$(cat "$made/UDC")" = fe980000.usb ] || fail "a second compose took the first away"
+# --- behind an end of the service: unbound if it is stopped, and never when it comes again
+mkdir systemd
+cat >systemd/systemctl <<'END'
+#!/bin/sh
+[ -z "${MUTE:-}" ] || exit 1
+cat "$JOBS"
+END
+cat >systemd/systemd-notify <<'END'
+#!/bin/sh
+echo "$*" >>"$TOLD"
+END
+chmod +x systemd/*
+export JOBS=$WORK/jobs TOLD=$WORK/told
+ended() { # UNBOUND JOB...: whether it is unbound, where systemd has these jobs
+    local unbound=$1 is=no
+    shift
+    printf '%s\n' "$@" >"$JOBS"
+    : >"$TOLD"
+    expect 0 "$GADGET" --into "$in" bind
+    expect 0 env "PATH=$WORK/systemd:$PATH" NOTIFY_SOCKET=/nobody "$GADGET" --into "$in" stopped
+    [ -n "$(cat "$made/UDC")" ] || is=yes
+    [ "$is" = "$unbound" ] || fail "unbound: $is, with the jobs: $*"
+    if [ "$unbound" = yes ]; then said told 'FDSTOREREMOVE=1 FDNAME=ep0'; else [ ! -s told ] || fail "what is kept is given back"; fi
+}
+ended no ''                                      # killed, or by the watchdog: it comes by itself
+ended no '7 ttfbox-usbd.service restart running' # systemctl restart
+ended no '7 ttfboxd.service stop running'
+ended yes '7 ttfbox-usbd.service stop running' # systemctl stop, shutting down
+ended yes '7 ttfbox-usbd.service restart waiting' '8 ttfbox-gadget.service restart waiting'
+ended yes '8 ttfbox-gadget.service stop waiting' '7 ttfbox-usbd.service stop running'
+MUTE=1 ended no '7 ttfbox-usbd.service stop running'
 expect 0 "$GADGET" --into "$in" unbind
 [ -z "$(cat "$made/UDC")" ] || fail "it is bound still"
 expect 0 "$GADGET" --into "$in" remove

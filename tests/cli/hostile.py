@@ -4,6 +4,7 @@
 import concurrent.futures
 import http.client
 import random
+import resource
 import socket
 import sys
 import threading
@@ -12,8 +13,8 @@ HOST, PORT = sys.argv[1].split("/")[0].rsplit(":", 1)
 SEED = 20261126
 
 
-def connect(patience=10):
-    s = socket.create_connection((HOST, int(PORT)), timeout=10)
+def connect(patience=10, source="127.0.0.1"):
+    s = socket.create_connection((HOST, int(PORT)), timeout=10, source_address=(source, 0))
     s.settimeout(patience)
     return s
 
@@ -80,17 +81,43 @@ def noise(cases):
     decent()
 
 
+def begun(connections, source):
+    """So many, each with half a request, held; those that the server has shut are sockets as well."""
+    held = []
+    for _ in range(connections):
+        try:
+            s = connect(source=source)
+            held.append(s)
+            s.sendall(b"GET /api/v1/health HTTP/1.1\r\nHo")
+        except OSError:
+            pass
+    return held
+
+
 def slow_and_many():
     """More connections than it takes from one address, each with half a request; from another address it still answers."""
-    held = []
-    for _ in range(400):
-        try:
-            s = connect()
-            s.sendall(b"GET /api/v1/health HTTP/1.1\r\nHo")
-            held.append(s)
-        except OSError:
-            break
+    held = begun(400, "127.0.0.1")
     decent()
+    for s in held:
+        s.close()
+    decent()
+
+
+def many_from_many():
+    """More than it takes in all, from eight addresses and from four hundred, and half requests that dribble on; whoever comes next is answered."""
+    held = []
+    for addresses, each in (8, 200), (400, 4):
+        for i in range(addresses):
+            held += begun(each, "127.0.%d.%d" % (1 + i // 200, 10 + i % 200))
+        assert len(held) > 1000, "only %d connections" % len(held)
+        decent()
+    for s in held[::7]:
+        try:
+            s.sendall(b"s")
+        except OSError:
+            pass  # had to go
+    for _ in range(5):
+        decent()
     for s in held:
         s.close()
     decent()
@@ -115,10 +142,13 @@ def cut_off():
 
 
 def main():
+    most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(most, 8192) if most != resource.RLIM_INFINITY else 8192, most))
     malformed()
     noise(int(sys.argv[2]) if len(sys.argv) > 2 else 300)
     cut_off()
     slow_and_many()
+    many_from_many()
 
 
 if __name__ == "__main__":

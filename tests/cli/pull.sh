@@ -95,6 +95,22 @@ expect 0 "$TTFBOX" verify growing/grass
 grow 7
 expect 0 "$TTFBOX" pull growing --box "$BOX"
 cmp -s growing/grass/records.jsonl data/grass/records.jsonl || fail "a line that the box lost is still here"
+# Events that the box has begun anew, fewer or others: they are its own to tell.
+cat >events.py <<'EOF'
+import json, sys, zlib
+for length in sys.argv[2:]:
+    body = json.dumps({"type": "event", "kind": sys.argv[1], "text": ""}, separators=(",", ":"))[:-2]
+    body += "x" * (int(length) - len(body) - len('","crc":"00000000"}\n')) + '"'
+    print('%s,"crc":"%08x"}' % (body, zlib.crc32(body.encode())))
+EOF
+many=$(printf '100 %.0s' {1..40})
+for these in "door $many" 'door 100 100 100' 'door 100 200' 'lamp 300' "lamp $many" 'door 100 100' 'fan' 'fan 150 150' 'lamp 100 100 100'; do
+    # shellcheck disable=SC2086 # words
+    "$PYTHON" events.py $these >data/grass/events.jsonl
+    expect 0 "$TTFBOX" pull growing --box "$BOX"
+    cmp -s growing/grass/events.jsonl data/grass/events.jsonl || fail "events $these: those here are not the box's"
+done
+cp whole/events.jsonl data/grass/
 # Half a line, and a file that a crash left in full length with other bytes: here.
 printf '{"type":"half' >>growing/grass/records.jsonl
 head -c "$(stat -c %s whole/frames/main/000007.tif)" /dev/zero >growing/grass/frames/main/000007.tif
@@ -176,6 +192,20 @@ timeout -s INT 4 "$TTFBOX" pull followed --box http://127.0.0.1:1 --follow >out 
 asked=$(grep -c 'does not answer' err)
 if [ "$asked" -lt 1 ] || [ "$asked" -gt 4 ]; then fail "a box that is gone was asked $asked times in 4 s"; fi
 
+# --- a box that is short of something says nothing of its file: it is asked again, and if it stays so, it is the box that is named
+background "$PYTHON" "$HERE/short_box.py" "${BOX#http://}" frames/main/000004.tif 3
+expect 0 "$TTFBOX" pull short --box "http://$WHERE"
+said err 'the box says 503'
+said err 'it is asked again'
+same whole short/grass
+drop
+background "$PYTHON" "$HERE/short_box.py" "${BOX#http://}" frames/main/000004.tif 0
+expect 1 "$TTFBOX" pull shorter --box "http://$WHERE"
+said err 'the box says 503'
+! grep -qi 'damaged' err || fail "a box that is short of something is called damaged"
+[ -e shorter/grass/frames/main/000003.tif ] || fail "what came before is gone"
+drop
+
 # --- killed at random moments, and connections cut at random bytes
 background "$PYTHON" "$HERE/bad_wire.py" "${BOX#http://}" "$SEED"
 RANDOM=$SEED
@@ -254,7 +284,7 @@ background "$PYTHON" "$HERE/evil_box.py" endless
 subprocess.run(sys.argv[1:], check=False, timeout=60)
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)' "$TTFBOX" pull endless --box "http://$WHERE" -q >out 2>err
 [ "$(stat -c %s endless/grass/records.jsonl)" -gt 70000000 ] || fail "the endless records end soon"
-[ "$(tail -n 1 out)" -lt 65536 ] || fail "lines that name no files take $(tail -n 1 out) kB of memory"
+sanitized "$TTFBOX" || [ "$(tail -n 1 out)" -lt 65536 ] || fail "lines that name no files take $(tail -n 1 out) kB of memory"
 drop
 [ "$digest" = "$(sha256sum whole/SHA256SUMS | cut -c1-64)" ] || fail "the test spoilt its own dataset"
 

@@ -32,6 +32,13 @@ for unit in ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-preview ttfbox-alertd; do
     tail -n 1 out
 done
 
+# A restart of the cable's service is no unplugging: its manager keeps ep0, and what follows an end asks whether it was a stop.
+for line in 'FileDescriptorStoreMax=1' 'NotifyAccess=all'; do
+    grep -qx "$line" "$UNITS/ttfbox-usbd.service" || fail "ttfbox-usbd.service lacks $line"
+done
+grep -qE '^ExecStopPost=\+.*/ttfbox-gadget stopped$' "$UNITS/ttfbox-usbd.service" || fail "ttfbox-usbd.service unbinds at each restart"
+grep -qE 'ttfbox-gadget( .*)? unbind' "$UNITS/ttfbox-usbd.service" && fail "ttfbox-usbd.service unbinds at each restart"
+
 # An image has each of them on; the cable's where the board's port is a PC's device.
 for unit in "$UNITS"/*.service; do
     grep -E '^ *systemctl enable ' "$SOURCE/firmware/image/finish.sh" | grep -qw "$(basename "$unit")" ||

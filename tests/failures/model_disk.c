@@ -97,7 +97,8 @@ void model_disk_copy(struct model_disk *to, struct model_disk *from)
     *to = (struct model_disk){.io = {.ops = &model_disk_ops},
                               .n_inodes = from->n_inodes,
                               .n_names = from->n_names,
-                              .capacity_bytes = from->capacity_bytes};
+                              .capacity_bytes = from->capacity_bytes,
+                              .device = from->device};
     pthread_mutex_init(&to->mutex, NULL);
     to->inodes = must(calloc((size_t)from->n_inodes, sizeof(*to->inodes)));
     to->names = must(calloc((size_t)from->n_names, sizeof(*to->names)));
@@ -186,18 +187,29 @@ void model_sync(struct model_inode *inode, bool keep)
     inode->size_dirty = false;
 }
 
+static void sync_name(const struct model_disk *disk, struct model_name *name, bool keep)
+{
+    if (!name->dirty)
+        return;
+    if (keep)
+        name->kept = name->seen;
+    /* A failed sync: see model_disk.h of folders. */
+    name->dirty = !keep && name->seen >= 0 && disk->inodes[name->seen].is_dir;
+}
+
 void model_sync_dir(struct model_disk *disk, const char *folder, bool keep)
 {
-    for (int i = 0; i < disk->n_names; i++) {
-        struct model_name *name = &disk->names[i];
+    for (int i = 0; i < disk->n_names; i++)
+        if (model_is_in(disk->names[i].path, folder))
+            sync_name(disk, &disk->names[i], keep);
+}
 
-        if (!name->dirty || !model_is_in(name->path, folder))
-            continue;
-        if (keep)
-            name->kept = name->seen;
-        /* A failed sync: see model_disk.h of folders. */
-        name->dirty = !keep && name->seen >= 0 && disk->inodes[name->seen].is_dir;
-    }
+void model_sync_all(struct model_disk *disk, bool keep)
+{
+    for (int i = 0; i < disk->n_inodes; i++)
+        model_sync(&disk->inodes[i], keep);
+    for (int i = 0; i < disk->n_names; i++)
+        sync_name(disk, &disk->names[i], keep);
 }
 
 /* ---- the whole ---- */
@@ -250,7 +262,7 @@ void model_disk_fail(struct model_disk *disk, struct model_fault fault)
 {
     pthread_mutex_lock(&disk->mutex);
     disk->fault = fault;
-    disk->n = disk->n_failed = 0;
+    disk->n = disk->n_failed = disk->n_of_op = disk->from = 0;
     disk->short_left = 0;
     pthread_mutex_unlock(&disk->mutex);
 }

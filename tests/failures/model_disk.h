@@ -6,7 +6,8 @@
  * bytes written since the last one; a folder's sync brings over its names. A sync that FAILS drops
  * them: they are still to be seen, are clean, and no later sync brings them over unless they are
  * written again (so with Linux after a failed write-back); but a folder's own name stays to be brought
- * over: it could only be made again with all that is in it. Losing power leaves what was brought over.
+ * over: it could only be made again with all that is in it. A sync of all does the same with all that there is. Losing power leaves what was
+ * brought over.
  *
  * One operation can be made to fail, by its number; every operation of the table counts.
  * Thread-safe. Its own memory is nobody's business: it pauses the allocation hook.
@@ -38,6 +39,7 @@ enum model_op {
     OP_LIST,
     OP_SPACE,
     OP_LOCK,
+    OP_SYNC_ALL,
     OP_COUNT
 };
 
@@ -53,6 +55,8 @@ enum model_how {
 
 struct model_fault {
     long at;    /* the number of the operation, from 1; 0: none */
+    bool of_op; /* at counts operations of this kind alone */
+    enum model_op op;
     long lasts; /* how many operations on end; LONG_MAX: the storage is gone */
     int error;  /* positive errno */
     enum model_how how;
@@ -96,7 +100,9 @@ struct model_disk {
     struct model_handle handles[64];
     struct model_fault fault;
     int64_t capacity_bytes; /* of all files that are seen; 0: endless. More is ENOSPC */
+    uint64_t device;        /* as stat says it; 0: not known */
     long n;                 /* operations so far */
+    long n_of_op, from; /* of fault.of_op: so many came; the number of the one that was meant, 0 */
     long n_failed;
     struct model_call failed; /* the first that did */
     enum model_op after_short;

@@ -11,8 +11,8 @@
 const char *model_op_name(enum model_op op)
 {
     static const char *const names[OP_COUNT] = {
-        "open",   "pread",  "pwrite", "append",   "size", "truncate", "sync",  "close",
-        "rename", "unlink", "mkdir",  "sync_dir", "stat", "list",     "space", "lock"};
+        "open",   "pread", "pwrite",   "append", "size", "truncate", "sync", "close",   "rename",
+        "unlink", "mkdir", "sync_dir", "stat",   "list", "space",    "lock", "sync_all"};
 
     return names[op];
 }
@@ -43,17 +43,21 @@ static int meets(struct model_disk *disk, enum model_op op, const char *path, bo
 {
     const struct model_fault *fault = &disk->fault;
     struct model_call call = {.op = op, .changes = changes, .n = n ? *n : 0};
-    long k = ++disk->n;
-    bool hit = fault->at > 0 && k >= fault->at && k - fault->at < fault->lasts;
+    long k = ++disk->n, at;
+    bool hit;
 
     snprintf(call.path, sizeof(call.path), "%s", path);
     if (disk->log && k <= disk->log_room)
         disk->log[k - 1] = call;
-    if (fault->at > 0 && is_short(fault)) {
-        hit = k == fault->at;
+    if (fault->of_op && op == fault->op && ++disk->n_of_op == fault->at)
+        disk->from = k;
+    at = fault->of_op ? disk->from : fault->at;
+    hit = at > 0 && k >= at && k - at < fault->lasts;
+    if (at > 0 && is_short(fault)) {
+        hit = k == at;
         if (hit)
             disk->short_left = fault->how == SHORT_ONCE ? 0 : 1;
-        else if (disk->short_left > 0 && k > fault->at && op == disk->after_short) {
+        else if (disk->short_left > 0 && k > at && op == disk->after_short) {
             disk->short_left = 0;
             if (fault->how == SHORT_THEN_ERROR)
                 return -fault->error;
@@ -373,7 +377,8 @@ static int md_stat(struct ttf_io *io, const char *path, struct ttf_io_stat *ret)
     if (r == 0) {
         const struct model_inode *inode = &disk->inodes[disk->names[i].seen];
 
-        *ret = (struct ttf_io_stat){.is_dir = inode->is_dir,
+        *ret = (struct ttf_io_stat){.device = disk->device,
+                                    .is_dir = inode->is_dir,
                                     .is_regular = !inode->is_dir,
                                     .bytes = (int64_t)inode->seen_bytes};
     }
@@ -443,6 +448,19 @@ static int md_lock(struct ttf_io *io, int file)
     return r;
 }
 
+static int md_sync_all(struct ttf_io *io, int file)
+{
+    struct model_disk *disk = enter(io);
+    int r = meets(disk, OP_SYNC_ALL, path_of(disk, file), true, NULL);
+
+    if (r == 0 && !inode_of(disk, file))
+        r = -EBADF;
+    else
+        model_sync_all(disk, r == 0 || done_anyway(disk));
+    leave(disk);
+    return r;
+}
+
 const struct ttf_io_ops model_disk_ops = {
     .name = "model",
     .open = md_open,
@@ -461,4 +479,5 @@ const struct ttf_io_ops model_disk_ops = {
     .list = md_list,
     .space = md_space,
     .lock = md_lock,
+    .sync_all = md_sync_all,
 };

@@ -14,5 +14,6 @@ void model_write(struct model_inode *inode, const void *buf, size_t n, size_t at
 void model_truncate(struct model_inode *inode, size_t bytes);
 void model_sync(struct model_inode *inode, bool keep);
 void model_sync_dir(struct model_disk *disk, const char *folder, bool keep);
+void model_sync_all(struct model_disk *disk, bool keep);
 
 #endif

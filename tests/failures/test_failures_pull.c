@@ -7,18 +7,13 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "faults.h"
-#include "small_run.h"
-#include "ttf/dataset/verify.h"
-#include "ttf/hal/clock.h"
-#include "ttf/http/listen.h"
-#include "ttf/http/server.h"
-#include "ttf/pull/pull.h"
+#include "pull_box.h"
 #include "unit/http/scratch.h"
 
 #define LOG_ROOM 2000
@@ -27,79 +22,28 @@
 
 static bool everything; /* set once, by main */
 
-/* A box whose dataset "d" is what the small run made, and the same on a disk in memory to compare with. */
-struct box {
-    struct model_disk disk;
-    struct ttf_clock *clock;
-    struct ttf_http_server *server;
-};
-
-static void lay_out(struct model_disk *disk)
-{
-    for (int i = 0; i < disk->n_names; i++) {
-        const struct model_name *name = &disk->names[i];
-        char path[220];
-
-        if (name->seen < 0 || disk->inodes[name->seen].is_dir ||
-            strncmp(name->path, SMALL_PATH "/", strlen(SMALL_PATH) + 1) != 0)
-            continue;
-        (void)snprintf(path, sizeof path, "data/d/%s", name->path + strlen(SMALL_PATH) + 1);
-        scratch_file(path, disk->inodes[name->seen].seen, disk->inodes[name->seen].seen_bytes);
-    }
-}
-
-static void box_begin(struct box *box)
-{
-    struct ttf_http_config config = {.folder = "data", .io = ttf_io_posix()};
-    struct ttf_http_socket socket = {.fd = -1};
-    struct small_run run;
-
-    small_disk_init(&box->disk);
-    run = (struct small_run){.io = &box->disk.io};
-    small_run(&run);
-    assert_true(run.sealed);
-    lay_out(&box->disk);
-    config.clock = box->clock = ttf_clock_real_create();
-    assert_true(box->clock != NULL);
-    assert_int_equal(ttf_http_server_create(&config, &box->server, NULL), 0);
-    assert_int_equal(ttf_http_listen("unix:http", false, &socket, NULL), 0);
-    assert_int_equal(ttf_http_server_listen(box->server, socket.fd, true, NULL), 0);
-}
-
-static void box_end(struct box *box)
-{
-    ttf_http_server_destroy(box->server);
-    ttf_clock_destroy(box->clock);
-    model_disk_free(&box->disk);
-    (void)unlink("http");
-}
-
-static int pull(struct box *box, struct model_disk *disk, struct ttf_pull_result *ret,
-                struct ttf_err *err)
-{
-    const struct ttf_pull_config config = {
-        .io = &disk->io, .clock = box->clock, .box = "unix:http", .dest = "/m"};
-
-    return ttf_pull(&config, ret, err);
-}
-
 /* The operations of a pull on which nothing fails. */
-static long clean_pull(struct box *box, struct model_call *log)
+static long clean_pull(struct pull_box *box, uint64_t device, struct model_call *log)
 {
     struct ttf_pull_result result;
     struct model_disk disk;
+    char text[SMALL_TEXT] = "";
     struct ttf_err err = {0};
     long n;
 
     model_disk_init(&disk);
     model_disk_fail(&disk, (struct model_fault){0});
+    disk.device = device;
     disk.log = log;
     disk.log_room = LOG_ROOM;
-    if (pull(box, &disk, &result, &err) < 0)
+    if (pull_box_pull(box, &disk, &result, &err) < 0)
         fail_msg("%s: %s", err.where, err.what);
     n = disk.n;
     disk.log = NULL;
     assert_int_equal(result.sealed, 1);
+    model_disk_lose_power(&disk);
+    if (!pull_box_is_same(box, &disk, text))
+        fail_msg("after a power cut: %s", text);
     model_disk_free(&disk);
     assert_true(n > 60 && n < LOG_ROOM);
     return n;
@@ -109,73 +53,25 @@ static long clean_pull(struct box *box, struct model_call *log)
 
 #define WRONG(...) return (void)snprintf(ret, SMALL_TEXT, __VA_ARGS__), false
 
-/* Whatever of the dataset is here is whole. */
-static bool is_whole(struct model_disk *disk, char ret[SMALL_TEXT])
-{
-    const struct ttf_verify_options options = {.deep = true};
-    struct ttf_verify_report report;
-    bool damaged;
-    int r;
-
-    if (!model_disk_has(disk, SMALL_PATH "/dataset.json") ||
-        !model_disk_has(disk, SMALL_PATH "/records.jsonl"))
-        return true;
-    r = ttf_verify(&disk->io, SMALL_PATH, &options, &report, NULL);
-    if (r < 0)
-        WRONG("verify: %d", r);
-    damaged = report.damaged;
-    if (damaged && report.n_findings > 0)
-        (void)snprintf(ret, SMALL_TEXT, "%s: %s", report.findings[0].file, report.findings[0].text);
-    ttf_verify_report_free(&report);
-    return !damaged;
-}
-
-static int inode_of(const struct model_disk *disk, const char *path)
-{
-    for (int i = 0; i < disk->n_names; i++)
-        if (disk->names[i].seen >= 0 && strcmp(disk->names[i].path, path) == 0)
-            return disk->names[i].seen;
-    return -1;
-}
-
-static bool is_same(const struct box *box, const struct model_disk *disk, char ret[SMALL_TEXT])
-{
-    for (int i = 0; i < box->disk.n_names; i++) {
-        const struct model_name *name = &box->disk.names[i];
-        const struct model_inode *a, *b;
-        int there;
-
-        if (name->seen < 0 || box->disk.inodes[name->seen].is_dir ||
-            strncmp(name->path, SMALL_PATH "/", strlen(SMALL_PATH) + 1) != 0)
-            continue;
-        there = inode_of(disk, name->path);
-        if (there < 0)
-            WRONG("%s is not here", name->path);
-        a = &box->disk.inodes[name->seen];
-        b = &disk->inodes[there];
-        if (a->seen_bytes != b->seen_bytes ||
-            (a->seen_bytes > 0 && memcmp(a->seen, b->seen, a->seen_bytes) != 0))
-            WRONG("%s is another", name->path);
-    }
-    return true;
-}
-
 /* Run again on a sound disk, it brings the rest. */
-static bool goes_on(struct box *box, struct model_disk *disk, char ret[SMALL_TEXT])
+static bool goes_on(struct pull_box *box, struct model_disk *disk, char ret[SMALL_TEXT])
 {
     struct ttf_pull_result result;
     struct ttf_err err = {0};
     int r;
 
     model_disk_fail(disk, (struct model_fault){0});
-    if (!is_whole(disk, ret))
+    if (!pull_box_is_whole(disk, ret))
         return false;
-    r = pull(box, disk, &result, &err);
+    r = pull_box_pull(box, disk, &result, &err);
     if (r < 0)
         WRONG("pulled again: %s: %s (%d)", err.where, err.what, r);
     if (result.sealed != 1 || result.damaged != 0)
         WRONG("pulled again, it is not sealed");
-    return is_same(box, disk, ret);
+    if (!pull_box_is_same(box, disk, ret))
+        return false;
+    model_disk_lose_power(disk); /* what was said to be here is on the disk */
+    return pull_box_is_same(box, disk, ret);
 }
 
 struct figures {
@@ -188,7 +84,7 @@ static void wrong(struct figures *figures, const char *what, const char *text)
         print_error("%s: %s\n", what, text);
 }
 
-static void one(struct box *box, const struct fault_kind *kind, long at,
+static void one(struct pull_box *box, uint64_t device, const struct fault_kind *kind, long at,
                 const struct model_call *call, struct figures *figures)
 {
     char what[300], dark_what[340], text[SMALL_TEXT] = "";
@@ -200,9 +96,10 @@ static void one(struct box *box, const struct fault_kind *kind, long at,
 
     fault_text(kind, at, call, what);
     model_disk_init(&disk);
+    disk.device = device;
     fault.at = at;
     model_disk_fail(&disk, fault);
-    r = pull(box, &disk, &result, &err);
+    r = pull_box_pull(box, &disk, &result, &err);
     figures->injections++;
     figures->recovered += r == 0;
     figures->told += r < 0;
@@ -229,39 +126,61 @@ static bool is_of_all(const struct fault_kind *kind)
     return kind->quick || kind->transfers_only || kind->interruptible_only;
 }
 
-static void each_operation_fails(void **state)
+/* On a disk that can be synced as a whole, or not. */
+static long each_on(struct pull_box *box, uint64_t device)
 {
     static struct model_call log[LOG_ROOM];
-    static struct box box;
-    long n, all_wrong = 0;
+    long n = clean_pull(box, device, log), all_wrong = 0;
 
-    (void)state;
-    box_begin(&box);
-    n = clean_pull(&box, log);
     for (unsigned i = 0; i < n_fault_kinds; i++) {
         struct figures figures = {0};
 
         for (long at = 1; at <= n; at++)
             if (fault_fits(&fault_kinds[i], &log[at - 1]) &&
-                (everything || (at + i) % (is_of_all(&fault_kinds[i]) ? QUICK : SHARE) == 0))
-                one(&box, &fault_kinds[i], at, &log[at - 1], &figures);
+                (everything || log[at - 1].op == OP_SYNC_ALL ||
+                 (at + i) % (is_of_all(&fault_kinds[i]) ? QUICK : SHARE) == 0))
+                one(box, device, &fault_kinds[i], at, &log[at - 1], &figures);
         print_message("%-28s %5ld injected: %ld recovered, %ld told\n", fault_kinds[i].name,
                       figures.injections, figures.recovered, figures.told);
         all_wrong += figures.wrong;
     }
-    box_end(&box);
+    return all_wrong;
+}
+
+static void each_operation_fails(void **state)
+{
+    static struct pull_box box;
+    long all_wrong = 0;
+
+    (void)state;
+    pull_box_begin(&box, 0);
+    for (uint64_t device = 0; device < 2; device++)
+        all_wrong += each_on(&box, device);
+    pull_box_end(&box);
     assert_int_equal(all_wrong, 0);
+}
+
+/* What the dataset takes, of all that is on the box's disk. */
+static int64_t bytes_of_dataset(const struct model_disk *disk)
+{
+    int64_t bytes = 0;
+
+    for (int i = 0; i < disk->n_names; i++)
+        if (disk->names[i].seen >= 0 &&
+            strncmp(disk->names[i].path, SMALL_PATH "/", strlen(SMALL_PATH) + 1) == 0)
+            bytes += (int64_t)disk->inodes[disk->names[i].seen].seen_bytes;
+    return bytes;
 }
 
 /* Each size of the disk, from nothing to all that the dataset takes. */
 static void a_full_disk_takes_what_fits_and_goes_on_when_there_is_room(void **state)
 {
-    static struct box box;
+    static struct pull_box box;
     struct figures figures = {0};
 
     (void)state;
-    box_begin(&box);
-    for (int64_t room = 1; room < model_disk_used(&box.disk); room += everything ? 13 : 397) {
+    pull_box_begin(&box, 0);
+    for (int64_t room = 1; room < bytes_of_dataset(&box.disk); room += everything ? 13 : 397) {
         char what[64], text[SMALL_TEXT] = "";
         struct ttf_pull_result result;
         struct model_disk disk;
@@ -271,7 +190,7 @@ static void a_full_disk_takes_what_fits_and_goes_on_when_there_is_room(void **st
         (void)snprintf(what, sizeof what, "a disk of %lld bytes", (long long)room);
         model_disk_init(&disk);
         disk.capacity_bytes = room;
-        r = pull(&box, &disk, &result, &err);
+        r = pull_box_pull(&box, &disk, &result, &err);
         if (r != -ENOSPC || err.code != r)
             wrong(&figures, what, r == 0 ? "all is said to be here" : err.what);
         disk.capacity_bytes = 0;
@@ -280,31 +199,125 @@ static void a_full_disk_takes_what_fits_and_goes_on_when_there_is_room(void **st
         figures.injections++;
         model_disk_free(&disk);
     }
-    box_end(&box);
+    pull_box_end(&box);
     assert_true(figures.injections > 5);
     assert_int_equal(figures.wrong, 0);
 }
 
 static void what_another_program_is_writing_is_left_alone(void **state)
 {
-    static struct box box;
+    static struct pull_box box;
     struct ttf_pull_result result;
     struct model_disk disk;
     struct ttf_err err = {0};
     int file;
 
     (void)state;
-    box_begin(&box);
+    pull_box_begin(&box, 0);
     model_disk_init(&disk);
-    assert_int_equal(pull(&box, &disk, &result, &err), 0);
+    assert_int_equal(pull_box_pull(&box, &disk, &result, &err), 0);
     file = disk.io.ops->open(&disk.io, SMALL_PATH, TTF_IO_READ);
     assert_true(file >= 0);
     assert_int_equal(disk.io.ops->lock(&disk.io, file), 0);
-    assert_int_equal(pull(&box, &disk, &result, &err), -EBUSY);
+    assert_int_equal(pull_box_pull(&box, &disk, &result, &err), -EBUSY);
     assert_int_equal(disk.io.ops->close(&disk.io, file), 0);
-    assert_int_equal(pull(&box, &disk, &result, &err), 0);
+    assert_int_equal(pull_box_pull(&box, &disk, &result, &err), 0);
     model_disk_free(&disk);
-    box_end(&box);
+    pull_box_end(&box);
+}
+
+/* ---- many files, made durable together ---- */
+
+#define MANY 2300 /* slots: more than two batches */
+
+static unsigned pictures_seen(struct model_disk *disk)
+{
+    unsigned n = 0;
+
+    for (int i = 0; i < disk->n_names; i++)
+        n += disk->names[i].seen >= 0 && strstr(disk->names[i].path, "/frames/main/") &&
+             strstr(disk->names[i].path, ".tif");
+    return n;
+}
+
+static unsigned slots_seen(const struct model_disk *disk)
+{
+    unsigned n = 0;
+
+    for (int i = 0; i < disk->n_names; i++)
+        if (disk->names[i].seen >= 0 &&
+            strcmp(disk->names[i].path, SMALL_PATH "/records.jsonl") == 0) {
+            const struct model_inode *inode = &disk->inodes[disk->names[i].seen];
+
+            for (size_t k = 0; k + 13 <= inode->seen_bytes; k++)
+                n += memcmp(inode->seen + k, "\"type\":\"slot\"", 13) == 0;
+        }
+    return n;
+}
+
+static void fails_at_sync(struct pull_box *box, long nth, long lasts, struct model_disk *ret)
+{
+    struct ttf_pull_result result;
+    struct ttf_err err = {0};
+
+    model_disk_init(ret);
+    ret->device = 1;
+    model_disk_fail(ret,
+                    (struct model_fault){
+                        .at = nth, .of_op = true, .op = OP_SYNC_ALL, .error = EIO, .lasts = lasts});
+    assert_int_equal(pull_box_pull(box, ret, &result, &err), -EIO);
+    assert_int_equal(result.damaged, 0);
+    assert_int_equal(ret->failed.op, OP_SYNC_ALL);
+}
+
+static void goes_on_or_fail(struct pull_box *box, struct model_disk *disk)
+{
+    char text[SMALL_TEXT] = "";
+
+    if (!goes_on(box, disk, text))
+        fail_msg("%s", text);
+}
+
+/* Whose bytes a sync of all did not bring over is not known: neither lines nor pictures behind it stay, those of the next batch included. */
+static void what_a_failed_sync_of_all_was_for_is_taken_away(void **state)
+{
+    static struct pull_box box;
+    struct model_disk disk;
+    unsigned lines;
+
+    (void)state;
+    pull_box_begin(&box, MANY);
+    fails_at_sync(&box, 1, 1, &disk);
+    assert_int_equal(pictures_seen(&disk), 0);
+    goes_on_or_fail(&box, &disk);
+    model_disk_free(&disk);
+    fails_at_sync(&box, 2, 1, &disk);
+    lines = slots_seen(&disk);
+    assert_true(lines > 200);
+    assert_int_equal(pictures_seen(&disk), lines);
+    goes_on_or_fail(&box, &disk);
+    model_disk_free(&disk);
+    pull_box_end(&box);
+}
+
+/* The power goes while the second batch is not synced yet: what has a line is there, and some have. */
+static void a_power_cut_before_a_batch_is_synced_takes_that_batch_alone(void **state)
+{
+    static struct pull_box box;
+    struct model_disk disk;
+    unsigned lines;
+
+    (void)state;
+    pull_box_begin(&box, MANY);
+    fails_at_sync(&box, 2, LONG_MAX, &disk);
+    lines = slots_seen(&disk);
+    model_disk_lose_power(&disk);
+    assert_true(lines > 200);
+    assert_int_equal(slots_seen(&disk), lines);
+    assert_true(pictures_seen(&disk) >= lines);
+    goes_on_or_fail(&box, &disk);
+    model_disk_free(&disk);
+    pull_box_end(&box);
 }
 
 /* "all": every operation fails in every way; else a share of it, in some seconds. */
@@ -313,6 +326,10 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(each_operation_fails, scratch_make, scratch_remove),
         cmocka_unit_test_setup_teardown(a_full_disk_takes_what_fits_and_goes_on_when_there_is_room,
+                                        scratch_make, scratch_remove),
+        cmocka_unit_test_setup_teardown(what_a_failed_sync_of_all_was_for_is_taken_away,
+                                        scratch_make, scratch_remove),
+        cmocka_unit_test_setup_teardown(a_power_cut_before_a_batch_is_synced_takes_that_batch_alone,
                                         scratch_make, scratch_remove),
         cmocka_unit_test_setup_teardown(what_another_program_is_writing_is_left_alone, scratch_make,
                                         scratch_remove),

@@ -15,6 +15,7 @@ SETTINGS = """board: qemu-virt-arm64
 plan: plan.yaml
 zone: Europe/Berlin
 data: /var/lib/ttfbox
+listen: ["127.0.0.1:8417", "unix:/run/ttfbox/http.sock", "usb0:8417"]
 set: {cameras.main.format: RG10, cameras.main.width: 320, cameras.main.height: 180, cameras.main.frame_period: 40ms}
 """
 PLAN = """interval: 1s
@@ -39,12 +40,21 @@ def card(board, image, plan, programs=(), mib=1024):
     booted.put(image, "settings/plan.yaml", plan)
 
 
+def cable_address(m):
+    """The box's own on the cable's network, as /proc/net has it."""
+    code, out = m.run("sed -n 's|^Address=\\(.*\\)/.*|\\1|p' /run/systemd/network/70-ttfbox-usb.network")
+    return "".join("%02X" % int(part) for part in reversed(out.strip().split(".")))
+
+
 def expect_sealed_off(m):
     """What must be so in every booted image."""
     code, out = m.run("touch /x /etc/x /usr/x; grep ' / ' /proc/mounts")
     assert out.count("Read-only file system") == 3 and " / ext4 ro," in out, out
     code, out = m.run("cat /proc/net/tcp /proc/net/tcp6 /proc/net/udp /proc/net/udp6 2>/dev/null | grep -v local_address")
-    beyond = [line for line in out.splitlines() if line.split()[1].split(":")[0] not in LOOPBACK and line.split()[1] != DHCP]
+    # On the cable's network its page, and whoever has a connection to it; elsewhere nothing.
+    page = "%s:%04X" % (cable_address(m), 8417)
+    beyond = [line for line in out.splitlines()
+              if line.split()[1].split(":")[0] not in LOOPBACK and line.split()[1] not in (DHCP, page)]
     assert not beyond, "something listens beyond this machine: " + "\n".join(beyond)
     code, out = m.run("ls -d /var/log/journal; journalctl --header --no-pager | grep 'File path' | sort -u")
     assert "/run/log/journal/" in out and "/var/log" not in out.replace("'/var/log/journal'", ""), out
@@ -76,7 +86,27 @@ def expect_a_device_of_a_pc(m):
     # Its address on the cable's network, which networkd has given it.
     code, out = m.run("sed -n 's/^Address=//p' /run/systemd/network/70-ttfbox-usb.network; grep -A 1 '|--' /proc/net/fib_trie")
     lines = out.split("\n", 1)
-    assert lines[0].split("/")[0] in lines[1], out + m.journal()
+    address = lines[0].split("/")[0]
+    assert address in lines[1], out + m.journal()
+    # The token by the cable, once; with it the page's interface on the cable's network, without it nothing.
+    code, out = m.run("ttfbox usb token --token-file /tmp/token && ttfbox pull /tmp/pulled --box http://%s:8417 --token-file /tmp/token && "
+                      "ttfbox verify -q /tmp/pulled/plan && rm -r /tmp/pulled" % address, 300)
+    assert code == 0, out + m.journal()
+    code, out = m.run("ttfbox usb token; ttfbox pull /tmp/pulled --box http://%s:8417; rm -rf /tmp/token /tmp/pulled" % address, 60)
+    assert "has shown its token before" in out and "this needs the box's token" in out, out + m.journal()
+
+
+def expect_a_restart_to_be_no_unplugging(m):
+    """The cable's service restarted, and its first process killed: the PC's end keeps the number that it gave the device."""
+    number = "grep -l '^ttfbox capture box' /sys/bus/usb/devices/*/product | sed 's|product$|devnum|' | xargs cat"
+    code, before = m.run(number)
+    assert before.strip(), before + m.journal()
+    for how in ("systemctl restart ttfbox-usbd", "systemctl kill -s KILL --kill-who=main ttfbox-usbd && sleep 1"):
+        code, out = m.run(how, 60)
+        assert code == 0, out
+        m.wait("systemctl is-active ttfbox-usbd && ttfbox pull /tmp/pulled --usb && rm -r /tmp/pulled", 60)
+        code, now = m.run(number)
+        assert now == before, "%s was an unplugging: %s, %s" % (how, before, now) + m.journal()
 
 
 def a_first_boot_takes_the_settings_and_captures_as_seen_from_outside(board, image):
@@ -108,6 +138,7 @@ def a_first_boot_takes_the_settings_and_captures_as_seen_from_outside(board, ima
         code, out = m.run(RESTARTS)
         assert out.split() == ["0"] * len(SERVICES), "a service did not stay up: " + out + m.journal()
         expect_a_device_of_a_pc(m)
+        expect_a_restart_to_be_no_unplugging(m)
         expect_sealed_off(m)
         m.off()
     assert booted.get(image, "ttfbox-problem.txt") is None

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A box's USB on a simulated cable (README.md).
 
-    usb.py TTFBOX USBD CABLE [SCENARIO...]     all of them, or those named
+    usb.py TTFBOX USBD TTFBOXD CABLE [SCENARIO...]     all of them, or those named
 
 TTFBOX_USB_KILLS, TTFBOX_USB_UNPLUGS, TTFBOX_USB_SIZES=all, TTFBOX_USB_MIB (to pull while the status is asked for),
 TTFBOX_USB_SLOTS and TTFBOX_USB_SEED make a campaign of it; without, each takes some seconds.
@@ -18,15 +18,12 @@ import sys
 import threading
 import time
 
-from world import Failed, HEALTH, World, digest, quantiles
+import boxed
+from world import Failed, HEALTH, World, digest, quantiles, say
 
 
 def number(name, default):
     return int(os.environ.get("TTFBOX_USB_" + name, default))
-
-
-def say(text):
-    print(text, flush=True)
 
 
 # ---- what arrives
@@ -472,12 +469,12 @@ def versions(world):
 
 
 SCENARIOS = {"sizes": sizes, "kills": kills, "usbd-dies": usbd_dies, "daemon-dies": daemon_dies, "unplugs": unplugs,
-             "sleeps": sleeps, "greedy": greedy, "strangers": strangers, "versions": versions,
+             "sleeps": sleeps, "greedy": greedy, "strangers": strangers, "versions": versions, "token": boxed.token, "restarts": boxed.restarts,
               "latency": latency, "speed": speed, "listing": listing}
 
 
 def main():
-    programs, asked = sys.argv[1:4], sys.argv[4:] or list(SCENARIOS)
+    programs, asked = sys.argv[1:5], sys.argv[5:] or list(SCENARIOS)
     failed = 0
     for name in asked:
         with World(programs, number("SEED", 20261126)) as world:

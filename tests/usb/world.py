@@ -4,6 +4,7 @@ import hashlib
 import http.client
 import os
 import random
+import re
 import shutil
 import signal
 import socket
@@ -33,7 +34,7 @@ class World:
     """Everything in one temporary folder; ended with the with statement."""
 
     def __init__(self, programs, seed):
-        self.ttfbox, self.usbd, self.cable_program = programs
+        self.ttfbox, self.usbd, self.daemon_program, self.cable_program = programs
         self.random = random.Random(seed)
         self.folder = tempfile.mkdtemp(prefix="ttfbox-usb-")
         self.data = self.at("data")
@@ -53,9 +54,9 @@ class World:
 
     # ---- processes
 
-    def start(self, name, *command, ready=None):
+    def start(self, name, *command, ready=None, **more):
         log = open(self.at(name + ".log"), "ab")
-        self.processes[name] = subprocess.Popen(command, stdout=log, stderr=log)
+        self.processes[name] = subprocess.Popen(command, stdout=log, stderr=log, **more)
         log.close()
         if ready:
             self.wait(lambda: self.listens(ready), f"{name} is not ready")
@@ -94,6 +95,22 @@ class World:
 
     def serve(self):
         self.start("serve", self.ttfbox, "serve", self.data, "--listen", "unix:" + self.at("http"), ready=self.at("http"))
+
+    def daemon(self, *lines):
+        """ttfboxd on a simulated camera in real time; lines: more of its configuration."""
+        with open(self.at("box.yaml"), "w", encoding="ascii") as file:
+            file.write("board: bench\ncameras: {main: {backend: sim}}\nclock: {backend: machine}\nlock: %s\nsim:\n  daylight: 1\n"
+                       "  sensor: {width: 96px, height: 64px}\n  timing: {exposure_max: 100ms}\n" % self.at("lock"))
+        with open(self.at("ttfboxd.yaml"), "w", encoding="ascii") as file:
+            file.write("board: %s\ndata: %s\nlisten: [\"127.0.0.1:0\", \"unix:%s\"]\n" % (self.at("box.yaml"), self.data, self.at("http")))
+            file.write("".join(line + "\n" for line in lines))
+        self.start("daemon", self.daemon_program, "--config", self.at("ttfboxd.yaml"), ready=self.at("http"))
+        self.wait(lambda: "listening at=\"127" in self.log("daemon"), "it does not listen to this machine")
+        self.tcp = re.findall('listening at="(127[^"]*)"', self.log("daemon"))[-1]
+
+    def token(self):
+        with open(os.path.join(self.data, ".ttfbox", "token"), encoding="ascii") as file:
+            return file.read().strip()
 
     def cable(self):
         self.start("cable", self.cable_program, self.at("cable"), str(self.random.randrange(1, 1 << 40)),
@@ -159,9 +176,9 @@ class World:
     def connect(self, timeout=30, direct=False):
         return UnixConnection(self.at("http" if direct else "pc"), timeout)
 
-    def get(self, path, connection=None, headers=None):
+    def get(self, path, connection=None, headers=None, method="GET", body=None):
         c = connection or self.connect()
-        c.request("GET", path, headers=headers or {})
+        c.request(method, path, body, headers=headers or {})
         answer = c.getresponse()
         body = answer.read()
         if not connection:
@@ -182,6 +199,10 @@ class World:
         if status != 200 or not body.startswith(b'{"ok":true'):
             raise Failed(f"the status is {status}, {body[:200]!r}")
         return time.monotonic() - begun
+
+
+def say(text):
+    print(text, flush=True)
 
 
 def quantiles(values):

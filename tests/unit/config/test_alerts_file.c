@@ -30,7 +30,7 @@ static void every_key_reaches_its_field(void **state)
               "    post: {mail: me@example.org, program: /bin/send}\n"
               "    bus: {mqtt: ttfbox/alerts, host: broker}\n"
               "  parts: {daemon: /run/ttfbox/http.sock, preview: lock}\n"
-              "  grace: 2s\n  heartbeat: http://example.org/beat\n  every: 30s\n",
+              "  grace: 2s\n  begin: 3s\n  heartbeat: http://example.org/beat\n  every: 30s\n",
               &c, &err) < 0)
         fail_msg("%s: %s", err.where, err.what);
     assert_string_equal(c.data, "/etc/ttfbox/data");
@@ -52,6 +52,7 @@ static void every_key_reaches_its_field(void **state)
     assert_string_equal(c.parts[1].name, "preview");
     assert_string_equal(c.parts[1].socket, "");
     assert_true(c.grace_ns == 2 * TTF_NS_PER_S);
+    assert_true(c.begin_ns == 3 * TTF_NS_PER_S);
     assert_string_equal(c.heartbeat, "http://example.org/beat");
     assert_true(c.heartbeat_every_ns == 30 * TTF_NS_PER_S);
 }
@@ -65,7 +66,32 @@ static void without_alerts_nobody_is_told(void **state)
     assert_int_equal(parse("data: /d\n", &c, &err), 0);
     assert_int_equal(c.n_hooks, 0);
     assert_string_equal(c.heartbeat, "");
+    assert_true(c.begin_ns == TTF_NS_PER_MIN);
     assert_true(c.grace_ns == 5 * TTF_NS_PER_S);
+}
+
+static void what_is_the_daemons_is_read_as_far_as_it_can_be(void **state)
+{
+    struct ttf_alerts_config c;
+    struct ttf_err err;
+
+    (void)state;
+    assert_int_equal(
+        parse("data: d\nplan: plans/grass.yaml\nlisten: [\"127.0.0.1:8417\", unix:/run/x]\n", &c,
+              &err),
+        0);
+    assert_string_equal(c.plan, "/etc/ttfbox/plans/grass.yaml");
+    assert_string_equal(c.dataset, "grass");
+    assert_string_equal(c.state, "/etc/ttfbox/d/.ttfbox");
+    assert_string_equal(c.http_at, "/run/x");
+    assert_int_equal(parse("data: /d\nplan: p.yaml\ndataset: moss\nstate: s\n", &c, &err), 0);
+    assert_string_equal(c.dataset, "moss");
+    assert_string_equal(c.state, "/etc/ttfbox/s");
+    assert_string_equal(c.http_at, "/run/ttfbox/http.sock");
+    assert_int_equal(parse("data: /d\nplan: [p]\nlisten: yes\nstate: {}\n", &c, &err), 0);
+    assert_string_equal(c.plan, "");
+    assert_string_equal(c.dataset, "");
+    assert_string_equal(c.http_at, "");
 }
 
 static void what_is_wrong_is_refused_with_its_place(void **state)
@@ -103,6 +129,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_key_reaches_its_field),
         cmocka_unit_test(without_alerts_nobody_is_told),
+        cmocka_unit_test(what_is_the_daemons_is_read_as_far_as_it_can_be),
         cmocka_unit_test(what_is_wrong_is_refused_with_its_place),
     };
 

@@ -99,15 +99,16 @@ static void a_run_is_followed_from_arming_to_its_end(void **state)
         fail();
         return;
     }
-    (void)situation_run(s, &order);
+    (void)situation_run(s, &order, NULL);
     assert_true(situation_set(s, DOING_ARMING, NULL, TTF_NS_UNKNOWN));
     status = status_of(s);
     assert_string_equal(word(status, "state"), "arming");
     assert_int_equal(number(status, "run.next.index"), -1);
     json_decref(status);
-    situation_segment(s, "grass", false, &segment);
+    situation_segment(s, "grass", COURSE_FIRST, &segment);
     assert_true(situation_letter(s, &letter));
-    situation_record(s, "grass", &record, "{\"index\":0,\"lamps\":[],\"sensors\":[]}");
+    situation_record(s, "grass", COURSE_FIRST, &record,
+                     "{\"index\":0,\"lamps\":[],\"sensors\":[]}");
     letter = letter_of(TTF_PROGRESS_SLOT, 0, TTF_RESULT_CAPTURED);
     assert_false(situation_letter(s, &letter));
     clock.now_ns += 2 * TTF_NS_PER_S;
@@ -153,15 +154,15 @@ static void a_clock_that_nobody_vouches_for_gives_no_utc(void **state)
         fail();
         return;
     }
-    (void)situation_run(s, &order);
+    (void)situation_run(s, &order, NULL);
     (void)situation_set(s, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
     segment.segment = 1;
     segment.first_index = 4;
-    situation_segment(s, "grass", false, &segment);
+    situation_segment(s, "grass", COURSE_FIRST, &segment);
     (void)situation_letter(s, &letter);
     segment.segment = 0; /* a correction of what is over */
     segment.first_index = 0;
-    situation_segment(s, "grass", false, &segment);
+    situation_segment(s, "grass", COURSE_FIRST, &segment);
     status = status_of(s);
     assert_int_equal(number(status, "run.next.index"), 4);
     assert_int_equal(number(status, "run.next.due_boot_ns"), 0);
@@ -184,13 +185,13 @@ static void records_and_letters_of_the_run_before_are_not_counted_into_this_one(
         fail();
         return;
     }
-    letter.run = situation_run(s, &order);
-    situation_record(s, "grass", &record, NULL);
+    letter.run = situation_run(s, &order, NULL);
+    situation_record(s, "grass", COURSE_FIRST, &record, NULL);
     memcpy(order.dataset, "moss", 5);
-    assert_true(situation_run(s, &order) != letter.run);
+    assert_true(situation_run(s, &order, NULL) != letter.run);
     (void)situation_set(s, DOING_CAPTURING, NULL, TTF_NS_UNKNOWN);
     record.index = 1;
-    situation_record(s, "grass", &record, "{}");
+    situation_record(s, "grass", COURSE_FIRST, &record, "{}");
     assert_false(situation_letter(s, &letter));
     status = status_of(s);
     assert_int_equal(number(status, "run.done"), 0);
@@ -200,14 +201,13 @@ static void records_and_letters_of_the_run_before_are_not_counted_into_this_one(
     situation_destroy(s);
 }
 
-static void slots_in_the_second_storage_go_on_being_counted_each_once(void **state)
+static void a_run_is_about_one_second_storage_at_a_time(void **state)
 {
     struct hand_clock clock = {.base = {.ops = &OPS}, .now_ns = TTF_NS_PER_S};
     struct situation *s = situation_create(&clock.base);
     const struct order order = {.state = ORDER_RUN, .dataset = "grass"};
-    struct ttf_segment segment = {.segment = 3, .interval_ns = TTF_NS_PER_S, .trust = "none"};
-    struct ttf_slot_record record = {.result = TTF_RESULT_CAPTURED};
-    struct letter letter = letter_of(TTF_PROGRESS_ARMED, 0, 0);
+    const struct ttf_slot_record record = {.index = 3, .result = TTF_RESULT_CAPTURED};
+    char dataset[65], second[512];
     json_t *status;
 
     (void)state;
@@ -215,23 +215,17 @@ static void slots_in_the_second_storage_go_on_being_counted_each_once(void **sta
         fail();
         return;
     }
-    (void)situation_run(s, &order);
-    (void)situation_set(s, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
-    (void)situation_letter(s, &letter);
-    situation_segment(s, "grass", false, &segment);
-    for (record.index = 0; record.index < 5; record.index++)
-        situation_record(s, "grass", &record, NULL);
-    segment = (struct ttf_segment){.first_index = 4,
-                                   .origin_ns = 4 * TTF_NS_PER_S,
-                                   .trust = "none",
-                                   .interval_ns = TTF_NS_PER_S};
-    situation_segment(s, "grass", true, &segment); /* numbered anew, from the slot under way on */
-    for (record.index = 4; record.index < 7; record.index++)
-        situation_record(s, "grass", &record, NULL);
+    (void)situation_run(s, &order, "/mnt/usb");
+    situation_record(s, "grass", COURSE_SECOND, &record, NULL);
+    (void)situation_run(s, &order, NULL); /* a plan that cannot be read says nothing else */
+    (void)situation_records(s, dataset, second);
+    assert_string_equal(second, "/mnt/usb");
     status = status_of(s);
-    assert_int_equal(number(status, "run.done"), 7);
-    assert_int_equal(number(status, "run.next.index"), 7);
-    assert_true(number(status, "run.next.due_boot_ns") == 7 * TTF_NS_PER_S);
+    assert_int_equal(number(status, "run.done"), 1);
+    json_decref(status);
+    (void)situation_run(s, &order, "/mnt/other");
+    status = status_of(s);
+    assert_int_equal(number(status, "run.done"), 0);
     json_decref(status);
     situation_destroy(s);
 }
@@ -242,7 +236,7 @@ int main(void)
         cmocka_unit_test(a_run_is_followed_from_arming_to_its_end),
         cmocka_unit_test(a_clock_that_nobody_vouches_for_gives_no_utc),
         cmocka_unit_test(records_and_letters_of_the_run_before_are_not_counted_into_this_one),
-        cmocka_unit_test(slots_in_the_second_storage_go_on_being_counted_each_once),
+        cmocka_unit_test(a_run_is_about_one_second_storage_at_a_time),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -48,6 +48,28 @@ static void what_is_written_is_read_back(void **state)
     ttf_reader_close(reader);
 }
 
+static void a_record_in_a_folder_that_was_removed_is_not_acknowledged(void **state)
+{
+    struct ttf_io *io = ttf_io_posix();
+    char away[256];
+    const char *path = in(*state, "grass-1");
+    struct ttf_writer *writer = small_create(io, path);
+
+    assert_int_equal(small_slot(writer, 0), 0);
+    (void)snprintf(away, sizeof away, "%s.away", path);
+    assert_int_equal(rename(path, away),
+                     0); /* as a disk that was unmounted while files of it are open */
+    assert_int_equal(small_slot(writer, 1), -EIO);
+    assert_int_equal(ttf_writer_event(writer, "door", 1, 2, "opened", NULL, NULL), -EIO);
+    ttf_writer_close(writer);
+    (void)rename(path, in(*state, "left")); /* what was made there since */
+    assert_int_equal(rename(away, path), 0);
+    assert_int_equal(ttf_writer_open(io, path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_state(writer)->next_index, 1);
+    ttf_writer_close(writer);
+    assert_int_equal(small_check(io, path), 1);
+}
+
 /* With a key twice the line could be read in two ways: its readers call that damage. */
 static void an_event_whose_detail_its_readers_would_refuse_is_refused(void **state)
 {
@@ -277,6 +299,7 @@ int main(void)
         T(an_existing_dataset_is_not_written_over),
         T(two_writers_at_once_are_kept_apart),
         T(going_on_after_the_seal_removes_it_first),
+        T(a_record_in_a_folder_that_was_removed_is_not_acknowledged),
         T(an_event_whose_detail_its_readers_would_refuse_is_refused),
         T(plans_calibrations_and_events_are_kept),
         T(slots_that_do_not_say_what_they_lack_are_refused),

@@ -7,11 +7,14 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "conformance/conformance.h"
@@ -181,6 +184,90 @@ static void a_watchdog_is_that_of_the_process_it_names(void **state)
     /* NOLINTEND(concurrency-mt-unsafe) */
 }
 
+/* ---- descriptors that the manager keeps ---- */
+
+static void a_descriptor_goes_along_and_is_the_same_file(void **state)
+{
+    struct manager *m = *state;
+    char text[100] = "", byte = 0;
+    union {
+        struct cmsghdr head;
+        char bytes[CMSG_SPACE(sizeof(int))];
+    } control;
+    struct iovec part = {text, sizeof(text) - 1};
+    struct msghdr message = {.msg_iov = &part,
+                             .msg_iovlen = 1,
+                             .msg_control = control.bytes,
+                             .msg_controllen = sizeof(control.bytes)};
+    const struct cmsghdr *first;
+    int ends[2], kept;
+
+    assert_int_equal(pipe(ends), 0);
+    assert_int_equal(ttf_systemd_notify_fd(m->path, "FDSTORE=1\nFDNAME=ep0", ends[0]), 1);
+    assert_int_equal(ttf_systemd_notify_fd(NULL, "FDSTORE=1", ends[0]), 0);
+    (void)close(ends[0]);
+    assert_true(recvmsg(m->fd, &message, 0) > 0);
+    assert_string_equal(text, "FDSTORE=1\nFDNAME=ep0");
+    first = CMSG_FIRSTHDR(&message);
+    if (!first || first->cmsg_len != CMSG_LEN(sizeof(kept))) {
+        fail_msg("no descriptor came along");
+        return;
+    }
+    memcpy(&kept, CMSG_DATA(first), sizeof(kept));
+    assert_int_equal(write(ends[1], "x", 1), 1);
+    assert_int_equal(read(kept, &byte, 1), 1);
+    assert_int_equal(byte, 'x');
+    (void)close(kept);
+    (void)close(ends[1]);
+}
+
+/* Of a process with descriptors 3 and 4 from its manager: which is ep0. In a process of its own, whose 3 and 4 may be anything. */
+static int kept_of(const char *names, const char *fds, bool is_ours)
+{
+    int status = 0;
+    pid_t child = fork();
+
+    if (child == 0) {
+        char pid[16];
+        int found, again;
+
+        (void)snprintf(pid, sizeof(pid), "%d", is_ours ? (int)getpid() : 1);
+        /* NOLINTBEGIN(concurrency-mt-unsafe): one thread runs */
+        (void)setenv("LISTEN_PID", pid, 1);
+        (void)setenv("LISTEN_FDS", fds, 1);
+        (void)setenv("LISTEN_FDNAMES", names, 1);
+        if (dup2(0, 3) < 0 || dup2(0, 4) < 0)
+            _exit(100);
+        found = ttf_systemd_kept_fd("ep0");
+        again = ttf_systemd_kept_fd("ep0");
+        /* No child of this one is to think that it is meant, nor to keep what it got. */
+        if (again != -ENOENT || getenv("LISTEN_FDS") || getenv("LISTEN_PID"))
+            _exit(101);
+        /* NOLINTEND(concurrency-mt-unsafe) */
+        if (found > 0 && !(fcntl(found, F_GETFD) & FD_CLOEXEC))
+            _exit(102);
+        _exit(found == -ENOENT ? 0 : found);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+static void what_was_kept_is_found_by_its_name(void **state)
+{
+    (void)state;
+    assert_int_equal(kept_of("ep0", "1", true), 3);
+    assert_int_equal(kept_of("stored:ep0", "2", true), 4);
+    assert_int_equal(kept_of("ep0:ep0", "2", true), 3);
+    assert_int_equal(kept_of("ep01:xep0", "2", true), 0);
+    assert_int_equal(kept_of("stored:ep0", "1", true), 0); /* named, but not there */
+    assert_int_equal(kept_of("", "2", true), 0);
+    assert_int_equal(kept_of("ep0", "0", true), 0);
+    assert_int_equal(kept_of("ep0", "x", true), 0);
+    assert_int_equal(kept_of("ep0", "-1", true), 0);
+    assert_int_equal(kept_of("ep0", "1", false), 0); /* another process is meant */
+}
+
 int main(void)
 {
 #define MANAGED(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
@@ -191,6 +278,8 @@ int main(void)
         MANAGED(the_manager_counts_no_time_while_it_is_not_armed),
         MANAGED(a_manager_that_is_busy_does_not_hold_the_loop),
         MANAGED(without_a_manager_there_is_no_watchdog),
+        MANAGED(a_descriptor_goes_along_and_is_the_same_file),
+        cmocka_unit_test(what_was_kept_is_found_by_its_name),
     };
     const struct conformance_factory systemd = {"systemd", make};
 

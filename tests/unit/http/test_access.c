@@ -67,6 +67,29 @@ static void without_a_token_nothing_opens(void **state)
     assert_false(access_token(NULL, NULL));
 }
 
+static void what_is_had_at_the_cable_is_had_there_alone_and_by_no_other_page(void **state)
+{
+    struct access_said said = {.host = "localhost", .marker = "1"};
+    struct access_said with_token = {
+        .host = "localhost", .marker = "1", .authorization = "Bearer 0123456789abcdef"};
+
+    (void)state;
+    assert_int_equal(access_decide(TTF_HTTP_CABLE, true, &said, "0123456789abcdef"), ACCESS_YES);
+    assert_int_equal(access_decide(TTF_HTTP_CABLE, false, &said, "0123456789abcdef"),
+                     ACCESS_ELSEWHERE);
+    assert_int_equal(access_decide(TTF_HTTP_CABLE, false, &with_token, "0123456789abcdef"),
+                     ACCESS_ELSEWHERE);
+    said.site = "same-origin";
+    assert_int_equal(access_decide(TTF_HTTP_CABLE, true, &said, "0123456789abcdef"), ACCESS_YES);
+    said.site = "cross-site";
+    assert_int_equal(access_decide(TTF_HTTP_CABLE, true, &said, "0123456789abcdef"),
+                     ACCESS_OTHER_PAGE);
+    said.site = NULL;
+    said.marker = NULL;
+    assert_int_equal(access_decide(TTF_HTTP_CABLE, true, &said, "0123456789abcdef"),
+                     ACCESS_OTHER_PAGE);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -74,6 +97,7 @@ int main(void)
         cmocka_unit_test(a_name_that_was_made_to_point_here_is_not),
         cmocka_unit_test(only_the_whole_token_opens),
         cmocka_unit_test(without_a_token_nothing_opens),
+        cmocka_unit_test(what_is_had_at_the_cable_is_had_there_alone_and_by_no_other_page),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

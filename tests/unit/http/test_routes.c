@@ -102,7 +102,7 @@ static bool in_table(const char *method, const char *path, bool open)
 
     for (size_t i = 0; (route = ttf_http_route(i)); i++)
         if (strcmp(route->method, method) == 0 && strcmp(route->pattern, path) == 0)
-            return open == (route->access == TTF_HTTP_OPEN);
+            return open == (route->access == TTF_HTTP_OPEN || route->access == TTF_HTTP_CABLE);
     return false;
 }
 

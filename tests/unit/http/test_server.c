@@ -9,6 +9,7 @@
 
 #include <errno.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -343,6 +344,61 @@ static void a_body_that_dribbles_in_is_given_up(void **state)
     end(&f);
 }
 
+static void headers_that_dribble_in_are_given_up(void **state)
+{
+    struct pollfd ended = {.events = POLLIN};
+    struct fixture f;
+    int fd;
+
+    (void)state;
+    begin(&f);
+    fd = ended.fd = dial(&f);
+    ask(fd, "GET /api/v1/health", ""); /* it is known to be there */
+    assert_int_equal(status_of(fd), 200);
+    say(fd, "GET /api/v1/health HTTP/1.1\r\nHost: ");
+    ttf_http_server_tidy(f.server);
+    say(fd, "local");
+    /* More than once: that it waits again the server knows a moment after its answer is here. */
+    for (unsigned i = 0; i < 10 * PATIENCE && poll(&ended, 1, 100) == 0; i++) {
+        __atomic_add_fetch(&f.clock.now_ns, 41 * TTF_NS_PER_S, __ATOMIC_RELAXED);
+        ttf_http_server_tidy(f.server);
+    }
+    assert_int_equal(drain(fd), 0);
+    (void)close(fd);
+    end(&f);
+}
+
+static void the_right_token_is_taken_however_many_were_wrong(void **state)
+{
+    static const char WRONG[] = "GET /api/v1/session HTTP/1.1\r\nHost: localhost\r\n"
+                                "Authorization: Bearer no\r\n\r\n";
+    static const char GUESS[] = "POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\n"
+                                "Content-Type: application/json\r\nContent-Length: 14\r\n\r\n"
+                                "{\"token\":\"no\"}";
+    static const char RIGHT[] = "POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\n"
+                                "Content-Type: application/json\r\nContent-Length: 32\r\n\r\n"
+                                "{\"token\":\"" TOKEN "\"}";
+    struct fixture f;
+    int fd, status = 0;
+
+    (void)state;
+    begin(&f);
+    fd = dial(&f);
+    for (unsigned i = 0; i < 30; i++) {
+        say(fd, i % 2 ? WRONG : GUESS);
+        status = status_of(fd);
+    }
+    assert_int_equal(status, 429);
+    ask(fd, "GET /api/v1/session", "");
+    assert_int_equal(status_of(fd), 200);
+    say(fd, RIGHT);
+    assert_int_equal(status_of(fd), 200);
+    say(fd, GUESS);
+    assert_int_equal(status_of(fd), 429);
+    (void)close(fd);
+    end(&f);
+}
+
 static void a_file_that_loses_its_end_while_it_is_sent_ends_the_connection(void **state)
 {
     struct fixture f;
@@ -379,6 +435,8 @@ int main(void)
         IN_SCRATCH(a_stop_passes_whatever_other_orders_wait),
         IN_SCRATCH(a_socket_that_is_left_answers_what_it_began_and_takes_nothing_new),
         IN_SCRATCH(a_body_that_dribbles_in_is_given_up),
+        IN_SCRATCH(headers_that_dribble_in_are_given_up),
+        IN_SCRATCH(the_right_token_is_taken_however_many_were_wrong),
         IN_SCRATCH(a_file_that_loses_its_end_while_it_is_sent_ends_the_connection),
     };
 

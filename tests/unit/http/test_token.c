@@ -63,6 +63,61 @@ static void an_empty_file_as_a_power_cut_leaves_it_is_made_anew(void **state)
     assert_string_equal(token, again);
 }
 
+static void one_that_was_made_here_is_shown_once(void **state)
+{
+    char token[TTF_HTTP_TOKEN_SIZE], again[TTF_HTTP_TOKEN_SIZE];
+
+    (void)state;
+    (void)unlink("token");
+    assert_int_equal(ttf_http_token_load_to_show("token", token, NULL), 0);
+    assert_true(ttf_http_token_waits("token", token));
+    /* A restart shows nothing. */
+    assert_int_equal(ttf_http_token_load_to_show("token", again, NULL), 0);
+    assert_string_equal(token, again);
+    assert_true(ttf_http_token_waits("token", token));
+    assert_int_equal(ttf_http_token_show("token", token, NULL), 0);
+    assert_false(ttf_http_token_waits("token", token));
+    assert_int_equal(ttf_http_token_show("token", token, NULL), -EEXIST);
+    assert_int_equal(ttf_http_token_load_to_show("token", again, NULL), 0);
+    assert_string_equal(token, again);
+    assert_int_equal(ttf_http_token_show("token", token, NULL), -EEXIST);
+}
+
+static void one_that_somebody_chose_is_never_shown(void **state)
+{
+    char token[TTF_HTTP_TOKEN_SIZE], made[TTF_HTTP_TOKEN_SIZE];
+
+    (void)state;
+    /* There before the box made any. */
+    scratch_file("chosen", "0123456789abcdef\n", 17);
+    assert_int_equal(chmod("chosen", 0600), 0);
+    assert_int_equal(ttf_http_token_load_to_show("chosen", token, NULL), 0);
+    assert_false(ttf_http_token_waits("chosen", token));
+    assert_int_equal(ttf_http_token_show("chosen", token, NULL), -EEXIST);
+    /* Written into the place of one that waits. */
+    (void)unlink("token");
+    assert_int_equal(ttf_http_token_load_to_show("token", made, NULL), 0);
+    scratch_file("token", "fedcba9876543210\n", 17);
+    assert_int_equal(ttf_http_token_load_to_show("token", token, NULL), 0);
+    assert_string_equal(token, "fedcba9876543210");
+    assert_int_equal(ttf_http_token_show("token", token, NULL), -EEXIST);
+}
+
+static void a_token_that_was_never_finished_is_not_shown_as_the_next_one(void **state)
+{
+    char first[TTF_HTTP_TOKEN_SIZE], token[TTF_HTTP_TOKEN_SIZE];
+
+    (void)state;
+    (void)unlink("token");
+    assert_int_equal(ttf_http_token_load_to_show("token", first, NULL), 0);
+    /* The power was cut before the token itself was there; or somebody took it away. */
+    assert_int_equal(unlink("token"), 0);
+    assert_int_equal(ttf_http_token_load_to_show("token", token, NULL), 0);
+    assert_string_not_equal(first, token);
+    assert_false(ttf_http_token_waits("token", first));
+    assert_int_equal(ttf_http_token_show("token", token, NULL), 0);
+}
+
 static void what_is_no_address_is_refused(void **state)
 {
     static const char *const TEXTS[] = {
@@ -131,6 +186,9 @@ int main(void)
         IN_A_FOLDER(a_file_is_made_once_for_its_owner_alone),
         IN_A_FOLDER(a_token_that_others_can_read_or_that_is_none_is_refused),
         IN_A_FOLDER(an_empty_file_as_a_power_cut_leaves_it_is_made_anew),
+        IN_A_FOLDER(one_that_was_made_here_is_shown_once),
+        IN_A_FOLDER(one_that_somebody_chose_is_never_shown),
+        IN_A_FOLDER(a_token_that_was_never_finished_is_not_shown_as_the_next_one),
         cmocka_unit_test(what_is_no_address_is_refused),
         cmocka_unit_test(an_interface_stands_for_the_address_that_it_has),
         cmocka_unit_test(a_socket_knows_its_port_and_whether_others_reach_it),

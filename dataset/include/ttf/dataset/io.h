@@ -42,7 +42,7 @@ struct ttf_io;
 /* Called for each entry of a folder, in no order; return non-zero to stop. */
 typedef int ttf_io_entry_fn(void *ctx, const char *name, bool is_dir);
 
-/* All mandatory. */
+/* All mandatory, but those that may be NULL. */
 struct ttf_io_ops {
     const char *name;
     int (*open)(struct ttf_io *io, const char *path, enum ttf_io_mode mode);
@@ -60,7 +60,8 @@ struct ttf_io_ops {
     int (*stat)(struct ttf_io *io, const char *path, struct ttf_io_stat *ret);
     int (*list)(struct ttf_io *io, const char *path, ttf_io_entry_fn *fn, void *ctx);
     int (*space)(struct ttf_io *io, const char *path, struct ttf_io_space *ret);
-    int (*lock)(struct ttf_io *io, int file); /* exclusive, not blocking: -EAGAIN */
+    int (*lock)(struct ttf_io *io, int file);     /* exclusive, not blocking: -EAGAIN */
+    int (*sync_all)(struct ttf_io *io, int file); /* ttf_io_sync_all; NULL: there is none */
 };
 
 struct ttf_io {
@@ -82,6 +83,13 @@ typedef void ttf_io_space_fn(void *ctx, const char *path, struct ttf_io_space *s
 void ttf_io_faulty_space(struct ttf_io *io, ttf_io_space_fn *space);
 
 /* ---- whole operations on top of the table ---- */
+
+/*
+ * All that was written so far to the file system that `file` (a folder's handle, too) lies on is on the disk: bytes, names, folders. It waits for
+ * what others wrote there, too. Any error of writing back since the handle was opened, whosever file it was, is this call's, once.
+ * -EOPNOTSUPP: there is none here that would tell of such errors; each file is to be synced by itself.
+ */
+TTF_MUST_USE int ttf_io_sync_all(struct ttf_io *io, int file);
 
 /* Writes or appends all of it, going on after short counts and EINTR. 0 or a negative errno. */
 TTF_MUST_USE int ttf_io_pwrite_all(struct ttf_io *io, int file, const void *buf, size_t n,

@@ -19,6 +19,19 @@
 int ttf_systemd_notify(const char *socket, const char *state);
 
 /*
+ * The same with a descriptor that the manager keeps (FDSTORE=1, FDNAME=...): its copy outlives this process, and the next one gets it.
+ * The unit needs FileDescriptorStoreMax=.
+ */
+int ttf_systemd_notify_fd(const char *socket, const char *state, int with);
+
+/*
+ * The descriptor of this name (FDNAME) that the manager has kept and now handed over (LISTEN_FDS), closed by exec; if there are
+ * several, the first. -ENOENT: none, or they were meant for another process. Before there are threads; it takes the
+ * variables from the environment, so that it says so once, and to no child.
+ */
+TTF_MUST_USE int ttf_systemd_kept_fd(const char *name);
+
+/*
  * What the manager's environment says of a watchdog: WATCHDOG_USEC in nanoseconds, if WATCHDOG_PID names this process
  * or is missing (a child of a service inherits both, and is not meant); else 0. Before there are threads.
  */

@@ -42,15 +42,21 @@ struct ttf_alert_part {
 
 struct ttf_alerts_config {
     char data[512]; /* the folder of datasets */
+    /* Of the daemon's own keys, as far as they can be read: a mistake in them is no reason to tell nobody. Empty: none */
+    char plan[512];
+    char dataset[65];  /* the name of the plan's */
+    char state[512];   /* the folder where it leaves what is to run */
+    char http_at[108]; /* the socket at which it can be asked what it does */
     unsigned n_hooks, n_parts;
     struct ttf_alert_hook hooks[TTF_ALERT_HOOKS_MAX];
     struct ttf_alert_part parts[TTF_ALERT_PARTS_MAX];
     int64_t grace_ns;    /* how long a part may be away */
+    int64_t begin_ns;    /* how long a run may take to begin */
     char heartbeat[512]; /* a URL, secret; empty: none */
     int64_t heartbeat_every_ns;
 };
 
-/* Other keys of the file than `data` and `alerts` are passed over, whatever they hold. Errors as ttf_board_load. */
+/* Other keys of the file than `data` and `alerts` may hold whatever they do. Errors as ttf_board_load. */
 TTF_MUST_USE int ttf_alerts_file_load(const char *path, struct ttf_alerts_config *ret,
                                       struct ttf_err *err);
 TTF_MUST_USE int ttf_alerts_file_parse(const char *name, const char *text, size_t bytes,

@@ -109,6 +109,10 @@ struct ttf_http_box_ops {
     /* slow. A JPEG. -EBUSY: a run is under way */
     int (*live)(struct ttf_http_box *box, const struct ttf_http_view *view,
                 struct ttf_http_shown *ret, struct ttf_err *err);
+    /* Does the box's token wait to be shown, once? NULL: it never does. */
+    bool (*token_waits)(struct ttf_http_box *box);
+    /* slow: that it is shown now reaches the disk before it is. 0, once; -EEXIST: it does not wait. NULL: never */
+    int (*token_show)(struct ttf_http_box *box, struct ttf_err *err);
     /* The dataset of the run under way, or of the last one. -ENOENT: there was none */
     int (*newest)(struct ttf_http_box *box, char ret_dataset[65], struct ttf_err *err);
 };

@@ -11,7 +11,8 @@ enum ttf_http_access {
     TTF_HTTP_OPEN = 0, /* everybody who reaches the socket */
     TTF_HTTP_READ,     /* the token, but where the socket lets all read */
     TTF_HTTP_TOKEN,    /* the token, on every socket */
-    TTF_HTTP_CHANGE    /* the token, and that the request is no other page's */
+    TTF_HTTP_CHANGE,   /* the token, and that the request is no other page's */
+    TTF_HTTP_CABLE     /* no token: a socket at which all may read, and no other page */
 };
 
 /* What a request brings. */

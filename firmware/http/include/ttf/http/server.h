@@ -23,7 +23,8 @@ struct ttf_http_config {
     const char *token; /* NULL: there is none, and what needs one is refused */
     const char *const *
         names; /* under which the box is known, NULL-ended; addresses and "localhost" always are. NULL allowed */
-    struct ttf_clock *clock;        /* how often a wrong token may be tried; borrowed */
+    struct ttf_clock
+        *clock; /* how often a wrong token may be tried, when a request is to be whole; borrowed */
     struct ttf_http_box *box;       /* borrowed; NULL: there is none */
     struct ttf_http_events *events; /* borrowed; NULL: there are none. Of one server at a time */
 };
@@ -48,6 +49,8 @@ TTF_MUST_USE int ttf_http_server_listen(struct ttf_http_server *server, int fd, 
  * notice nothing. As listening: one thread.
  */
 void ttf_http_server_leave(struct ttf_http_server *server, int fd);
+
+/* To be called each second or so: ends what is being left, and connections whose request is not whole in time. As listening: one thread. */
 void ttf_http_server_tidy(struct ttf_http_server *server);
 
 /* Ends all connections and threads, closes the sockets. NULL allowed. */

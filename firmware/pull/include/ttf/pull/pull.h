@@ -49,7 +49,7 @@ struct ttf_pull_result {
 /*
  * 0: all that was asked for is here, or it was told to stop. -TTF_EDAMAGED: all but what is damaged on the box is here
  * (*ret is set). -ENOENT: no such dataset; -EEXIST: something else has its place; -EBUSY: another program is writing there; -EINVAL: box; -EACCES: the token is asked for;
- * -ECONNREFUSED, -ETIMEDOUT, -ECONNRESET, ...: the box does not answer, or no longer; run it again and it goes on; what
+ * -ECONNREFUSED, -ETIMEDOUT, -ECONNRESET, -EAGAIN (short of handles and the like), ...: the box does not answer, or no longer; run it again and it goes on; what
  * config->ended says. *ret is set whatever happens.
  */
 TTF_MUST_USE int ttf_pull(const struct ttf_pull_config *config, struct ttf_pull_result *ret,

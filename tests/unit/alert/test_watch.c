@@ -1,0 +1,353 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* test_watch.c: who is told what, and when: by a clock that is set by hand, of a dataset that is written by hand. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "alert.h"
+#include "orders_file.h"
+#include "store_test.h"
+#include "ttf/hal/clock_backend.h"
+
+#define BOOT   "0a0b0c0d-0000-4000-8000-000000000001" /* that of small_create's segment */
+#define BEGIN  TTF_NS_PER_MIN
+#define SECOND TTF_NS_PER_S
+
+struct hand_clock {
+    struct ttf_clock base; /* first */
+    int64_t now_ns;
+    const char *boot;
+};
+
+static int64_t hand_now_ns(struct ttf_clock *clock)
+{
+    return ((struct hand_clock *)clock)->now_ns;
+}
+
+static void hand_utc(struct ttf_clock *clock, struct ttf_utc *ret)
+{
+    *ret = (struct ttf_utc){.boot_ns = hand_now_ns(clock), .utc_ns = 5, .trust = TTF_TRUST_NTP};
+}
+
+static const char *hand_boot(struct ttf_clock *clock)
+{
+    return ((struct hand_clock *)clock)->boot;
+}
+
+static const struct ttf_clock_ops OPS = {
+    .now_ns = hand_now_ns, .utc = hand_utc, .boot_id = hand_boot};
+
+struct fixture {
+    struct hand_clock clock;
+    struct ttf_alerts_config config;
+    struct watch watch;
+    unsigned n;
+    struct alert told[16];
+};
+
+static void on_told(void *ctx, const struct alert *alert)
+{
+    struct fixture *f = ctx;
+
+    assert_true(f->n < sizeof f->told / sizeof *f->told);
+    f->told[f->n++] = *alert;
+}
+
+static void on_says(void *ctx, char *ret, size_t size)
+{
+    (void)ctx;
+    (void)snprintf(ret, size, "retrying: the guardian is away");
+}
+
+static void start_watching(struct fixture *f)
+{
+    watch_init(&f->watch, &f->config, ttf_io_posix(), &f->clock.base);
+    f->watch.tell = on_told;
+    f->watch.says = on_says;
+    f->watch.ctx = f;
+    f->n = 0;
+}
+
+/* In a box whose configuration names the plan of `grass`; the clock stands at 5 s. */
+static struct fixture *begin(const char *folder)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+
+    assert_non_null(f);
+    f->clock = (struct hand_clock){{.ops = &OPS}, 5 * SECOND, BOOT};
+    f->config.begin_ns = BEGIN;
+    (void)snprintf(f->config.data, sizeof f->config.data, "%s/data", folder);
+    (void)snprintf(f->config.state, sizeof f->config.state, "%s/state", folder);
+    (void)snprintf(f->config.plan, sizeof f->config.plan, "%s/grass.yaml", folder);
+    (void)snprintf(f->config.dataset, sizeof f->config.dataset, "grass");
+    assert_int_equal(run("mkdir %s/data %s/state", folder, folder), 0);
+    write_text(f->config.plan, "interval: 10s\ncount: 9\n", 23);
+    start_watching(f);
+    return f;
+}
+
+/* Looks as often as the program does, until so many seconds have passed. */
+static void pass(struct fixture *f, double seconds)
+{
+    int64_t until_ns = f->clock.now_ns + (int64_t)(seconds * 1e9);
+
+    for (;;) {
+        int64_t next_ns = watch_next_ns(&f->watch, f->clock.now_ns);
+
+        watch_look(&f->watch);
+        if (f->clock.now_ns >= until_ns)
+            return;
+        f->clock.now_ns = next_ns < until_ns ? next_ns : until_ns;
+    }
+}
+
+static void decided(struct fixture *f, enum order_state state, const char *why)
+{
+    struct orders_file file = {.io = ttf_io_posix()};
+    struct order order = {.state = state};
+
+    (void)snprintf(order.dataset, sizeof order.dataset, "grass");
+    (void)snprintf(order.why, sizeof order.why, "%s", why);
+    (void)snprintf(file.folder, sizeof file.folder, "%s", f->config.state);
+    (void)snprintf(file.path, sizeof file.path, "%s/run.json", file.folder);
+    (void)snprintf(file.configuration, sizeof file.configuration, "%.480s into %.480s/grass",
+                   f->config.plan, f->config.data);
+    assert_int_equal(orders_file_write(&file, &order, NULL), 0);
+}
+
+static bool told(const struct fixture *f, unsigned i, const char *kind, const char *words)
+{
+    return i < f->n && strcmp(f->told[i].kind, kind) == 0 && strstr(f->told[i].text, words);
+}
+
+/* A dataset whose first slot is due then. */
+static struct ttf_writer *create(const char *path, int64_t origin_ns, int64_t interval_ns)
+{
+    struct ttf_writer *writer = NULL;
+    struct ttf_manifest manifest;
+    struct ttf_segment segment = {.boot_id = BOOT,
+                                  .trust = "rtc",
+                                  .zone = "UTC",
+                                  .origin_ns = origin_ns,
+                                  .origin_utc_ns = INT64_C(1790000000000000000),
+                                  .uncertainty_ns = SECOND,
+                                  .interval_ns = interval_ns};
+
+    small_manifest(&manifest);
+    assert_int_equal(ttf_writer_create(ttf_io_posix(), path, &manifest, "interval: 1s\n", "{}\n",
+                                       &writer, NULL),
+                     0);
+    assert_int_equal(ttf_writer_segment(writer, &segment, NULL), 0);
+    return writer;
+}
+
+static void a_run_that_does_not_begin_is_told_with_why(void **state)
+{
+    struct fixture *f = begin(*state);
+    struct ttf_writer *writer;
+
+    pass(f, 59);
+    assert_int_equal(f->n, 0);
+    pass(f, 2);
+    assert_int_equal(f->n, 1);
+    assert_true(told(f, 0, "not-begun", "the capture has not begun"));
+    assert_true(told(f, 0, "not-begun", "the box says: retrying: the guardian is away"));
+    assert_string_equal(f->told[0].dataset, "grass");
+    assert_int_equal(f->told[0].severity, TTF_ALERT_ALARM);
+    assert_true(f->watch.stopped);
+    pass(f, 300);
+    assert_int_equal(f->n, 1); /* once */
+    writer = create(in(*state, "data/grass"), f->clock.now_ns, 10 * SECOND);
+    pass(f, 1);
+    assert_int_equal(f->n, 2);
+    assert_true(told(f, 1, "going-on", "goes on"));
+    assert_false(f->watch.stopped);
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
+static void nothing_that_nobody_wants_is_an_alarm(void **state)
+{
+    struct fixture *f = begin(*state);
+    struct ttf_writer *writer = small_create(ttf_io_posix(), in(*state, "data/old"));
+
+    assert_int_equal(remove(f->config.plan), 0); /* the daemon waits for it */
+    pass(f, 300);
+    assert_int_equal(f->n, 0);
+    decided(f, ORDER_NONE, "");
+    pass(f, 300);
+    assert_int_equal(f->n, 0);
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
+static void while_lamps_settle_before_the_first_slot_nobody_is_told(void **state)
+{
+    struct fixture *f = begin(*state);
+    struct ttf_writer *writer;
+
+    pass(f, 2);
+    writer = create(in(*state, "data/grass"), f->clock.now_ns + 22 * SECOND, SECOND);
+    pass(f, 22.4);
+    assert_int_equal(f->n, 0);
+    pass(f, 0.5);
+    assert_int_equal(f->n, 1);
+    assert_true(told(f, 0, "stopped", "the capture has stopped"));
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
+static void a_plan_that_waits_for_its_start_is_silent_and_late_behind_it(void **state)
+{
+    struct fixture *f = begin(*state);
+    struct ttf_writer *writer = create(in(*state, "data/grass"), 5005 * SECOND, 60 * SECOND);
+
+    pass(f, 2500);
+    start_watching(f); /* the alerter begins anew in between */
+    pass(f, 2500 + 29);
+    assert_int_equal(f->n, 0);
+    pass(f, 2);
+    assert_int_equal(f->n, 1); /* within two slots */
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
+static void a_box_that_was_without_power_has_its_time_to_go_on(void **state)
+{
+    struct fixture *f = begin(*state);
+    struct ttf_writer *writer = small_create(ttf_io_posix(), in(*state, "data/grass"));
+
+    assert_int_equal(small_slot(writer, 0), 0);
+    f->clock.boot = "0a0b0c0d-0000-4000-8000-000000000002";
+    pass(f, 59);
+    assert_int_equal(f->n, 0);
+    pass(f, 2);
+    assert_true(told(f, 0, "not-begun", "has not gone on"));
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
+static void a_stop_by_a_person_is_told_as_that_once_and_is_no_alarm(void **state)
+{
+    struct fixture *f = begin(*state);
+    struct ttf_writer *writer = small_create(ttf_io_posix(), in(*state, "data/grass"));
+
+    assert_int_equal(small_slot(writer, 0), 0);
+    pass(f, 3);
+    /* The button: its run ends, then it is written down. */
+    assert_int_equal(ttf_writer_event(writer, "button", 0, 0, "held: the run is to end", NULL, NULL), 0);
+    assert_int_equal(ttf_writer_event(writer, "stop", 0, 0, "ended as asked", NULL, NULL), 0);
+    pass(f, 1);
+    decided(f, ORDER_STOPPED, "");
+    pass(f, 2000);
+    assert_int_equal(f->n, 1);
+    assert_true(told(f, 0, "stopped-by-person", "by a person, by the button"));
+    assert_int_equal(f->told[0].severity, TTF_ALERT_WARNING);
+    assert_false(f->watch.stopped); /* the heart goes on beating */
+    start_watching(f);
+    pass(f, 1000);
+    assert_int_equal(f->n, 0); /* it was told */
+    decided(f, ORDER_RUN, "");
+    pass(f, 59);
+    assert_int_equal(small_slot(writer, 1), 0);
+    pass(f, 1);
+    assert_int_equal(f->n, 1);
+    assert_true(told(f, 0, "going-on", "goes on"));
+    pass(f, 60);
+    assert_true(told(f, 1, "stopped", "the capture has stopped"));
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
+static void a_program_that_was_told_to_end_is_no_persons_stop(void **state)
+{
+    struct fixture *f = begin(*state);
+    struct ttf_writer *writer = small_create(ttf_io_posix(), in(*state, "data/grass"));
+
+    pass(f, 1);
+    assert_int_equal(small_slot(writer, 0), 0);
+    pass(f, 1);
+    assert_int_equal(ttf_writer_event(writer, "stop", 0, 0, "ended as asked", NULL, NULL), 0);
+    pass(f, 6);
+    assert_int_equal(f->n, 1);
+    assert_true(told(f, 0, "event", "told to end"));
+    pass(f, 20);
+    assert_int_equal(f->n, 2);
+    assert_true(told(f, 1, "stopped", "the capture has stopped"));
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
+static void orders_that_nobody_understands_are_an_alarm_until_something_runs(void **state)
+{
+    struct fixture *f = begin(*state);
+    struct ttf_writer *writer;
+
+    write_text(in(f->config.state, "run.json"), "{\"st", 4);
+    pass(f, 100);
+    decided(f, ORDER_STOPPED, "what was to run could not be understood"); /* as the daemon has it */
+    pass(f, 100);
+    assert_int_equal(f->n, 1);
+    assert_true(told(f, 0, "stopped", "cannot be understood"));
+    assert_true(f->watch.stopped);
+    decided(f, ORDER_RUN, "");
+    pass(f, 10);
+    writer = create(in(*state, "data/grass"), f->clock.now_ns, 10 * SECOND);
+    pass(f, 1);
+    assert_true(told(f, 1, "going-on", "goes on"));
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
+static void a_run_that_goes_on_in_its_second_storage_has_not_stopped(void **state)
+{
+    struct fixture *f = begin(*state);
+    const char *second = in(*state, "second");
+    struct ttf_writer *first, *writer;
+    char plan[300];
+
+    (void)snprintf(plan, sizeof plan, "interval: 10s\ncount: 9\nstorage: {second: %s}\n", second);
+    write_text(f->config.plan, plan, strlen(plan));
+    assert_int_equal(run("mkdir %s", second), 0);
+    first = small_create(ttf_io_posix(), in(*state, "data/grass"));
+    pass(f, 5);
+    assert_int_equal(small_slot(first, 0), 0);
+    pass(f, 5);
+    writer = create(in(second, "grass"), f->clock.now_ns + 5 * SECOND, 10 * SECOND);
+    for (int64_t i = 0; i < 6; i++) {
+        pass(f, 10);
+        assert_int_equal(small_slot(writer, i), 0);
+    }
+    assert_int_equal(f->n, 0);
+    pass(f, 20);
+    assert_true(told(f, 0, "stopped", "the capture has stopped"));
+    ttf_writer_abandon(first);
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, folder_setup, folder_teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(a_run_that_does_not_begin_is_told_with_why),
+        TEST(nothing_that_nobody_wants_is_an_alarm),
+        TEST(while_lamps_settle_before_the_first_slot_nobody_is_told),
+        TEST(a_plan_that_waits_for_its_start_is_silent_and_late_behind_it),
+        TEST(a_box_that_was_without_power_has_its_time_to_go_on),
+        TEST(a_stop_by_a_person_is_told_as_that_once_and_is_no_alarm),
+        TEST(a_program_that_was_told_to_end_is_no_persons_stop),
+        TEST(orders_that_nobody_understands_are_an_alarm_until_something_runs),
+        TEST(a_run_that_goes_on_in_its_second_storage_has_not_stopped),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
