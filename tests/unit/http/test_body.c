@@ -43,21 +43,20 @@ static void a_run_is_asked_for_by_names(void **state)
 
 static void a_step_of_a_calibration_says_what_it_needs(void **state)
 {
-    static const char *const WRONG[] = {
-        "{}",
-        "{\"part\":\"tea\"}",
-        "{\"part\":\"dark\",\"frames\":0}",
-        "{\"part\":\"dark\",\"frames\":1001}",
-        "{\"part\":\"dark\",\"exposure_ns\":1.5}",
-        "{\"part\":\"dark\",\"plan\":\"../x\"}",
-        "{\"part\":\"dark\",\"name\":\"x\"}",
-        "{\"part\":\"flat\",\"reflectance\":1.5}",
-        "{\"part\":\"geometry\"}",
-        "{\"part\":\"geometry\",\"pitch_mm\":0}",
-        "{\"part\":\"chart\"}",
-        "{\"part\":\"chart\",\"corners\":[[0,0],[9,0],[9,9]]}",
-        "{\"part\":\"chart\",\"corners\":[[0,0],[9,0],[9,9],[0]]}",
-        NULL};
+    static const char *const WRONG[] = {"{}",
+                                        "{\"part\":\"tea\"}",
+                                        "{\"part\":\"dark\",\"frames\":0}",
+                                        "{\"part\":\"dark\",\"frames\":1001}",
+                                        "{\"part\":\"dark\",\"exposure_ns\":1.5}",
+                                        "{\"part\":\"dark\",\"plan\":\"../x\"}",
+                                        "{\"part\":\"dark\",\"name\":\"x\"}",
+                                        "{\"part\":\"flat\",\"reflectance\":1.5}",
+                                        "{\"part\":\"geometry\"}",
+                                        "{\"part\":\"geometry\",\"pitch_mm\":0}",
+                                        "{\"part\":\"chart\"}",
+                                        "{\"part\":\"chart\",\"corners\":[[0,0],[9,0],[9,9]]}",
+                                        "{\"part\":\"chart\",\"corners\":[[0,0],[9,0],[9,9],[0]]}",
+                                        NULL};
     struct ttf_http_calibrate what;
     struct ttf_err err;
     char name[65];
