@@ -89,7 +89,7 @@ static int check(struct checked *c, const char *name, const char *yaml, size_t b
 
 /* ---- in words ---- */
 
-static void put_finding(struct ttf_json *j, const char *level, const struct ttf_err *err)
+void check_put_finding(struct ttf_json *j, const char *level, const struct ttf_err *err)
 {
     ttf_json_object(j);
     ttf_json_kstring(j, "level", level);
@@ -114,7 +114,7 @@ static void put_warnings(struct ttf_json *j, const struct checked *c)
                     "a dimmed lamp's pulses show as bands of %.1f %%",
                     (double)c->figures.flicker_ppm[i] / 1e4);
         ttf_err_hint(&err, "expose longer, or light the lamp fully");
-        put_finding(j, "warning", &err);
+        check_put_finding(j, "warning", &err);
     }
 }
 
@@ -173,7 +173,7 @@ int check_plan(struct daemon *d, const char *name, const char *yaml, size_t byte
     ttf_json_key(&j, "findings");
     ttf_json_array(&j);
     if (r < 0)
-        put_finding(&j, "error", err);
+        check_put_finding(&j, "error", err);
     if (c.has_figures)
         put_warnings(&j, &c);
     ttf_json_array_end(&j);

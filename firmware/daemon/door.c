@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "check.h"
+#include "check_board.h"
 #include "library.h"
 #include "log.h"
 #include "parts.h"
@@ -70,6 +71,13 @@ static int door_board(struct ttf_http_box *box, const char *name, const char *pl
                       struct ttf_err *err)
 {
     return library_board(of(box), name, plan, ret_yaml, err);
+}
+
+static int door_board_check(struct ttf_http_box *box, const char *yaml, size_t bytes,
+                            char **ret_json, struct ttf_err *err)
+{
+    (void)box; /* the text alone is looked at */
+    return check_board(yaml, bytes, ret_json, err);
 }
 
 static int door_plans(struct ttf_http_box *box, char **ret_json, struct ttf_err *err)
@@ -326,6 +334,7 @@ const struct ttf_http_box_ops DOOR_OPS = {
     .devices = door_devices,
     .boards = door_boards,
     .board = door_board,
+    .board_check = door_board_check,
     .plans = door_plans,
     .plan = door_plan,
     .plan_check = door_plan_check,

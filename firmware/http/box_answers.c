@@ -105,6 +105,18 @@ int box_board_plan(struct ttf_http_request *request, struct ttf_http_answer *ret
     return give_board(request, request->match->path, ret);
 }
 
+int box_board_check(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char *json = NULL;
+    int r = box_needed(request);
+
+    if (r < 0)
+        return r;
+    r = OPS(request)->board_check(request->box, request->body, request->body_bytes, &json,
+                                  &request->err);
+    return box_give(ret, r, json);
+}
+
 /* ---- plans ---- */
 
 int box_plans(struct ttf_http_request *request, struct ttf_http_answer *ret)

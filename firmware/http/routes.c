@@ -66,6 +66,8 @@ static const struct ttf_http_route ROUTES[] = {
      &GIVES_JSON},
     {"GET", "/api/v1/boards", TTF_HTTP_READ, box_boards, TTF_HTTP_NO_BODY, TTF_HTTP_WORK,
      &GIVES_JSON},
+    {"POST", "/api/v1/boards/check", TTF_HTTP_CHANGE, box_board_check, TTF_HTTP_YAML, TTF_HTTP_WORK,
+     &GIVES_JSON},
     {"GET", "/api/v1/boards/{name}", TTF_HTTP_READ, box_board, TTF_HTTP_NO_BODY, TTF_HTTP_AT_ONCE,
      &GIVES_YAML},
     {"GET", "/api/v1/boards/{name}/plans/{path}", TTF_HTTP_READ, box_board_plan, TTF_HTTP_NO_BODY,

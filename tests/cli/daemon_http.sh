@@ -130,6 +130,17 @@ is change true
 get "$URL/session" 200
 is read false
 
+# ---- boards: checked, and never put in place ----
+sed 's/max_on: [^,}]*/max_on: 3 parsecs/' "$SOURCE/boards/rpi4/board.yaml" >wrong.yaml
+json_of "$SOURCE/boards/rpi4/board.yaml" "$URL/boards/check" 200
+is ok true
+is board.simulated false
+json_of wrong.yaml "$URL/boards/check" 200
+is ok false
+json findings.0.where | grep -q '^board:[0-9]*:' || fail "it does not say where: $(cat out)"
+get "$URL/boards/check" 401 -H 'Content-Type: application/yaml' --data-binary @wrong.yaml
+json_of "$SOURCE/boards/rpi4/board.yaml" "$URL/boards/rpi4" 405 -X PUT
+
 # ---- plans: checked before they are in place ----
 plan first.yaml 'interval: 500ms' 'count: 900' 'shot: {exposure: 10ms}' 'keep: both' 'reserve: 0B'
 plan wrong.yaml 'interval: 500ms' 'count: 24' 'shot: {exposure: 10s}' 'reserve: 0B'
