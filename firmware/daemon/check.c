@@ -135,6 +135,17 @@ static int put_lamp_figures(void *ctx, const struct ttf_box *box, struct ttf_err
     return 0;
 }
 
+/* It may have been set by the time that it is to begin. */
+static void put_clock_warning(struct ttf_json *j, const struct checked *c)
+{
+    struct ttf_err err = {0};
+    struct ttf_utc utc;
+
+    ttf_clock_utc(c->d->clock, &utc);
+    if (ttf_plan_file_check_clock(c->file, &utc, &err) < 0)
+        put_finding(j, "warning", &err);
+}
+
 static void put_figures(struct ttf_json *j, struct checked *c)
 {
     const struct ttf_plan *plan = ttf_plan_file_plan(c->file);
@@ -153,6 +164,20 @@ static void put_figures(struct ttf_json *j, struct checked *c)
         ttf_json_kint(j, "slots_that_fit", c->disk.slots_that_fit);
     }
     ttf_json_object_end(j);
+}
+
+int check_clock(struct daemon *d, const char *name, const char *yaml, struct ttf_err *err)
+{
+    struct ttf_plan_file *file = NULL;
+    struct ttf_utc utc;
+    int r = ttf_plan_file_parse(name, yaml, strlen(yaml), &file, err);
+
+    if (r < 0)
+        return r;
+    ttf_clock_utc(d->clock, &utc);
+    r = ttf_plan_file_check_clock(file, &utc, err);
+    ttf_plan_file_free(file);
+    return r;
 }
 
 int check_plan(struct daemon *d, const char *name, const char *yaml, size_t bytes, char **ret_json,
@@ -176,6 +201,8 @@ int check_plan(struct daemon *d, const char *name, const char *yaml, size_t byte
         check_put_finding(&j, "error", err);
     if (c.has_figures)
         put_warnings(&j, &c);
+    if (c.file)
+        put_clock_warning(&j, &c);
     ttf_json_array_end(&j);
     if (c.has_figures)
         put_figures(&j, &c);

@@ -221,7 +221,8 @@ static int stop(struct daemon *d, char **ret_json, struct ttf_err *err)
         return r;
     log_line(LOG_LEVEL_NOTICE, "asked", "for=stop");
     if (situation_turn(d->situation, DOING_CAPTURING, DOING_STOPPING) ||
-        situation_turn(d->situation, DOING_PAUSED, DOING_STOPPING))
+        situation_turn(d->situation, DOING_PAUSED, DOING_STOPPING) ||
+        situation_turn(d->situation, DOING_WAITING, DOING_STOPPING))
         daemon_tell_state(d);
     number = asks_stop(d->asks, false);
     ttf_gate_open(d->wake);

@@ -7,7 +7,7 @@ export function calibrate(main, box) {
   const { status } = box, board = status?.board || "BOARD", marks = picked(), text = pickedText(marks), simulated = status?.simulated;
   const command = (line) => h("pre", { tabindex: 0, "aria-label": "Command" }, line);
   const b = board === "sim" ? "" : ` --board ${board}`, white = simulated ? " --scene white" : "";
-  const busy = status && ["capturing", "arming", "paused", "retrying"].includes(status.state);
+  const busy = status && ["waiting", "capturing", "arming", "paused", "retrying"].includes(status.state);
 
   fill(main, h("h1", {}, "Calibration, step by step"), h("div", { class: "cards" },
     h("section", { class: "card wide" },

@@ -77,7 +77,7 @@ none_missed() { # DATASET: but for slots that were paused, or passed while the p
     "$PYTHON" - "data/$1" <<'END' || fail "slots of $1 were missed"
 import json, sys
 bad = [r for r in map(json.loads, open(sys.argv[1] + "/records.jsonl", encoding="utf-8")) if r["type"] == "slot" and
-       r["result"] not in ("captured", "paused") and r.get("reason") not in ("the program was not running", "the box was getting ready")]
+       r["result"] not in ("captured", "paused") and r.get("reason") not in ("the program was not running", "the box was getting ready", "stopped by a person")]
 assert not bad, bad
 END
 }
@@ -284,6 +284,8 @@ post "$URL/run" 202 '{}'
 state capturing
 get "$URL/status" 200 "${ME[@]}"
 is run.dataset two
+heard '"reason":"stopped by a person"' data/two/records.jsonl
+heard 'slots lost: stopped by a person' data/two/events.jsonl
 get "$URL/run/stop" 202 "${ME[@]}" -X POST
 state stopped
 # Nothing is added to what is sealed, nor to a dataset of another plan.
