@@ -143,7 +143,7 @@ static void put_clock_warning(struct ttf_json *j, const struct checked *c)
 
     ttf_clock_utc(c->d->clock, &utc);
     if (ttf_plan_file_check_clock(c->file, &utc, &err) < 0)
-        put_finding(j, "warning", &err);
+        check_put_finding(j, "warning", &err);
 }
 
 static void put_figures(struct ttf_json *j, struct checked *c)
