@@ -6,7 +6,7 @@
 
 #include "alert.h"
 
-#define LEAST_NS (500 * TTF_NS_PER_MS) /* that a record may be late, however short the interval */
+#define LEAST_NS   (500 * TTF_NS_PER_MS) /* that a record may be late, however short the interval */
 /* A button's stop is written down once its run has ended: until then nobody knows who wanted it. */
 #define DECIDED_NS (5 * TTF_NS_PER_S)
 
@@ -103,8 +103,7 @@ static void run(struct watch *w)
     tell_ending(w);
     if (!w->stopped && ttf_clock_now_ns(w->clock) > awaited_ns(w)) {
         does_not_come(w);
-    } else if ((w->stopped || w->rests) && w->came &&
-               ttf_clock_now_ns(w->clock) <= awaited_ns(w)) {
+    } else if ((w->stopped || w->rests) && w->came && ttf_clock_now_ns(w->clock) <= awaited_ns(w)) {
         w->stopped = w->rests = w->by_button = false;
         watch_tell(w, "going-on", TTF_ALERT_NOTICE, "the capture goes on");
     }

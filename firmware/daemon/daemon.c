@@ -52,6 +52,15 @@ int daemon_give(struct ttf_json *json, char **ret, struct ttf_err *err)
     return r < 0 ? ttf_err_set(err, r, NULL, "no memory") : 0;
 }
 
+void daemon_decided(int r, const struct ttf_err *err)
+{
+    char text[900], quoted[1000];
+
+    if (r < 0)
+        log_line(LOG_LEVEL_ERROR, "unsaved", "why=%s",
+                 log_text(ttf_err_text(err, text, sizeof text), quoted, sizeof quoted));
+}
+
 void daemon_does(struct daemon *d, enum doing doing, const char *why, int64_t retry_ns)
 {
     if (situation_set(d->situation, doing, why, retry_ns))

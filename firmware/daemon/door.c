@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "check.h"
+#include "check_board.h"
 #include "library.h"
 #include "log.h"
 #include "parts.h"
@@ -70,6 +71,13 @@ static int door_board(struct ttf_http_box *box, const char *name, const char *pl
                       struct ttf_err *err)
 {
     return library_board(of(box), name, plan, ret_yaml, err);
+}
+
+static int door_board_check(struct ttf_http_box *box, const char *yaml, size_t bytes,
+                            char **ret_json, struct ttf_err *err)
+{
+    (void)box; /* the text alone is looked at */
+    return check_board(yaml, bytes, ret_json, err);
 }
 
 static int door_plans(struct ttf_http_box *box, char **ret_json, struct ttf_err *err)
@@ -213,7 +221,8 @@ static int stop(struct daemon *d, char **ret_json, struct ttf_err *err)
         return r;
     log_line(LOG_LEVEL_NOTICE, "asked", "for=stop");
     if (situation_turn(d->situation, DOING_CAPTURING, DOING_STOPPING) ||
-        situation_turn(d->situation, DOING_PAUSED, DOING_STOPPING))
+        situation_turn(d->situation, DOING_PAUSED, DOING_STOPPING) ||
+        situation_turn(d->situation, DOING_WAITING, DOING_STOPPING))
         daemon_tell_state(d);
     number = asks_stop(d->asks, false);
     ttf_gate_open(d->wake);
@@ -295,10 +304,9 @@ static int door_calibrate(struct ttf_http_box *box, const struct ttf_http_calibr
                           char **ret_json, struct ttf_err *err)
 {
     struct daemon *d = of(box);
-    enum doing doing = situation_doing(d->situation);
     int r;
 
-    if (doing != DOING_IDLE && doing != DOING_STOPPED && doing != DOING_WAITING) {
+    if (!workshop_is_open(d->workshop)) {
         ttf_err_set(err, -EBUSY, NULL, "a run has the devices");
         ttf_err_hint(err, "calibrate before a run, or when it is stopped");
         return -EBUSY;
@@ -361,6 +369,7 @@ const struct ttf_http_box_ops DOOR_OPS = {
     .devices = door_devices,
     .boards = door_boards,
     .board = door_board,
+    .board_check = door_board_check,
     .plans = door_plans,
     .plan = door_plan,
     .plan_check = door_plan_check,

@@ -37,7 +37,6 @@ void answer_json(struct ttf_http_answer *answer, char *text, size_t bytes)
 {
     answer->text = text;
     answer->bytes = (int64_t)bytes;
-    answer->type = "application/json";
 }
 
 int answer_done(struct ttf_http_request *request, struct ttf_http_answer *answer)
@@ -257,7 +256,7 @@ enum MHD_Result answer_send(struct MHD_Connection *connection, bool parts,
     const char *none = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "If-None-Match");
     struct range part = wanted(connection, parts, answer);
     struct MHD_Response *response;
-    unsigned status = MHD_HTTP_OK;
+    unsigned status = answer->status;
     char text[80];
 
     if (answer->listener)
@@ -277,10 +276,8 @@ enum MHD_Result answer_send(struct MHD_Connection *connection, bool parts,
     if (response) {
         put_common(response, answer->type, answer->page);
         put_entity(response, answer);
-        if (part.kind == RANGE_PART && status == MHD_HTTP_OK)
+        if (part.kind == RANGE_PART && status == answer->status)
             status = MHD_HTTP_PARTIAL_CONTENT;
-        else if (answer->status && status == MHD_HTTP_OK)
-            status = answer->status;
         if (status == MHD_HTTP_PARTIAL_CONTENT || status == MHD_HTTP_RANGE_NOT_SATISFIABLE)
             put(response, "Content-Range", text);
     }

@@ -23,15 +23,6 @@ int box_give(struct ttf_http_answer *answer, int r, char *json)
     return 0;
 }
 
-static int give_yaml(struct ttf_http_answer *answer, int r, char *yaml)
-{
-    if (r < 0)
-        return r;
-    answer_json(answer, yaml, strlen(yaml));
-    answer->type = "application/yaml";
-    return 0;
-}
-
 /* A name that may be a file's. */
 static int named(struct ttf_http_request *request, const char *name)
 {
@@ -101,7 +92,7 @@ static int give_board(struct ttf_http_request *request, const char *plan,
     if (r < 0)
         return r;
     r = OPS(request)->board(request->box, request->match->name, plan, &yaml, &request->err);
-    return give_yaml(ret, r, yaml);
+    return box_give(ret, r, yaml);
 }
 
 int box_board(struct ttf_http_request *request, struct ttf_http_answer *ret)
@@ -112,6 +103,18 @@ int box_board(struct ttf_http_request *request, struct ttf_http_answer *ret)
 int box_board_plan(struct ttf_http_request *request, struct ttf_http_answer *ret)
 {
     return give_board(request, request->match->path, ret);
+}
+
+int box_board_check(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char *json = NULL;
+    int r = box_needed(request);
+
+    if (r < 0)
+        return r;
+    r = OPS(request)->board_check(request->box, request->body, request->body_bytes, &json,
+                                  &request->err);
+    return box_give(ret, r, json);
 }
 
 /* ---- plans ---- */
@@ -136,7 +139,7 @@ int box_plan(struct ttf_http_request *request, struct ttf_http_answer *ret)
     if (r < 0)
         return r;
     r = OPS(request)->plan(request->box, name, &yaml, &request->err);
-    return give_yaml(ret, r, yaml);
+    return box_give(ret, r, yaml);
 }
 
 int box_plan_check(struct ttf_http_request *request, struct ttf_http_answer *ret)
@@ -211,7 +214,6 @@ int box_calibrate(struct ttf_http_request *request, struct ttf_http_answer *ret)
         return r;
     memcpy(what.name, request->match->name, sizeof what.name);
     r = OPS(request)->calibrate(request->box, &what, &json, &request->err);
-    ret->status = 202;
     return box_give(ret, r, json);
 }
 

@@ -38,6 +38,8 @@ const char *request_header(const struct ttf_http_request *request, const char *n
 
 const char *request_query(const struct ttf_http_request *request, const char *name)
 {
+    if (!ttf_http_asks(request->match->route->gives, name))
+        return NULL;
     return MHD_lookup_connection_value(request->connection, MHD_GET_ARGUMENT_KIND, name);
 }
 
@@ -304,7 +306,14 @@ static bool brings_token(const struct call *call)
 
 static void handle(struct call *call)
 {
+    const struct ttf_http_gives *gives = call->match.route->gives;
+
+    call->answer.status = gives->status;
+    call->answer.type = ttf_http_type_of(gives, call->match.path);
     call->r = call->match.route->answer(&call->request, &call->answer);
+    if (!gives->tagged)
+        call->answer.etag[0] = '\0';
+    call->answer.ranges = call->answer.ranges && gives->ranges;
     /* What the disk refuses is no wrong token: that is told of the session's body alone. */
     if (call->r == -EACCES && !brings_token(call)) {
         call->r = -EIO;

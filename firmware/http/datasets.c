@@ -80,26 +80,6 @@ int datasets_one(struct ttf_http_request *request, struct ttf_http_answer *ret)
 
 /* ---- files ---- */
 
-static const char *type_of(const char *path)
-{
-    static const struct {
-        const char *end, *type;
-    } TYPES[] = {{".tif", "image/tiff"},        {".dng", "image/x-adobe-dng"},
-                 {".json", "application/json"}, {".jsonl", "application/jsonl"},
-                 {".yaml", "application/yaml"}, {".png", "image/png"},
-                 {".jpg", "image/jpeg"},        {".mp4", "video/mp4"},
-                 {"SHA256SUMS", "text/plain"}};
-    size_t n = strlen(path);
-
-    for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
-        size_t n_end = strlen(TYPES[i].end);
-
-        if (n >= n_end && strcmp(path + n - n_end, TYPES[i].end) == 0)
-            return TYPES[i].type;
-    }
-    return "application/octet-stream";
-}
-
 static void tag_by_stat(struct ttf_http_answer *ret, const struct stat *st)
 {
     (void)snprintf(ret->etag, sizeof ret->etag, "%" PRIx64 "-%" PRIx64 "-%" PRIx64 ".%lx",
@@ -154,7 +134,6 @@ static int open_file(struct ttf_http_request *request, const char *path,
         return ttf_err_set(&request->err, -EIO, path, "cannot be read: %s", strerrordesc_np(-fd));
     ret->fd = fd;
     ret->bytes = st.st_size;
-    ret->type = type_of(path);
     ret->ranges = true;
     grows = folder_grows(path, listed_sealed(request->derived->listed, request->folder, name));
     if (grows)
@@ -192,7 +171,6 @@ static int open_log(struct ttf_http_request *request, const char *path, struct t
     request->err = (struct ttf_err){0};
     ret->fixed = "";
     ret->bytes = 0;
-    ret->type = type_of(path);
     return 0;
 }
 
@@ -276,7 +254,6 @@ int datasets_tar(struct ttf_http_request *request, struct ttf_http_answer *ret)
     r = send_archive(request, &layout, ret);
     if (r < 0)
         return r;
-    ret->type = "application/x-tar";
     (void)snprintf(ret->file_name, sizeof ret->file_name, "%s.tar", request->match->name);
     return 0;
 }

@@ -328,7 +328,6 @@ int events_answer(struct ttf_http_request *request, struct ttf_http_answer *ret)
 {
     if (!request->events)
         return ttf_err_set(&request->err, -ENODEV, NULL, "this server has no box");
-    ret->type = "text/event-stream";
     return listener_create(request->events, request_header(request, "Last-Event-ID"),
                            request->leaving, &ret->listener, &request->err);
 }

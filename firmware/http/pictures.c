@@ -94,7 +94,6 @@ static int give(struct ttf_http_request *request, const char *dataset, const str
     if (pictures->jpeg)
         memcpy(copy, pictures->jpeg, pictures->bytes);
     answer_json(ret, copy, pictures->bytes);
-    ret->type = "image/jpeg";
     return 0;
 }
 

@@ -296,7 +296,6 @@ int preview_video(struct ttf_http_request *request, struct ttf_http_answer *ret)
     ret->source = (struct answer_source){video_read, video_free, v};
     ret->bytes = v->bytes;
     ret->ranges = true;
-    ret->type = "video/x-msvideo";
     (void)snprintf(ret->etag, sizeof ret->etag, "%.40s-%" PRIx64, v->frame[0].path, v->bytes);
     (void)snprintf(ret->file_name, sizeof ret->file_name, "%s-preview.avi", name);
     return 0;

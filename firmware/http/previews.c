@@ -37,7 +37,6 @@ int previews_state(struct ttf_http_request *request, struct ttf_http_answer *ret
         answer_json(ret, none, strlen(none));
         return 0;
     }
-    ret->type = "application/json";
     return r < 0 ? ttf_err_set(&request->err, r, name, "its preview cannot be read") : 0;
 }
 
@@ -49,6 +48,5 @@ int previews_frame(struct ttf_http_request *request, struct ttf_http_answer *ret
 
     if (r < 0)
         return ttf_err_set(&request->err, r, path, "there is no such frame: read the state again");
-    ret->type = "image/jpeg";
     return 0;
 }

@@ -36,7 +36,7 @@ struct ttf_http_request {
     struct ttf_err err; /* what a handler that fails leaves */
 };
 
-/* A header; a parameter of the URL's query. NULL: not said. */
+/* A header; a parameter of the URL's query, if the route knows it. NULL: not said. */
 const char *request_header(const struct ttf_http_request *request, const char *name);
 const char *request_query(const struct ttf_http_request *request, const char *name);
 
@@ -51,13 +51,13 @@ struct answer_source {
 
 /* At most one of text, fixed, fd, source, listener; all of it but what fixed points at belongs to the answer. */
 struct ttf_http_answer {
-    unsigned status;   /* 0: 200 */
     char *text;        /* by malloc */
     const void *fixed; /* stays as long as the program */
     int fd;            /* -1: none */
     struct answer_source source;
     struct event_listener *listener; /* an event stream's; never ends by itself */
     int64_t bytes;                   /* of the whole entity */
+    unsigned status;                 /* of all of it; the route's, as its type */
     const char *type;                /* static */
     bool page;                       /* the page's own scripts may run in it */
     bool ranges;                     /* parts may be asked for */

@@ -10,8 +10,6 @@
 #include "box_answers.h"
 #include "pictures.h"
 
-#define ACCEPTED 202
-
 /* ---- a run ---- */
 
 int run_start(struct ttf_http_request *request, struct ttf_http_answer *ret)
@@ -24,7 +22,6 @@ int run_start(struct ttf_http_request *request, struct ttf_http_answer *ret)
     if (r < 0)
         return r;
     r = request->box->ops->start(request->box, plan, dataset, &json, &request->err);
-    ret->status = ACCEPTED;
     return box_give(ret, r, json);
 }
 
@@ -34,7 +31,6 @@ static int ask(struct ttf_http_request *request, const struct ttf_http_ask *what
     char *json = NULL;
     int r = request->box->ops->ask(request->box, what, &json, &request->err);
 
-    ret->status = ACCEPTED;
     return box_give(ret, r, json);
 }
 
@@ -138,7 +134,6 @@ int run_live(struct ttf_http_request *request, struct ttf_http_answer *ret)
     if (r < 0)
         return r;
     answer_json(ret, shown.jpeg, shown.bytes);
-    ret->type = "image/jpeg";
     answer_header(ret, "X-Ttfbox-Live", "camera");
     if (shown.exposure_ns > 0) {
         answer_header(ret, "X-Ttfbox-Exposure-Ns", "%" PRId64, shown.exposure_ns);

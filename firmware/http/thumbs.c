@@ -308,7 +308,6 @@ int thumbs_answer(struct ttf_http_request *request, struct ttf_http_answer *ret)
         r = make(request, folder, manifest, &wanted, ret);
         (void)snprintf(ret->etag, sizeof ret->etag, "%.60s-t%d", wanted.file.sha256, SIDE);
     }
-    ret->type = "image/jpeg";
     free(manifest);
     return r;
 }

@@ -17,9 +17,6 @@ struct web_file {
 extern const struct web_file WEB_FILES[];
 extern const size_t WEB_FILES_N;
 
-/* What a file is, by its name's end; NULL: nothing that a page has. */
-const char *web_type(const char *path);
-
 /* Routes: index.html, and any other. */
 int web_index(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int web_file_of_page(struct ttf_http_request *request, struct ttf_http_answer *ret);

@@ -140,7 +140,7 @@ export function plan(main, box) {
       b.disabled = !ok || !box.session.change;
   }
 
-  const busy = () => ["capturing", "arming", "paused", "stopping", "retrying"].includes(box.status?.state);
+  const busy = () => ["waiting", "capturing", "arming", "paused", "stopping", "retrying"].includes(box.status?.state);
 
   async function save(then_start) {
     say(said, "");

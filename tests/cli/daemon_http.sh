@@ -77,7 +77,7 @@ none_missed() { # DATASET: but for slots that were paused, or passed while the p
     "$PYTHON" - "data/$1" <<'END' || fail "slots of $1 were missed"
 import json, sys
 bad = [r for r in map(json.loads, open(sys.argv[1] + "/records.jsonl", encoding="utf-8")) if r["type"] == "slot" and
-       r["result"] not in ("captured", "paused") and r.get("reason") not in ("the program was not running", "the box was getting ready")]
+       r["result"] not in ("captured", "paused") and r.get("reason") not in ("the program was not running", "the box was getting ready", "stopped by a person")]
 assert not bad, bad
 END
 }
@@ -129,6 +129,17 @@ get "$URL/session" 200 -H "$cookie"
 is change true
 get "$URL/session" 200
 is read false
+
+# ---- boards: checked, and never put in place ----
+sed 's/max_on: [^,}]*/max_on: 3 parsecs/' "$SOURCE/boards/rpi4/board.yaml" >wrong.yaml
+json_of "$SOURCE/boards/rpi4/board.yaml" "$URL/boards/check" 200
+is ok true
+is board.simulated false
+json_of wrong.yaml "$URL/boards/check" 200
+is ok false
+json findings.0.where | grep -q '^board:[0-9]*:' || fail "it does not say where: $(cat out)"
+get "$URL/boards/check" 401 -H 'Content-Type: application/yaml' --data-binary @wrong.yaml
+json_of "$SOURCE/boards/rpi4/board.yaml" "$URL/boards/rpi4" 405 -X PUT
 
 # ---- plans: checked before they are in place ----
 plan first.yaml 'interval: 500ms' 'count: 900' 'shot: {exposure: 10ms}' 'keep: both' 'reserve: 0B'
@@ -277,6 +288,8 @@ post "$URL/run" 202 '{}'
 state capturing
 get "$URL/status" 200 "${ME[@]}"
 is run.dataset two
+heard '"reason":"stopped by a person"' data/two/records.jsonl
+heard 'slots lost: stopped by a person' data/two/events.jsonl
 get "$URL/run/stop" 202 "${ME[@]}" -X POST
 state stopped
 # Nothing is added to what is sealed, nor to a dataset of another plan.

@@ -114,7 +114,8 @@ is slots $((before + 1))
 
 # --- somebody who means harm
 "$PYTHON" "$HERE/hostile.py" "${URL#http://}" || fail "a hostile client had its way"
-# What it holds does not grow with harm done: some 10,000 connections more, after two rounds that made it as large as it gets.
+# What it holds does not grow with harm done: after two rounds, 10,000 connections more may cost what a heap that is used otherwise costs, 500 bytes
+# for each of them not.
 hostile() {
     "$PYTHON" "$HERE/hostile.py" "${URL#http://}" 40 || fail "a hostile client had its way"
 }
@@ -122,7 +123,7 @@ hostile
 before=$(rss "$SERVER")
 for _ in 1 2 3; do hostile; done
 after=$(rss "$SERVER")
-sanitized "$TTFBOX" || [ $((after - before)) -le 2048 ] || fail "it grew from $before KiB to $after KiB"
+sanitized "$TTFBOX" || [ $((after - before)) -le 5120 ] || fail "it grew from $before KiB to $after KiB"
 # Half requests are given up after 30 s of silence.
 for _ in $(seq 45); do
     descriptors=$(find "/proc/$SERVER/fd" -type l | wc -l)

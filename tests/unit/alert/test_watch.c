@@ -141,9 +141,9 @@ static struct ttf_writer *create(const char *path, int64_t origin_ns, int64_t in
                                   .interval_ns = interval_ns};
 
     small_manifest(&manifest);
-    assert_int_equal(ttf_writer_create(ttf_io_posix(), path, &manifest, "interval: 1s\n", "{}\n",
-                                       &writer, NULL),
-                     0);
+    assert_int_equal(
+        ttf_writer_create(ttf_io_posix(), path, &manifest, "interval: 1s\n", "{}\n", &writer, NULL),
+        0);
     assert_int_equal(ttf_writer_segment(writer, &segment, NULL), 0);
     return writer;
 }
@@ -242,7 +242,8 @@ static void a_stop_by_a_person_is_told_as_that_once_and_is_no_alarm(void **state
     assert_int_equal(small_slot(writer, 0), 0);
     pass(f, 3);
     /* The button: its run ends, then it is written down. */
-    assert_int_equal(ttf_writer_event(writer, "button", 0, 0, "held: the run is to end", NULL, NULL), 0);
+    assert_int_equal(
+        ttf_writer_event(writer, "button", 0, 0, "held: the run is to end", NULL, NULL), 0);
     assert_int_equal(ttf_writer_event(writer, "stop", 0, 0, "ended as asked", NULL, NULL), 0);
     pass(f, 1);
     decided(f, ORDER_STOPPED, "");

@@ -81,6 +81,9 @@ struct ttf_http_box_ops {
     /* plan: NULL: the board's own file */
     int (*board)(struct ttf_http_box *box, const char *name, const char *plan, char **ret_yaml,
                  struct ttf_err *err);
+    /* yaml has a zero behind it */
+    int (*board_check)(struct ttf_http_box *box, const char *yaml, size_t bytes, char **ret_json,
+                       struct ttf_err *err);
     int (*plans)(struct ttf_http_box *box, char **ret_json, struct ttf_err *err);
     int (*plan)(struct ttf_http_box *box, const char *name, char **ret_yaml, struct ttf_err *err);
     /* slow; yaml has a zero behind it. put: -EINVAL, and nothing has changed, where it would not do */

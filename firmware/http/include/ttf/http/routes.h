@@ -41,6 +41,26 @@ enum ttf_http_lane {
 #define TTF_HTTP_NAME_MAX 64  /* bytes of a dataset's name */
 #define TTF_HTTP_REST_MAX 192 /* bytes of a path inside it */
 
+/* What it gives where nothing is wrong. The server holds its answers to this: a handler says no type, and what is not here is not sent. */
+struct ttf_http_type {
+    const char *end, *type; /* of a {path} that ends so; "": of any other */
+};
+
+struct ttf_http_gives {
+    const struct ttf_http_type *types; /* the first that fits; ended by one of NULL */
+    unsigned status;
+    bool tagged;              /* with an ETag: 304 by If-None-Match */
+    bool ranges;              /* parts by Range: 206, 416 */
+    bool resumes;             /* goes on behind Last-Event-ID */
+    const char *const *query; /* parameters that are read, NULL-ended; NULL: none */
+};
+
+/* The type of what has this path; NULL: nothing has it. */
+const char *ttf_http_type_of(const struct ttf_http_gives *gives, const char *path);
+
+/* Is that parameter read? */
+bool ttf_http_asks(const struct ttf_http_gives *gives, const char *name);
+
 struct ttf_http_request; /* private: request.h */
 struct ttf_http_answer;
 
@@ -52,6 +72,7 @@ struct ttf_http_route {
     int (*answer)(struct ttf_http_request *request, struct ttf_http_answer *ret);
     enum ttf_http_body body;
     enum ttf_http_lane lane;
+    const struct ttf_http_gives *gives;
 };
 
 /* The i-th, or NULL. */
