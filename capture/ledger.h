@@ -22,6 +22,8 @@
 #define TTF_REASON_NO_TIME      "no time left in the slot"
 #define TTF_REASON_NO_POWER     "the box was without power"
 #define TTF_REASON_NOT_RUNNING  "the program was not running"
+#define TTF_REASON_STOPPED      "stopped by a person"
+#define TTF_REASON_TRYING       "the run could not go on"
 #define TTF_REASON_NOT_READY    "the box was getting ready"
 #define TTF_REASON_HAD_ENDED    "the run had come to its end"
 #define TTF_REASON_BEFORE_START "the capture began after this slot"

@@ -121,8 +121,26 @@ int ttf_resume_resolve(const struct ttf_resume_input *in, struct ttf_resume *ret
         r.unready_from = r.lost_until;
     if (r.unready_from < r.grid.first_index)
         r.unready_from = r.grid.first_index;
+    if (r.continued && !in->state->sealed)
+        r.absence = in->absence;
     *ret = r;
     return 0;
+}
+
+const char *ttf_resume_lost(const struct ttf_resume *r, int64_t index, enum ttf_result *ret_result)
+{
+    int64_t due_ns = ttf_grid_due_ns(&r->grid, index);
+    const struct ttf_absence *a = &r->absence;
+
+    *ret_result = TTF_RESULT_MISSED;
+    if (index >= r->unready_from)
+        return TTF_REASON_NOT_READY;
+    if (due_ns >= a->stopped_from_ns && due_ns < a->stopped_until_ns)
+        return TTF_REASON_STOPPED;
+    if (a->trying_since_ns > 0 && due_ns >= a->trying_since_ns)
+        return TTF_REASON_TRYING;
+    *ret_result = r->lost_result;
+    return r->lost_reason;
 }
 
 int64_t ttf_resume_gap_ns(const struct ttf_segment *before, int64_t first_index,

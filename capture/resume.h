@@ -10,6 +10,7 @@
 
 #include "schedule.h"
 #include "ttf/base/err.h"
+#include "ttf/capture/session.h"
 #include "ttf/dataset/writer.h"
 #include "ttf/hal/clock.h"
 
@@ -20,6 +21,7 @@ struct ttf_resume_input {
     int64_t now_ns;
     int64_t ready_ns; /* earliest due time that can still be met; not before now_ns */
     int64_t interval_ns, count, start_utc_ns;
+    struct ttf_absence absence;
 };
 
 struct ttf_resume {
@@ -29,16 +31,21 @@ struct ttf_resume {
         unready_from; /* those from here on are not due yet, but sooner than the box is ready (lamps settle): missed */
     enum ttf_result lost_result; /* of those before */
     const char *lost_reason;
-    int64_t gap_ns;         /* of the segment: time that no index stands for; TTF_NS_UNKNOWN */
-    bool continued;         /* not a new dataset */
-    bool on_grid;           /* the grid of before the interruption was kept */
-    bool clock_implausible; /* UTC is vouched for, but lies before the last slot */
-    int64_t outage_ns;      /* from the last record's due time to now; TTF_NS_UNKNOWN */
+    struct ttf_absence absence; /* what else is known of them; zeroed: nothing */
+    int64_t gap_ns;             /* of the segment: time that no index stands for; TTF_NS_UNKNOWN */
+    bool continued;             /* not a new dataset */
+    bool on_grid;               /* the grid of before the interruption was kept */
+    bool clock_implausible;     /* UTC is vouched for, but lies before the last slot */
+    int64_t outage_ns;          /* from the last record's due time to now; TTF_NS_UNKNOWN */
 };
 
 /* -EINVAL: a start time with a clock nobody vouches for. */
 TTF_MUST_USE int ttf_resume_resolve(const struct ttf_resume_input *in, struct ttf_resume *ret,
                                     struct ttf_err *err);
+
+/* Why that slot, of those that are lost, has no picture, and what its record says it is. */
+const char *ttf_resume_lost(const struct ttf_resume *resume, int64_t index,
+                            enum ttf_result *ret_result);
 
 /*
  * The gap of a segment that began with a clock nobody vouched for, now that UTC

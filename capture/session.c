@@ -228,11 +228,12 @@ static int run_slots(struct ttf_session *s)
 
     for (; k < s->resume.lost_until && r == 0; k++) {
         /* Weeks of lost slots are many records; beats keep lamps and watchdog informed. */
+        enum ttf_result result;
+        const char *reason = ttf_resume_lost(&s->resume, k, &result);
+
         r = ttf_pulse_beat(&s->pulse, ttf_clock_now_ns(s->box->clock) + TTF_TICK_NS);
-        if (r == 0 && k < s->resume.unready_from)
-            r = ttf_session_no_slot(s, k, s->resume.lost_result, s->resume.lost_reason);
-        else if (r == 0)
-            r = ttf_session_no_slot(s, k, TTF_RESULT_MISSED, TTF_REASON_NOT_READY);
+        if (r == 0)
+            r = ttf_session_no_slot(s, k, result, reason);
     }
     for (; k < s->plan.count && r == 0; k++)
         r = ttf_session_slot(s, k);

@@ -94,6 +94,7 @@ static int resolve_grid(struct ttf_session *s, const struct ttf_writer_state *st
         .interval_ns = s->plan.interval_ns,
         .count = s->plan.count,
         .start_utc_ns = s->config->rehearse > 0 ? 0 : s->plan.start_utc_ns,
+        .absence = s->config->absence,
     };
     int r;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a run says of itself: how it begins, what it came to, and why it could not go on. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "session_private.h"
@@ -30,19 +31,43 @@ static void tell_plan(struct ttf_session *s)
                         s->moved_on_from, s->known_plan);
 }
 
+/* "7 slots lost: stopped by a person, then 3: the run could not go on" */
+static void put_lost(const struct ttf_resume *r, char *ret, size_t size)
+{
+    const char *before = r->lost_reason;
+    int64_t n = 0;
+    size_t used = 0;
+
+    for (int64_t k = r->grid.first_index; k <= r->unready_from && used < size; k++) {
+        enum ttf_result result;
+        const char *reason = k < r->unready_from ? ttf_resume_lost(r, k, &result) : NULL;
+
+        if (n > 0 && reason != before) {
+            used += (size_t)snprintf(ret + used, size - used, "%s%lld%s: %s", used ? ", then " : "",
+                                     (long long)n, used ? "" : " slots lost", before);
+            n = 0;
+        }
+        before = reason;
+        n++;
+    }
+    if (used == 0)
+        (void)snprintf(ret, size, "0 slots lost: %s", r->lost_reason);
+}
+
 static void tell_resumed(struct ttf_session *s)
 {
     const struct ttf_resume *r = &s->resume;
-    int64_t lost = r->unready_from - r->grid.first_index;
+    char lost[160];
     int64_t unready = r->lost_until - r->unready_from;
 
     if (!r->continued)
         return;
     if (r->on_grid)
+        put_lost(r, lost, sizeof(lost));
+    if (r->on_grid)
         ttf_events_emit(&s->events, "resume",
-                        "on the same grid at slot %lld, %.1f s after the last; %lld slots lost: %s",
-                        (long long)r->grid.first_index, (double)r->outage_ns / 1e9, (long long)lost,
-                        r->lost_reason);
+                        "on the same grid at slot %lld, %.1f s after the last; %s",
+                        (long long)r->grid.first_index, (double)r->outage_ns / 1e9, lost);
     else
         ttf_events_emit(&s->events, "resume", "at once at slot %lld in a new segment: %s",
                         (long long)r->grid.first_index,
@@ -72,11 +97,15 @@ static void tell_box(struct ttf_session *s)
 
 static void tell_armed(struct ttf_session *s)
 {
+    int64_t now_ns = ttf_clock_now_ns(s->box->clock);
+    int64_t begin_ns = ttf_grid_due_ns(&s->grid, 0) - s->lead_ns - s->first_settle_ns;
     struct ttf_progress p = {.kind = TTF_PROGRESS_ARMED,
                              .index = s->resume.lost_until,
                              .total = s->plan.count,
+                             .waits = s->plan.start_utc_ns != 0 && s->config->rehearse <= 0 &&
+                                      s->resume.lost_until == 0 && begin_ns > now_ns,
                              .text = "",
-                             .now_ns = ttf_clock_now_ns(s->box->clock),
+                             .now_ns = now_ns,
                              .error_ns = TTF_NS_UNKNOWN,
                              .wakeup_ns = TTF_NS_UNKNOWN};
 

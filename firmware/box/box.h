@@ -16,7 +16,8 @@
 struct box_host {
     const char *notify;  /* the service manager's socket (NOTIFY_SOCKET), "" or NULL: none */
     int64_t watchdog_ns; /* within which it wants to be told (WATCHDOG_USEC); 0: not at all */
-    const char *sys;     /* "/sys", or a folder laid out like it */
+    const char *sys;     /* "/sys", or a folder laid out like it; NULL: "/sys" */
+    const char *etc;     /* "/etc", likewise */
     struct ttf_host_time *
         host_time; /* what a PC said, for a clock that knows no better; outlives the box; NULL: none */
 };

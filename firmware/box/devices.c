@@ -88,23 +88,3 @@ int box_make_watchdog(const struct ttf_board *board, const struct box_host *host
         return 0;
     return ttf_watchdog_systemd_create(host->notify, host->watchdog_ns, ret, err);
 }
-
-void box_host_serial(const struct box_host *host, char ret[64])
-{
-    char path[512];
-    size_t n = 0;
-    FILE *file;
-
-    (void)snprintf(path, sizeof path, "%s/firmware/devicetree/base/serial-number",
-                   host->sys ? host->sys : "/sys");
-    file = fopen(path, "re");
-    if (file) {
-        n = fread(ret, 1, 63, file);
-        (void)fclose(file);
-    }
-    ret[n] = '\0';
-    ret[strcspn(ret, "\n")] = '\0';
-    if (!*ret && gethostname(ret, 63) < 0)
-        *ret = '\0';
-    ret[63] = '\0';
-}

@@ -20,7 +20,10 @@ TTF_MUST_USE int box_make_panel(const struct ttf_board *board, struct ttf_clock 
 TTF_MUST_USE int box_make_watchdog(const struct ttf_board *board, const struct box_host *host,
                                    struct ttf_watchdog **ret, struct ttf_err *err);
 
-/* The machine's serial number as its firmware tells it, else its name in the network; "" if neither is known. */
+/*
+ * The machine's serial, letters and digits, at most 32, as it has it on USB too: what a person wrote (/etc/ttfbox/usb-serial), else what its
+ * firmware tells, else one made from the machine's id. Where there is none of these, its name in the network, or "".
+ */
 void box_host_serial(const struct box_host *host, char ret[64]);
 
 /* ---- hardware.c, or hardware_none.c of a build without a box ---- */

@@ -392,3 +392,15 @@ int ttf_plan_file_check_start(const struct ttf_plan_file *file, const struct ttf
     ttf_plan_file_place(file, err);
     return -EINVAL;
 }
+
+int ttf_plan_file_check_clock(const struct ttf_plan_file *file, const struct ttf_utc *now,
+                              struct ttf_err *err)
+{
+    if (file->plan.start_utc_ns == 0 || now->trust != TTF_TRUST_NONE)
+        return 0;
+    ttf_err_set(err, -EBUSY, "start",
+                "nobody vouches for the box's clock yet, so nobody knows when that is");
+    ttf_err_hint(err, "let it be set first (by a PC or the network), or leave start out");
+    ttf_plan_file_place(file, err);
+    return -EBUSY;
+}

@@ -230,6 +230,8 @@ static void *keep(void *ctx)
     while (!__atomic_load_n(&k->stop, __ATOMIC_RELAXED)) {
         int64_t now_ns = ttf_clock_now_ns(clock);
 
+        if (daemon_told_to_end(k->d)) /* nor does a step of a calibration keep the end waiting */
+            __atomic_store_n(&k->d->view_stop, 1, __ATOMIC_SEQ_CST);
         open_sockets(k, now_ns);
         keep_orders(k, now_ns);
         follow_records(k, now_ns);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "check.h"
 #include "ttf/config/plan_file.h"
 #include "ttf/dataset/reader.h"
 
@@ -201,7 +202,7 @@ int library_may_start(struct daemon *d, const char *dataset, const char *yaml, s
     (void)snprintf(folder, sizeof folder, "%s/%s", d->config.data, dataset);
     (void)snprintf(path, sizeof path, "%s/dataset.json", folder);
     if (d->io->ops->stat(d->io, path, &st) < 0)
-        return 0;
+        return check_clock(d, "plan", yaml, err);
     r = ttf_reader_open(d->io, folder, &reader, err);
     if (r < 0)
         return r;

@@ -23,7 +23,7 @@ TTF_MUST_USE int library_delete(struct daemon *d, const char *name, struct ttf_e
 
 /*
  * May a run of this plan be started into the dataset of this name? 0: it is new, or it is unsealed and one of its plans is this
- * text. -EEXIST: it is sealed, or of another plan; errors of reading it. Takes as long as reading its records.
+ * text. -EEXIST: it is sealed, or of another plan; -EBUSY: it is new, and its start means nothing to this box's clock; errors of reading it. Takes as long as reading its records.
  */
 TTF_MUST_USE int library_may_start(struct daemon *d, const char *dataset, const char *yaml,
                                    struct ttf_err *err);

@@ -16,6 +16,7 @@
 struct letter {
     enum ttf_progress_kind kind;
     int result;
+    bool waits;
     int64_t run; /* of the mailbox, then */
     int64_t index, total, now_ns, error_ns, wakeup_ns;
     char text[256]; /* cut */

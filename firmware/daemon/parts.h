@@ -5,7 +5,9 @@
 
 #include <pthread.h>
 
+#include "absence.h"
 #include "asks.h"
+#include "calibrations.h"
 #include "daemon.h"
 #include "lock.h"
 #include "mailbox.h"
@@ -40,9 +42,12 @@ struct daemon {
 
     /* of the thread that owns the devices */
     struct run run;
-    int64_t captured, told_ns; /* of this run */
-    int64_t wait_ns;           /* before what failed is tried again */
-    struct ttf_box view;       /* kept open for a while between pictures; n_cameras 0: not */
+    int64_t captured, told_ns;          /* of this run */
+    struct absence absence;             /* why there are no records */
+    char calibration[CALIBRATION_PATH]; /* that it is developed with */
+    int64_t wanted;      /* the generation of the order that is run, since run.wanted_ns */
+    int64_t wait_ns;     /* before what failed is tried again */
+    struct ttf_box view; /* kept open for a while between pictures; n_cameras 0: not */
     int64_t viewed_ns;
     volatile int
         view_stop; /* atomically: not 0: a run wants the devices, no picture does any more */
@@ -59,6 +64,7 @@ struct daemon {
     struct asks *asks;
     struct workshop *workshop;
     struct shadow *shadow;
+    struct calibrations *calibrations;
     struct ttf_http_events *events;
     struct keeper *keeper;
     char token[65];
@@ -74,6 +80,9 @@ void daemon_tell_state(struct daemon *d);
 
 /* The text of a writer that is done with, as whoever asks by HTTP gets it: by malloc. -ENOMEM; json is freed. */
 TTF_MUST_USE int daemon_give(struct ttf_json *json, char **ret, struct ttf_err *err);
+
+/* Of a decision that the disk did not take (r): it holds here, the keeper brings it there, and this says so. */
+void daemon_decided(int r, const struct ttf_err *err);
 
 /* What the box does, and, where it is something else than before, that it does. */
 void daemon_does(struct daemon *d, enum doing doing, const char *why, int64_t retry_ns);

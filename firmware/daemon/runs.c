@@ -48,6 +48,9 @@ static void on_progress(void *ctx, const struct ttf_progress *p)
         d->told_ns = p->now_ns;
         manager_status(&d->manager, "%sarmed: slot %" PRId64 " of %" PRId64 " is next",
                        d->board.simulated ? "SIMULATED, " : "", p->index, p->total);
+        if (p->waits)
+            manager_status(&d->manager, "%swaiting for the plan's start",
+                           d->board.simulated ? "SIMULATED, " : "");
         log_line(LOG_LEVEL_INFO, "armed", "next=%" PRId64 " slots=%" PRId64, p->index, p->total);
         break;
     case TTF_PROGRESS_SLOT:
@@ -95,7 +98,6 @@ void runs_prepare(struct daemon *d)
     run->box_ready_ctx = d;
     run_describe(d->io, &d->board, &choices, run->description);
     run->session = (struct ttf_session_config){
-        .calibration_folder = *d->config.calibration ? d->config.calibration : NULL,
         .threads = d->config.threads,
         .progress = on_progress,
         .progress_ctx = d,
@@ -128,6 +130,7 @@ static int look_for_plan(struct daemon *d, const struct order *order, struct ttf
 
     if (r != -ENOENT || order->by_request)
         return r;
+    d->wanted = -1;
     manager_status(&d->manager, "waiting for a plan at %s", d->config.plan);
     if (situation_doing(d->situation) != DOING_WAITING)
         log_line(LOG_LEVEL_NOTICE, "waiting", "plan=\"%s\"", d->config.plan);
@@ -142,6 +145,29 @@ static const char *second_storage(const struct daemon *d)
     return ttf_plan_file_plan(d->run.file)->second_storage;
 }
 
+/* A new run whose plan has a start, in a box that does not know what time it is: somebody may set its clock any moment. 1: go on waiting. */
+static int look_for_clock(struct daemon *d, const struct order *order, const char *path)
+{
+    struct ttf_err err = {0};
+    struct ttf_io_stat st;
+    struct ttf_utc utc;
+    char file[640], text[900];
+
+    (void)snprintf(file, sizeof file, "%s/dataset.json", path);
+    ttf_clock_utc(d->clock, &utc);
+    if (ttf_plan_file_check_clock(d->run.file, &utc, &err) == 0 ||
+        d->io->ops->stat(d->io, file, &st) == 0)
+        return 0;
+    ttf_err_text(&err, text, sizeof text);
+    manager_status(&d->manager, "waiting for a clock that somebody vouches for");
+    if (situation_doing(d->situation) != DOING_WAITING)
+        log_line(LOG_LEVEL_WARNING, "waiting", "for=clock dataset=\"%s\"", order->dataset);
+    daemon_does(d, DOING_WAITING, text, TTF_NS_UNKNOWN);
+    workshop_open(d->workshop, true);
+    idle(d, order->generation, d->config.retry_ns, TTF_LED_STOPPED);
+    return 1;
+}
+
 /* What a run said is told before its end is: whoever hears that nothing runs finds all its slots counted. */
 static void let_be_told(struct daemon *d)
 {
@@ -151,7 +177,8 @@ static void let_be_told(struct daemon *d)
         (void)ttf_clock_wait_until(d->clock, ttf_clock_now_ns(d->clock) + 5 * TTF_NS_PER_MS);
 }
 
-static int run_it(struct daemon *d, const char *path, struct ttf_err *err)
+static int run_it(struct daemon *d, const struct order *order, const char *path,
+                  struct ttf_err *err)
 {
     int r = ttf_io_mkdirs(d->io, d->config.data, err);
 
@@ -162,11 +189,16 @@ static int run_it(struct daemon *d, const char *path, struct ttf_err *err)
         r = run_look(&d->run, err);
     if (r < 0)
         return r;
+    d->run.session.calibration_folder =
+        calibrations_of_run(d->calibrations, d->run.dataset, d->run.exists, d->calibration)
+            ? d->calibration
+            : NULL;
     manager_status(&d->manager, "%s %s", d->run.exists ? "going on with" : "beginning", path);
     if (d->wait_ns == d->config.retry_ns) /* not each time that it is tried again */
         log_line(LOG_LEVEL_NOTICE, d->run.exists ? "resuming" : "beginning",
                  "dataset=\"%s\" next=%" PRId64, path, d->run.next_index);
     d->run.session.control = asks_begin(d->asks);
+    d->run.session.absence = absence_of(&d->absence, order->dataset);
     r = run_boots(&d->run, err);
     d->run.session.control = NULL;
     asks_end(d->asks);
@@ -188,16 +220,6 @@ static void tell_end(struct daemon *d)
                        s->captured, s->slots);
 }
 
-/* A decision that the disk does not take holds here, and the keeper brings it there. */
-static void decided(int r, const struct ttf_err *err)
-{
-    char text[900], quoted[1000];
-
-    if (r < 0)
-        log_line(LOG_LEVEL_ERROR, "unsaved", "why=%s",
-                 log_text(ttf_err_text(err, text, sizeof text), quoted, sizeof quoted));
-}
-
 /* It ended well: its plan is done, or somebody wanted it to end. */
 static void ended(struct daemon *d, const struct order *order)
 {
@@ -206,11 +228,11 @@ static void ended(struct daemon *d, const struct order *order)
     tell_end(d);
     if (d->run.result.sealed) {
         situation_sealed(d->situation);
-        decided(orders_ended(d->orders, order->generation, ORDER_DONE, &err), &err);
+        daemon_decided(orders_ended(d->orders, order->generation, ORDER_DONE, &err), &err);
         daemon_does(d, DOING_IDLE, NULL, TTF_NS_UNKNOWN);
     } else if (!daemon_told_to_end(d)) {
         /* By a request, which is on the disk already (and what was decided since then holds), or by the button. */
-        decided(orders_ended(d->orders, order->generation, ORDER_STOPPED, &err), &err);
+        daemon_decided(orders_ended(d->orders, order->generation, ORDER_STOPPED, &err), &err);
     }
 }
 
@@ -241,6 +263,7 @@ static void wait_to_try_again(struct daemon *d, const struct order *order,
 
 static void one_run(struct daemon *d, const struct order *order)
 {
+    int64_t begun_ns = ttf_clock_now_ns(d->clock);
     struct ttf_err err = {0};
     char path[600];
     int r = look_for_plan(d, order, &err);
@@ -249,11 +272,17 @@ static void one_run(struct daemon *d, const struct order *order)
         return;
     (void)snprintf(path, sizeof path, "%s/%s", d->config.data, order->dataset);
     d->mailbox->run = situation_run(d->situation, order, r == 0 ? second_storage(d) : NULL);
+    if (d->wanted != order->generation)
+        d->run.wanted_ns = begun_ns;
+    d->wanted = order->generation;
+    if (r == 0 && look_for_clock(d, order, path) == 1)
+        return;
     if (r == 0) {
         workshop_open(d->workshop, false);
+        calibrations_give_up(d->calibrations);
         view_close(d, true);
         daemon_does(d, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
-        r = run_it(d, path, &err);
+        r = run_it(d, order, path, &err);
     }
     if (r == 0) {
         ended(d, order);
@@ -261,6 +290,7 @@ static void one_run(struct daemon *d, const struct order *order)
     }
     if (err.code != r)
         err.code = r;
+    absence_tried(&d->absence, order->dataset, begun_ns);
     wait_to_try_again(d, order, &err);
 }
 
@@ -276,6 +306,8 @@ static void know(struct daemon *d, const struct order *order)
 
 static void rest(struct daemon *d, const struct order *order)
 {
+    int64_t from_ns = ttf_clock_now_ns(d->clock);
+
     if (order->state == ORDER_STOPPED) {
         const char *why = *order->why ? order->why : "stopped by a person";
         char quoted[500];
@@ -298,6 +330,8 @@ static void rest(struct daemon *d, const struct order *order)
     workshop_open(d->workshop, true);
     idle(d, order->generation, TTF_NS_NEVER,
          order->state == ORDER_STOPPED ? TTF_LED_STOPPED : TTF_LED_IDLE);
+    if (order->state == ORDER_STOPPED && !*order->why)
+        absence_rested(&d->absence, order->dataset, from_ns, ttf_clock_now_ns(d->clock));
 }
 
 void runs_live(struct daemon *d)

@@ -12,6 +12,7 @@ struct situation {
     struct ttf_clock *clock;
     pthread_mutex_t lock; /* over all below */
     enum doing doing;
+    bool starts; /* WAITING, for the plan's start: all is armed */
     char why[512];
     int64_t retry_at_ns; /* TTF_NS_UNKNOWN: never */
     bool has_run, by_request, sealed;
@@ -136,6 +137,7 @@ bool situation_set(struct situation *s, enum doing doing, const char *why, int64
     lock(s);
     other = s->doing != doing || strcmp(s->why, why ? why : "") != 0;
     s->doing = doing;
+    s->starts = false;
     (void)snprintf(s->why, sizeof s->why, "%s", why ? why : "");
     s->retry_at_ns =
         retry_ns == TTF_NS_UNKNOWN ? TTF_NS_UNKNOWN : ttf_clock_now_ns(s->clock) + retry_ns;
@@ -149,8 +151,10 @@ bool situation_turn(struct situation *s, enum doing from, enum doing to)
 
     lock(s);
     was = s->doing == from;
-    if (was)
+    if (was) {
         s->doing = to;
+        s->starts = false;
+    }
     unlock(s);
     return was;
 }
@@ -182,13 +186,16 @@ bool situation_letter(struct situation *s, const struct letter *letter)
     course_letter(&s->course, letter);
     if (letter->kind == TTF_PROGRESS_ARMED) {
         s->sealed = false;
-        s->doing = s->doing == DOING_ARMING ? DOING_CAPTURING : s->doing;
+        if (s->doing == DOING_ARMING)
+            s->doing = letter->waits ? DOING_WAITING : DOING_CAPTURING;
+        s->starts = s->doing == DOING_WAITING;
     }
     if (letter->kind == TTF_PROGRESS_SLOT) {
         bool paused = letter->result == TTF_RESULT_PAUSED;
 
-        if (s->doing == DOING_CAPTURING || s->doing == DOING_PAUSED)
+        if (s->doing == DOING_CAPTURING || s->doing == DOING_PAUSED || s->starts)
             s->doing = paused ? DOING_PAUSED : DOING_CAPTURING;
+        s->starts = false;
     }
     other = s->doing != before;
     unlock(s);
@@ -246,7 +253,8 @@ bool situation_records(struct situation *s, char ret[65], char ret_second[512])
 
 static bool moving(const struct situation *s)
 {
-    return s->doing == DOING_CAPTURING || s->doing == DOING_PAUSED || s->doing == DOING_STOPPING;
+    return s->doing == DOING_CAPTURING || s->doing == DOING_PAUSED || s->doing == DOING_STOPPING ||
+           s->starts;
 }
 
 static void put_run(const struct situation *s, struct ttf_json *json)

@@ -18,7 +18,7 @@
 
 enum doing {
     DOING_IDLE = 0,
-    DOING_WAITING,
+    DOING_WAITING, /* for something outside: the plan's file, a clock, the plan's start */
     DOING_ARMING,
     DOING_CAPTURING,
     DOING_PAUSED,

@@ -64,18 +64,29 @@ int run_look(struct run *run, struct ttf_err *err)
 
 /* ---- running ---- */
 
+/* The clock as it would have been when the run was wanted first. */
+static struct ttf_utc utc_when_wanted(const struct run *run, const struct ttf_utc *now)
+{
+    struct ttf_utc then = *now;
+
+    if (run->wanted_ns > 0 && run->wanted_ns < now->boot_ns)
+        then.utc_ns -= now->boot_ns - run->wanted_ns;
+    return then;
+}
+
 /* The plan as this box has it, now. */
 static int prepare_plan(struct run *run, const struct ttf_box *box, struct ttf_err *err)
 {
     struct ttf_plan_figures figures;
-    struct ttf_utc utc;
+    struct ttf_utc utc, then;
     int r;
 
     ttf_clock_utc(box->clock, &utc);
+    then = utc_when_wanted(run, &utc);
     r = ttf_plan_file_resolve(run->file, utc.utc_ns, err);
     /* What has begun may go on long after its start, and a rehearsal does not wait for it. */
     if (r == 0 && run->boots == 1 && !run->exists && !run->session.rehearse)
-        r = ttf_plan_file_check_start(run->file, &utc, err);
+        r = ttf_plan_file_check_start(run->file, &then, err);
     if (r == 0)
         r = ttf_plan_check(ttf_plan_file_plan(run->file), box, &figures, err);
     if (r < 0)

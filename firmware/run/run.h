@@ -24,6 +24,9 @@ struct run {
     const struct box_host *host;
     struct ttf_plan_file *file;
     char description[256]; /* of the board, see run_describe */
+    /* Since when it is wanted, on this boot's clock; 0: just now. Its start is to come as of then: what keeps it from
+     * beginning on time costs the slots of that time, and not the run. */
+    int64_t wanted_ns;
     /* path, calibration_folder, threads, progress, stop, control and the choices; the rest is filled in */
     struct ttf_session_config session;
     /* A simulated box lost power and is back so long after its first start. NULL allowed. */

@@ -21,6 +21,11 @@ int ttf_panel_poll(struct ttf_panel *panel, struct ttf_panel_event *ret)
     return panel->ops->poll(panel, ret);
 }
 
+int ttf_panel_held(struct ttf_panel *panel)
+{
+    return panel->ops->held ? panel->ops->held(panel) : -ENOTSUP;
+}
+
 void ttf_panel_destroy(struct ttf_panel *panel)
 {
     if (panel)

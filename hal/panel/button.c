@@ -45,6 +45,11 @@ bool button_look(struct button *button, int64_t now_ns, struct ttf_panel_event *
     return button->told ? false : tell(button, TTF_PANEL_BUTTON_SHORT, button->level_since_ns, ret);
 }
 
+bool button_held(const struct button *button)
+{
+    return button->level == button->pressed ? button->pressed && !button->told : button->level;
+}
+
 int64_t button_next_ns(const struct button *button)
 {
     if (button->level != button->pressed)

@@ -29,6 +29,9 @@ void button_level(struct button *button, bool level, int64_t now_ns);
 /* Time passes: true if that makes an event. A long press is one while it is still held; a short one when it ends. */
 bool button_look(struct button *button, int64_t now_ns, struct ttf_panel_event *ret);
 
+/* It is down, and not told of yet. */
+bool button_held(const struct button *button);
+
 /* When to look next at the latest, should no level change; TTF_NS_NEVER. */
 int64_t button_next_ns(const struct button *button);
 

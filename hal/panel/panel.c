@@ -35,6 +35,7 @@ struct lines_panel {
     bool ending;
     enum ttf_led led;
     int64_t led_since_ns;
+    bool held;
     unsigned n_events; /* oldest first */
     struct ttf_panel_event events[EVENTS_MAX];
 };
@@ -90,6 +91,9 @@ static int64_t feel(struct lines_panel *p, int64_t now_ns)
     heed(p, r);
     while (button_look(&p->button, now_ns, &pressed))
         push(p, &pressed);
+    pthread_mutex_lock(&p->lock);
+    p->held = button_held(&p->button);
+    pthread_mutex_unlock(&p->lock);
     return button_next_ns(&p->button);
 }
 
@@ -220,6 +224,19 @@ static int panel_poll(struct ttf_panel *base, struct ttf_panel_event *ret)
     return any || door_moved(p, ret);
 }
 
+static int panel_held(struct ttf_panel *base)
+{
+    struct lines_panel *p = (struct lines_panel *)base;
+    bool held;
+
+    if (p->c.button < 0)
+        return -ENOTSUP;
+    pthread_mutex_lock(&p->lock);
+    held = p->held;
+    pthread_mutex_unlock(&p->lock);
+    return held;
+}
+
 static void panel_destroy(struct ttf_panel *base)
 {
     struct lines_panel *p = (struct lines_panel *)base;
@@ -242,6 +259,7 @@ static const struct ttf_panel_ops OPS = {.name = "lines",
                                          .led = panel_led,
                                          .door = panel_door,
                                          .poll = panel_poll,
+                                         .held = panel_held,
                                          .destroy = panel_destroy};
 
 /* ---- beginning ---- */

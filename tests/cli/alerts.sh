@@ -195,6 +195,8 @@ sleep $((2 * INTERVAL_S))
 asked run -H 'Content-Type: application/json' -d '{}'
 hears "$at" 30 '"kind":"going-on"'
 another
+grep -q '"reason":"stopped by a person"' data/grass/records.jsonl || fail "its slots are said to be lost by something else"
+[ -z "$(told "$at" '"kind":"slots-lost"' "stopped by a person")" ] || fail "slots that nobody wanted are said to be lost"
 
 # ---- all kinds of hooks were told, whatever the hanging ones did ----
 grep -q '"kind":"stopped"' command.said || fail "the command was not told"

@@ -198,7 +198,7 @@ ends 0
 cat >>box.yaml <<'END'
 lamps: {left: {backend: file, line: 0, max_on: 1h}}
 guardian: {socket: SOCKET, file: wires}
-panel: {backend: file, file: panel, led: {line: 0}}
+panel: {backend: file, file: panel, led: {line: 0}, button: {line: 1}}
 END
 sed -i "s|SOCKET|$WORK/socket|" box.yaml
 rm -rf data log
@@ -209,10 +209,43 @@ heard log "<4>retry"
 heard log "the lamp guardian does not answer"
 lit=no
 for _ in $(seq 400); do # the light flashes: somebody is needed
-    [ "$(cat panel)" = 1 ] && lit=yes && break
+    [ "$(tail -c 1 panel)" = 1 ] && lit=yes && break
     sleep 0.02
 done
 [ $lit = yes ] || fail "the light does not flash"
+# The button, held for 3 s: nothing is tried any more, over a boot too; held again it changes nothing.
+press() { # LEVEL: the first byte is the button, the second the light
+    printf '%s' "$1" | dd of=panel bs=1 conv=notrunc status=none
+}
+pressed() { # until WORDS are heard; a press that begins just while it is tried is not felt: again then
+    for _ in 1 2 3 4 5; do
+        press 1
+        for _ in $(seq 100); do
+            grep -qF -- "$1" log && break
+            sleep 0.05
+        done
+        press 0
+        grep -qF -- "$1" log && return
+        sleep 0.3
+    done
+    fail "a press is not felt: $(cat log)"
+}
+pressed '<5>resting why="stopped by a person"'
+heard log "<5>button press=long"
+grep -q '"state": *"stopped"' data/.ttfbox/run.json || fail "it is not written down: $(cat data/.ttfbox/run.json)"
+kill -TERM "$daemon"
+ends 0
+rm -f log
+start X=1
+heard log '<5>resting why="stopped by a person"'
+pressed "<5>button press=long"
+sleep 0.5
+grep -q "retry" log && fail "it is tried all the same: $(cat log)"
+kill -TERM "$daemon"
+ends 0
+rm -rf log data/.ttfbox
+start X=1
+heard log "the lamp guardian does not answer"
 "$LAMPD" --board box.yaml >guarding 2>&1 &
 guardian=$!
 heard log "<5>done slots=3 captured=3"
@@ -221,4 +254,4 @@ ends 0
 kill -TERM $guardian
 wait $guardian
 [ "$(cat wires)" = 0 ] || fail "a lamp is left burning"
-[ "$(cat panel)" = 0 ] || fail "the light is left burning"
+[ "$(tail -c 1 panel)" = 0 ] || fail "the light is left burning"

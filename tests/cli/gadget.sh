@@ -78,7 +78,7 @@ mkdir -p "$in/udc/fe980000.usb"
 expect 0 "$GADGET" --into "$in" bind
 [ "$(cat "$made/UDC")" = fe980000.usb ] || fail "it is bound to $(cat "$made/UDC")"
 expect 0 "$GADGET" --into "$in" bind
-expect 1 "$GADGET" --into "$in" compose
+expect 1 "$GADGET" --into "$in" --serial 0007 compose
 said err 'there is a gadget already'
 [ "$(cat "$made/UDC")" = fe980000.usb ] || fail "a second compose took the first away"
 # --- behind an end of the service: unbound if it is stopped, and never when it comes again
@@ -124,21 +124,24 @@ expect 0 "$GADGET" --into "$in" --serial 0007 compose
 [ -e "$made/os_desc/c.1" ] || fail "what was left halfway was kept"
 expect 0 "$GADGET" --into "$in" remove
 
-# --- what a board says of itself is no reason not to start
-if [ ! -e /etc/ttfbox/usb-serial ]; then
-    printf '12-ab_3 4\0' >"$in/serial-number"
-    expect 0 "$GADGET" --into "$in" show
-    said out 'serial 12ab34, '
-    printf '0000000000000000\0' >"$in/serial-number"
-    if [ -s /etc/machine-id ]; then
-        expect 0 "$GADGET" --into "$in" show
-        grep -qE 'serial [0-9a-f]{12}, ' out || fail "a serial that is none was taken: $(cat out)"
-    else
-        expect 1 "$GADGET" --into "$in" show
-        said err 'there is no serial'
-    fi
-    rm "$in/serial-number"
-fi
+# --- what a board says of itself is no reason not to start; nor what a person wrote; without either, one of the installation's own
+tree=$in/sys/firmware/devicetree/base
+mkdir -p "$tree" "$in/etc/ttfbox"
+expect 1 "$GADGET" --into "$in" show
+said err 'there is no serial'
+echo 0123456789abcdef0123456789abcdef >"$in/etc/machine-id"
+expect 0 "$GADGET" --into "$in" show
+grep -qE 'serial [0-9a-f]{12}, ' out || fail "no serial was made: $(cat out)"
+grep -q 0123456789abcdef out && fail "the machine's id is told"
+printf '0000000000000000\0' >"$tree/serial-number"
+expect 0 "$GADGET" --into "$in" show
+grep -qE 'serial [0-9a-f]{12}, ' out || fail "a serial that is none was taken: $(cat out)"
+printf '12-ab_3 4\0' >"$tree/serial-number"
+expect 0 "$GADGET" --into "$in" show
+said out 'serial 12ab34, '
+printf 'Box 7\r\n' >"$in/etc/ttfbox/usb-serial"
+expect 0 "$GADGET" --into "$in" show
+said out 'serial Box7, '
 
 # --- a serial that would be something else on the bus, or in a path
 for serial in 'a b' '../x' "$(printf 'a\nb')" 'ä' 123456789012345678901234567890123; do

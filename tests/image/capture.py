@@ -81,6 +81,9 @@ def expect_a_device_of_a_pc(m):
     code, out = m.run("ttfbox usb list", 60)
     assert code == 0 and len(out.split()) > 0, out + m.journal()
     print("    at USB: " + " ".join(out.split()))
+    serial = out.split()[0]
+    code, out = m.run("cat /proc/sys/kernel/hostname; grep -o '\"box_serial\": *\"[^\"]*\"' /var/lib/ttfbox/plan/dataset.json")
+    assert out.split()[0] == "ttfbox-" + serial and '"%s"' % serial in out, "the box has several names: %s, %s" % (serial, out)
     code, out = m.run("ttfbox pull /tmp/pulled --usb && ttfbox verify -q /tmp/pulled/plan && rm -r /tmp/pulled", 300)
     assert code == 0, out + m.journal()
     # Its address on the cable's network, which networkd has given it.

@@ -19,11 +19,7 @@ import threading
 import time
 
 import boxed
-from world import Failed, HEALTH, World, digest, quantiles, say
-
-
-def number(name, default):
-    return int(os.environ.get("TTFBOX_USB_" + name, default))
+from world import Failed, HEALTH, Reader, World, digest, memory, number, quantiles, say
 
 
 # ---- what arrives
@@ -54,35 +50,6 @@ def sizes(world):
 
 
 # ---- what dies
-
-
-class Reader(threading.Thread):
-    """A client that reads a path again and again until its connection ends, as fast as it comes or not at all."""
-
-    def __init__(self, world, path, reads=True):
-        super().__init__(daemon=True)
-        self.connection, self.path, self.reads, self.bytes = world.connect(), path, reads, 0
-        self.go_on = True
-
-    def run(self):
-        try:
-            while self.go_on:
-                self.connection.request("GET", self.path)
-                answer = self.connection.getresponse()
-                if not self.reads:
-                    return
-                while self.go_on and (piece := answer.read(65536)):
-                    self.bytes += len(piece)
-        except (OSError, ValueError, AttributeError, http.client.HTTPException):
-            pass
-
-    def end(self):
-        self.go_on = False
-        try:
-            self.connection.sock.shutdown(socket.SHUT_RDWR)  # an answer that is kept keeps it open otherwise
-            self.connection.close()
-        except (OSError, AttributeError):
-            pass
 
 
 def kills(world):
@@ -242,11 +209,6 @@ def sleeps(world):
 # ---- what it costs
 
 
-def memory(pid):
-    with open(f"/proc/{pid}/status", encoding="ascii") as file:
-        return next(int(line.split()[1]) for line in file if line.startswith("VmRSS")) / 1024
-
-
 def greedy(world):
     """A host that opens every stream and never reads makes the box hold its windows, and no more."""
     world.dataset()
@@ -271,37 +233,6 @@ def greedy(world):
         raise Failed(f"{left:.1f} MiB are left when they are gone")
     say(f"greedy: 31 stalled streams cost the box {grown:.1f} MiB (32 at most), {left:.1f} MiB when they had gone; "
         f"the status came in {took * 1e3:.1f} ms beside them")
-
-
-def latency(world):
-    """The status while a large file is pulled, beside an idle stream and a stalled one."""
-    world.dataset()
-    mib = number("MIB", 64)
-    path = world.file("large", mib << 20)
-    world.all()
-    world.tell("throttle %d" % number("MBPS", 35))
-    idle = world.connect()
-    idle.connect()
-    stalled = Reader(world, path, reads=False)
-    stalled.start()
-    took, bytes_, begun = [], 0, time.monotonic()
-    reader = Reader(world, path)
-    reader.start()
-    c = world.connect()
-    while reader.bytes < mib << 20:
-        asked = time.monotonic()
-        status, _ = world.get(HEALTH, c)
-        took.append(time.monotonic() - asked)
-        if status != 200 or not reader.is_alive():
-            raise Failed(f"the status is {status}")
-        time.sleep(0.01)
-    s, bytes_ = time.monotonic() - begun, reader.bytes
-    reader.end()
-    stalled.end()
-    idle.close()
-    q = quantiles(took)
-    say(f"latency: while {bytes_ >> 20} MiB were pulled at {bytes_ / 1e6 / s:.1f} MB/s, {len(took)} times the status: "
-        f"p50 {q['p50'] * 1e3:.1f} ms, p99 {q['p99'] * 1e3:.1f} ms, max {q['max'] * 1e3:.1f} ms")
 
 
 def drain(world, path, direct=False):
@@ -350,6 +281,9 @@ def listing(world):
         lines = body.count(b'"type":"slot"')
         if status != 200 or lines != slots:
             raise Failed(f"{lines} slots of {slots}")
+    most = number("LISTING_MS", 0)
+    if most and max(took) * 1e3 > most:
+        raise Failed(f"{slots} slots take {max(took):.3f} s, more than {most / 1e3:.3f} s")
     say(f"listing: {slots} slots, {len(body) / 1e6:.1f} MB of records, in {min(took) * 1e3:.0f} to {max(took) * 1e3:.0f} ms")
 
 
@@ -470,7 +404,7 @@ def versions(world):
 
 SCENARIOS = {"sizes": sizes, "kills": kills, "usbd-dies": usbd_dies, "daemon-dies": daemon_dies, "unplugs": unplugs,
              "sleeps": sleeps, "greedy": greedy, "strangers": strangers, "versions": versions, "token": boxed.token, "restarts": boxed.restarts,
-              "latency": latency, "speed": speed, "listing": listing}
+             "captures": boxed.captures, "latency": boxed.latency, "speed": speed, "listing": listing}
 
 
 def main():

@@ -10,6 +10,7 @@ import signal
 import socket
 import subprocess
 import tempfile
+import threading
 import time
 
 HEALTH = "/api/v1/health"
@@ -30,6 +31,49 @@ class UnixConnection(http.client.HTTPConnection):
         self.sock.connect(self.path)
 
 
+def memory(pid):
+    """MiB that a process has in memory."""
+    with open(f"/proc/{pid}/status", encoding="ascii") as file:
+        return next(int(line.split()[1]) for line in file if line.startswith("VmRSS")) / 1024
+
+
+def descriptors(pid):
+    return len(os.listdir(f"/proc/{pid}/fd"))
+
+
+def number(name, default):
+    return int(os.environ.get("TTFBOX_USB_" + name, default))
+
+
+class Reader(threading.Thread):
+    """A client that reads a path again and again until its connection ends, as fast as it comes or not at all."""
+
+    def __init__(self, world, path, reads=True):
+        super().__init__(daemon=True)
+        self.connection, self.path, self.reads, self.bytes = world.connect(), path, reads, 0
+        self.go_on = True
+
+    def run(self):
+        try:
+            while self.go_on:
+                self.connection.request("GET", self.path)
+                answer = self.connection.getresponse()
+                if not self.reads:
+                    return
+                while self.go_on and (piece := answer.read1(65536)):
+                    self.bytes += len(piece)
+        except (OSError, ValueError, AttributeError, http.client.HTTPException):
+            pass
+
+    def end(self):
+        self.go_on = False
+        try:
+            self.connection.sock.shutdown(socket.SHUT_RDWR)  # an answer that is kept keeps it open otherwise
+            self.connection.close()
+        except (OSError, AttributeError):
+            pass
+
+
 class World:
     """Everything in one temporary folder; ended with the with statement."""
 
@@ -48,9 +92,15 @@ class World:
         for name in list(self.processes):
             self.end(name)
         shutil.rmtree(self.folder, ignore_errors=True)
+        shutil.rmtree(self.data, ignore_errors=True)
 
     def at(self, name):
         return os.path.join(self.folder, name)
+
+    def in_memory(self):
+        """The data lies in memory: whether a slot is missed is not for a disk to say that is busy otherwise."""
+        if os.access("/dev/shm", os.W_OK):
+            self.data = tempfile.mkdtemp(prefix="ttfbox-usb-", dir="/dev/shm")
 
     # ---- processes
 

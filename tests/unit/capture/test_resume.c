@@ -134,6 +134,59 @@ static void the_same_boot_needs_no_utc(void **state)
     assert_string_equal(r.lost_reason, TTF_REASON_NOT_RUNNING);
 }
 
+static const char *lost(const struct ttf_resume *r, int64_t index, enum ttf_result result)
+{
+    enum ttf_result got;
+    const char *reason = ttf_resume_lost(r, index, &got);
+
+    assert_int_equal(got, result);
+    return reason;
+}
+
+static void what_a_person_stopped_and_what_was_tried_in_vain_is_said_so(void **state)
+{
+    const int64_t slot10_ns = (100 + 10 * 60) * TTF_NS_PER_S;
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in = boot(&done, 0, TTF_TRUST_NONE);
+    struct ttf_resume r;
+
+    (void)state;
+    in.boot_id = "first-boot";
+    in.now_ns = slot10_ns + 5 * TTF_NS_PER_MIN + TTF_NS_PER_S;
+    in.ready_ns = in.now_ns + TTF_NS_PER_MIN;
+    /* Not running for slot 10; stopped by a person during 11 and 12; then the guardian was away. */
+    in.absence.stopped_from_ns = slot10_ns + 1;
+    in.absence.stopped_until_ns = slot10_ns + 3 * TTF_NS_PER_MIN;
+    in.absence.trying_since_ns = in.absence.stopped_until_ns;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.lost_until, 17);
+    assert_string_equal(lost(&r, 10, TTF_RESULT_MISSED), TTF_REASON_NOT_RUNNING);
+    assert_string_equal(lost(&r, 11, TTF_RESULT_MISSED), TTF_REASON_STOPPED);
+    assert_string_equal(lost(&r, 12, TTF_RESULT_MISSED), TTF_REASON_STOPPED);
+    assert_string_equal(lost(&r, 13, TTF_RESULT_MISSED), TTF_REASON_TRYING);
+    assert_string_equal(lost(&r, 15, TTF_RESULT_MISSED), TTF_REASON_TRYING);
+    assert_string_equal(lost(&r, 16, TTF_RESULT_MISSED), TTF_REASON_NOT_READY);
+    done.sealed = true; /* nobody could stop it any more */
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_string_equal(lost(&r, 11, TTF_RESULT_MISSED), TTF_REASON_HAD_ENDED);
+}
+
+static void a_stop_holds_over_a_boot_and_is_no_lack_of_power(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    /* Slot 12 passed before this boot, slot 13 is due 35 s from now: 20 s later a person goes on. */
+    struct ttf_resume_input in = boot(&done, UTC0 + (12 * 60 + 25) * TTF_NS_PER_S, TTF_TRUST_RTC);
+    struct ttf_resume r;
+
+    (void)state;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_string_equal(lost(&r, 12, TTF_RESULT_POWER), TTF_REASON_NO_POWER);
+    in.absence.stopped_from_ns = INT64_MIN;
+    in.absence.stopped_until_ns = in.now_ns;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_string_equal(lost(&r, 12, TTF_RESULT_MISSED), TTF_REASON_STOPPED);
+}
+
 static void an_untrusted_clock_goes_on_at_once_with_the_gap_unknown(void **state)
 {
     struct ttf_writer_state done = ten_slots_done();
@@ -238,6 +291,8 @@ int main(void)
         cmocka_unit_test(a_start_time_needs_a_clock_somebody_vouches_for),
         cmocka_unit_test(a_trusted_clock_rejoins_the_grid_and_names_the_outage),
         cmocka_unit_test(the_same_boot_needs_no_utc),
+        cmocka_unit_test(what_a_person_stopped_and_what_was_tried_in_vain_is_said_so),
+        cmocka_unit_test(a_stop_holds_over_a_boot_and_is_no_lack_of_power),
         cmocka_unit_test(an_untrusted_clock_goes_on_at_once_with_the_gap_unknown),
         cmocka_unit_test(a_clock_behind_the_last_slot_is_not_believed),
         cmocka_unit_test(slots_given_up_ahead_of_time_do_not_make_the_clock_wrong),

@@ -140,6 +140,48 @@ static void a_run_is_followed_from_arming_to_its_end(void **state)
     situation_destroy(s);
 }
 
+static void a_run_waits_for_its_plans_start_and_captures_from_its_first_slot_on(void **state)
+{
+    struct hand_clock clock = {.base = {.ops = &OPS}, .now_ns = 100 * TTF_NS_PER_S};
+    struct situation *s = situation_create(&clock.base);
+    const struct order order = {.state = ORDER_RUN, .by_request = true, .dataset = "grass"};
+    const struct ttf_segment segment = {.origin_ns = 500 * TTF_NS_PER_S,
+                                        .interval_ns = 5 * TTF_NS_PER_S,
+                                        .origin_utc_ns = 1000,
+                                        .trust = "ntp"};
+    struct letter letter = letter_of(TTF_PROGRESS_ARMED, 0, 0);
+    json_t *status;
+
+    (void)state;
+    if (!s) {
+        fail();
+        return;
+    }
+    letter.waits = true;
+    (void)situation_run(s, &order, NULL);
+    (void)situation_set(s, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
+    situation_segment(s, "grass", COURSE_FIRST, &segment);
+    assert_true(situation_letter(s, &letter));
+    status = status_of(s);
+    assert_string_equal(word(status, "state"), "waiting");
+    assert_string_equal(word(status, "why"), "");
+    assert_int_equal(number(status, "run.next.index"), 0);
+    assert_true(number(status, "run.next.in_ns") == 400 * TTF_NS_PER_S);
+    json_decref(status);
+    letter = letter_of(TTF_PROGRESS_SLOT, 0, TTF_RESULT_CAPTURED);
+    assert_true(situation_letter(s, &letter));
+    assert_int_equal(situation_doing(s), DOING_CAPTURING);
+    /* What waits for a file has no slots to tell of, whatever ran before it. */
+    (void)situation_set(s, DOING_WAITING, "for the plan's file", TTF_NS_UNKNOWN);
+    status = status_of(s);
+    assert_string_equal(word(status, "state"), "waiting");
+    assert_int_equal(number(status, "run.next.index"), -1);
+    json_decref(status);
+    letter = letter_of(TTF_PROGRESS_SLOT, 1, TTF_RESULT_CAPTURED);
+    assert_false(situation_letter(s, &letter));
+    situation_destroy(s);
+}
+
 static unsigned alarms_after(struct situation *s, enum ttf_progress_kind kind, int64_t run,
                              const char *text)
 {
@@ -276,6 +318,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_run_is_followed_from_arming_to_its_end),
+        cmocka_unit_test(a_run_waits_for_its_plans_start_and_captures_from_its_first_slot_on),
         cmocka_unit_test(an_alarm_that_is_over_is_taken_back_also_by_another_run),
         cmocka_unit_test(a_clock_that_nobody_vouches_for_gives_no_utc),
         cmocka_unit_test(records_and_letters_of_the_run_before_are_not_counted_into_this_one),

@@ -214,6 +214,7 @@ static void a_panel_without_light_and_switch_says_so(void **state)
     (void)state;
     assert_int_equal(ttf_panel_led(&panel, TTF_LED_IDLE), -ENOTSUP);
     assert_int_equal(ttf_panel_door(&panel), -ENOTSUP);
+    assert_int_equal(ttf_panel_held(&panel), -ENOTSUP);
 }
 
 static void levels_are_rounded_to_the_nearest_a_lamp_can_do(void **state)

@@ -61,7 +61,9 @@ static void one_that_is_held_is_told_after_three_seconds_and_not_again(void **st
     button_init(&b, false, 0);
     button_level(&b, true, 0);
     assert_int_equal(events_until(&b, &now, MS(3000), &e), 0);
+    assert_true(button_held(&b)); /* whoever waits for what it will be has to wait on */
     assert_int_equal(events_until(&b, &now, MS(3010), &e), 1);
+    assert_false(button_held(&b));
     assert_int_equal(e.kind, TTF_PANEL_BUTTON_LONG);
     assert_int_equal(events_until(&b, &now, MS(8000), &e), 0);
     button_level(&b, false, now);

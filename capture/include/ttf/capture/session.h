@@ -33,6 +33,7 @@ enum ttf_progress_kind {
 struct ttf_progress {
     enum ttf_progress_kind kind;
     int64_t index, total;
+    bool waits;        /* armed: for the plan's start, which is still to come */
     int result;        /* enum ttf_result of a slot */
     const char *text;  /* reason or event; valid during the call */
     int64_t now_ns;    /* boot clock */
@@ -41,6 +42,12 @@ struct ttf_progress {
 };
 
 typedef void ttf_progress_fn(void *ctx, const struct ttf_progress *progress);
+
+/* Why slots have no records, on this boot's clock. What it does not say is a program that was not running. */
+struct ttf_absence {
+    int64_t stopped_from_ns, stopped_until_ns; /* a person had stopped it; 0, 0: nobody had */
+    int64_t trying_since_ns; /* the program was there, and the run could not go on; 0: it was not */
+};
 
 struct ttf_session_config {
     struct ttf_box *box;            /* borrowed */
@@ -57,6 +64,8 @@ struct ttf_session_config {
     struct ttf_control *control; /* what people ask meanwhile; borrowed, NULL allowed */
     /* A plan that the dataset has moved on from is gone back to, as a change, instead of left alone. */
     bool plan_as_given;
+    /* Of a run that is gone on with: what its watcher knows of the time that has no records; zeroed: nothing. */
+    struct ttf_absence absence;
     int64_t rehearse;      /* > 0: so many slots at once, nothing sealed, figures in the result */
     bool skip_speed_check; /* of the disk's write speed */
 };

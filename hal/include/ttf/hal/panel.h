@@ -43,15 +43,19 @@ TTF_MUST_USE int ttf_panel_door(struct ttf_panel *panel);
 /* The oldest event not yet taken: 1 and *ret, or 0 if there is none. Never blocks. */
 TTF_MUST_USE int ttf_panel_poll(struct ttf_panel *panel, struct ttf_panel_event *ret);
 
+/* 1: the button is down, and it is not known yet how its press will be told of; 0: it is not; -ENOTSUP: nobody knows. */
+TTF_MUST_USE int ttf_panel_held(struct ttf_panel *panel);
+
 /* NULL allowed. */
 void ttf_panel_destroy(struct ttf_panel *panel);
 
-/* --- for authors of back-ends: led and door may be NULL (-ENOTSUP) --- */
+/* --- for authors of back-ends: led, door and held may be NULL (-ENOTSUP) --- */
 struct ttf_panel_ops {
     const char *name;
     int (*led)(struct ttf_panel *panel, enum ttf_led led);
     int (*door)(struct ttf_panel *panel);
     int (*poll)(struct ttf_panel *panel, struct ttf_panel_event *ret);
+    int (*held)(struct ttf_panel *panel);
     void (*destroy)(struct ttf_panel *panel);
 };
 

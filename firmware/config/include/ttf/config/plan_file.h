@@ -52,6 +52,13 @@ TTF_MUST_USE int ttf_plan_file_check_start(const struct ttf_plan_file *file,
                                            const struct ttf_utc *now, struct ttf_err *err);
 
 /*
+ * -EBUSY, placed, if the plan has a start and nobody vouches for that clock: a plan that is to begin cannot, until somebody
+ * does. As start times mean nothing then, ttf_plan_file_check_start says nothing.
+ */
+TTF_MUST_USE int ttf_plan_file_check_clock(const struct ttf_plan_file *file,
+                                           const struct ttf_utc *now, struct ttf_err *err);
+
+/*
  * err->where names a field of the plan ("shots[1].exposure"): puts the file,
  * line and column there and the field in front of what. Harmless for others.
  */

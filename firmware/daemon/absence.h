@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * absence.h: why slots of a run have no records, as far as this process was there to see it (ttf/capture/session.h).
+ * Of the thread that runs things.
+ */
+#ifndef DAEMON_ABSENCE_H
+#define DAEMON_ABSENCE_H
+
+#include <stdint.h>
+
+#include "ttf/capture/session.h"
+
+/* Zeroed: nothing was seen. What was seen of another dataset than the one named last is forgotten. */
+struct absence {
+    char dataset[65];
+    struct ttf_absence it;
+};
+
+/* A person had stopped it: so it was found at from_ns, and gone on with at until_ns. */
+void absence_rested(struct absence *absence, const char *dataset, int64_t from_ns,
+                    int64_t until_ns);
+
+/* What was begun at since_ns could not go on. */
+void absence_tried(struct absence *absence, const char *dataset, int64_t since_ns);
+
+struct ttf_absence absence_of(struct absence *absence, const char *dataset);
+
+#endif

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* test_absence.c: what a run is told of the time before it. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <string.h>
+
+#include "absence.h"
+
+static void a_stop_counts_from_the_last_record_on(void **state)
+{
+    struct absence a = {0};
+    struct ttf_absence it;
+
+    (void)state;
+    absence_rested(&a, "grass", 100, 200); /* found stopped at 100, perhaps after a boot */
+    it = absence_of(&a, "grass");
+    assert_true(it.stopped_from_ns == INT64_MIN);
+    assert_int_equal(it.stopped_until_ns, 200);
+    assert_int_equal(it.trying_since_ns, 0);
+}
+
+static void what_was_tried_before_and_after_a_stop_is_no_stop(void **state)
+{
+    struct absence a = {0};
+    struct ttf_absence it;
+
+    (void)state;
+    absence_tried(&a, "grass", 50);
+    absence_rested(&a, "grass", 100, 200);
+    absence_tried(&a, "grass", 210);
+    it = absence_of(&a, "grass");
+    assert_int_equal(it.trying_since_ns, 50);
+    assert_int_equal(it.stopped_from_ns, 100);
+    assert_int_equal(it.stopped_until_ns, 200);
+}
+
+static void nothing_is_said_of_one_dataset_by_another(void **state)
+{
+    struct absence a = {0};
+    struct ttf_absence it;
+
+    (void)state;
+    absence_rested(&a, "grass", 100, 200);
+    it = absence_of(&a, "moss");
+    assert_int_equal(it.stopped_until_ns, 0);
+    it = absence_of(&a, "grass");
+    assert_int_equal(it.stopped_until_ns, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_stop_counts_from_the_last_record_on),
+        cmocka_unit_test(what_was_tried_before_and_after_a_stop_is_no_stop),
+        cmocka_unit_test(nothing_is_said_of_one_dataset_by_another),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
