@@ -89,7 +89,7 @@ static int check(struct checked *c, const char *name, const char *yaml, size_t b
 
 /* ---- in words ---- */
 
-static void put_finding(struct ttf_json *j, const char *level, const struct ttf_err *err)
+void check_put_finding(struct ttf_json *j, const char *level, const struct ttf_err *err)
 {
     ttf_json_object(j);
     ttf_json_kstring(j, "level", level);
@@ -114,7 +114,7 @@ static void put_warnings(struct ttf_json *j, const struct checked *c)
                     "a dimmed lamp's pulses show as bands of %.1f %%",
                     (double)c->figures.flicker_ppm[i] / 1e4);
         ttf_err_hint(&err, "expose longer, or light the lamp fully");
-        put_finding(j, "warning", &err);
+        check_put_finding(j, "warning", &err);
     }
 }
 
@@ -130,6 +130,7 @@ static int put_lamp_figures(void *ctx, const struct ttf_box *box, struct ttf_err
         ttf_json_kint(j, "on_ns", c->figures.lamp_on_ns[i]);
         ttf_json_kint(j, "switchings", c->figures.lamp_switchings[i]);
         ttf_json_kint(j, "duty_permille", c->figures.lamp_duty_permille[i]);
+        ttf_json_kint(j, "duty_window_ns", ttf_lamps_info(box->lamps, i)->duty_window_ns);
         ttf_json_object_end(j);
     }
     return 0;
@@ -143,7 +144,7 @@ static void put_clock_warning(struct ttf_json *j, const struct checked *c)
 
     ttf_clock_utc(c->d->clock, &utc);
     if (ttf_plan_file_check_clock(c->file, &utc, &err) < 0)
-        put_finding(j, "warning", &err);
+        check_put_finding(j, "warning", &err);
 }
 
 static void put_figures(struct ttf_json *j, struct checked *c)
@@ -198,7 +199,7 @@ int check_plan(struct daemon *d, const char *name, const char *yaml, size_t byte
     ttf_json_key(&j, "findings");
     ttf_json_array(&j);
     if (r < 0)
-        put_finding(&j, "error", err);
+        check_put_finding(&j, "error", err);
     if (c.has_figures)
         put_warnings(&j, &c);
     if (c.file)

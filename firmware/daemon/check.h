@@ -16,6 +16,9 @@ TTF_MUST_USE int check_plan(struct daemon *d, const char *name, const char *yaml
 TTF_MUST_USE int check_clock(struct daemon *d, const char *name, const char *yaml,
                              struct ttf_err *err);
 
+/* An object of "findings": level is "error" or "warning". */
+void check_put_finding(struct ttf_json *j, const char *level, const struct ttf_err *err);
+
 /* What the box is made of, as JSON. */
 TTF_MUST_USE int check_devices(struct daemon *d, char **ret_json, struct ttf_err *err);
 

@@ -130,6 +130,17 @@ is change true
 get "$URL/session" 200
 is read false
 
+# ---- boards: checked, and never put in place ----
+sed 's/max_on: [^,}]*/max_on: 3 parsecs/' "$SOURCE/boards/rpi4/board.yaml" >wrong.yaml
+json_of "$SOURCE/boards/rpi4/board.yaml" "$URL/boards/check" 200
+is ok true
+is board.simulated false
+json_of wrong.yaml "$URL/boards/check" 200
+is ok false
+json findings.0.where | grep -q '^board:[0-9]*:' || fail "it does not say where: $(cat out)"
+get "$URL/boards/check" 401 -H 'Content-Type: application/yaml' --data-binary @wrong.yaml
+json_of "$SOURCE/boards/rpi4/board.yaml" "$URL/boards/rpi4" 405 -X PUT
+
 # ---- plans: checked before they are in place ----
 plan first.yaml 'interval: 500ms' 'count: 900' 'shot: {exposure: 10ms}' 'keep: both' 'reserve: 0B'
 plan wrong.yaml 'interval: 500ms' 'count: 24' 'shot: {exposure: 10s}' 'reserve: 0B'
@@ -155,7 +166,11 @@ is cameras.0.width 96
 get "$URL/live" 200 "${ME[@]}"
 [ "$(head -c 2 out | xxd -p)" = ffd8 ] || fail "no JPEG"
 grep -qi '^X-Ttfbox-Live: camera' headers || fail "from elsewhere"
-get "$URL/live?region=10,10,20,20&exposure_ns=5000000" 200 "${ME[@]}"
+grep -Eqi '^X-Ttfbox-Exposure-Ns: [1-9][0-9]*' headers || fail "a picture that exposed by itself does not say how long"
+get "$URL/live?region=10,10,20,20&exposure_ns=5000000&gain_milli=2000" 200 "${ME[@]}"
+ns=$(sed -n 's/^X-Ttfbox-Exposure-Ns: \([0-9]*\)\r$/\1/Ip' headers)
+((ns > 4500000 && ns < 5500000)) || fail "asked for 5 ms, it says $ns ns"
+grep -Eqi '^X-Ttfbox-Gain-Milli: 2000' headers || fail "the gain is not said"
 get "$URL/live?region=90,60,20,20" 400 "${ME[@]}"
 get "$URL/latest" 404 "${ME[@]}"
 

@@ -245,7 +245,8 @@ static void statuses_are_those_that_are_given(void **state)
         if (gives->ranges)
             add(&table, "416");
         add(&table, "default");
-        for (const struct yaml_node *n = child(described(route), "responses")->child; n; n = n->next)
+        for (const struct yaml_node *n = child(described(route), "responses")->child; n;
+             n = n->next)
             if (!is_error(n->key))
                 add(&text, "%s", n->key);
         are_the_same(route, "status", &text, &table);
@@ -281,7 +282,8 @@ static void content_types_are_those_that_are_sent(void **state)
         types_are(route, status, &table);
         if (route->gives->ranges)
             types_are(route, "206", &table);
-        for (const struct yaml_node *n = child(described(route), "responses")->child; n; n = n->next)
+        for (const struct yaml_node *n = child(described(route), "responses")->child; n;
+             n = n->next)
             if (is_error(n->key) || strcmp(n->key, "default") == 0)
                 types_are(route, n->key, &of_errors);
     }
