@@ -59,6 +59,8 @@ static unsigned open_handles(void)
 
 /* ---- libusb's, of which find.c knows no more ---- */
 
+/* NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): libusb has names of its own */
+
 int libusb_init(libusb_context **context)
 {
     *context = NULL;
@@ -154,6 +156,8 @@ void libusb_free_config_descriptor(struct libusb_config_descriptor *config)
 {
     (void)config;
 }
+
+/* NOLINTEND(readability-inconsistent-declaration-parameter-name) */
 
 /* ---- what must hold ---- */
 
