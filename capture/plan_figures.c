@@ -185,8 +185,9 @@ static void fill_lamp(const struct ttf_plan *plan, const struct ttf_box *box, un
         f->lamp_switchings[i] += periods + 1;
         worst += worst_in_window(plan->day_ns, plan->period_ns, window);
     }
-    if (worst > window)
-        worst = window;
+    /* No window has more than all of the run. */
+    worst = worst < f->lamp_on_ns[i] ? worst : f->lamp_on_ns[i];
+    worst = worst < window ? worst : window;
     f->lamp_duty_permille[i] =
         window > 0 ? (unsigned)((double)worst * 1000 / (double)window + 0.5) : 0;
 }

@@ -10,13 +10,12 @@
 #include "calibrate_chart.h"
 #include "calibrate_say.h"
 #include "commands.h"
+#include "sim_target.h"
 #include "ttf/capture/guided_calibration.h"
 #include "ttf/config/plan_file.h"
-#include "ttf/hal/sim.h"
 
 #define FRAMES_DEFAULT      64
 #define REFLECTANCE_DEFAULT 0.9
-#define TRUTH_SIDE          16 /* pixels of the coarse look at a simulated target */
 
 enum part {
     DARK,
@@ -104,31 +103,6 @@ static int open_folder(struct cli *cli, struct guided *g)
     return 0;
 }
 
-/* Of a simulated target the reflectance is known; one that is not even is no target. */
-static int simulated_reflectance(struct cli *cli, const struct guided *g, double *ret)
-{
-    float rgb[TRUTH_SIDE * TRUTH_SIDE * 3];
-    float lo = 1e9f, hi = 0;
-    double sum = 0;
-    int r = ttf_sim_truth(&g->box, ttf_clock_now_ns(g->box.clock), TRUTH_SIDE, TRUTH_SIDE, rgb,
-                          &cli->err);
-
-    if (r < 0)
-        return r;
-    for (unsigned i = 0; i < TTF_COUNT_OF(rgb); i++) {
-        lo = rgb[i] < lo ? rgb[i] : lo;
-        hi = rgb[i] > hi ? rgb[i] : hi;
-        sum += rgb[i];
-    }
-    if (hi > 1.02f * lo) {
-        ttf_err_set(&cli->err, -EINVAL, "--scene", "the simulated camera looks at no even target");
-        ttf_err_hint(&cli->err, "say --scene white");
-        return -EINVAL;
-    }
-    *ret = sum / (3.0 * TRUTH_SIDE * TRUTH_SIDE);
-    return 0;
-}
-
 /* The frames, fitted into the calibration. */
 static int take(struct cli *cli, struct guided *g, struct ttf_guided_config *config)
 {
@@ -140,7 +114,7 @@ static int take(struct cli *cli, struct guided *g, struct ttf_guided_config *con
         return ttf_guided_dark(config, &g->calibration, &cli->err);
     if (g->part == FLAT) {
         if (g->box.simulated && cli->opt.reflectance == 0)
-            r = simulated_reflectance(cli, g, &config->reflectance);
+            r = sim_target_reflectance(&g->box, &config->reflectance, &cli->err);
         return r < 0 ? r : ttf_guided_flat(config, &g->calibration, &cli->err);
     }
     if (g->part == GEOMETRY)

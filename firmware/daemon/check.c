@@ -130,6 +130,7 @@ static int put_lamp_figures(void *ctx, const struct ttf_box *box, struct ttf_err
         ttf_json_kint(j, "on_ns", c->figures.lamp_on_ns[i]);
         ttf_json_kint(j, "switchings", c->figures.lamp_switchings[i]);
         ttf_json_kint(j, "duty_permille", c->figures.lamp_duty_permille[i]);
+        ttf_json_kint(j, "duty_window_ns", ttf_lamps_info(box->lamps, i)->duty_window_ns);
         ttf_json_object_end(j);
     }
     return 0;

@@ -179,7 +179,8 @@ static int make_parts(struct daemon *d, struct ttf_err *err)
     d->asks = asks_create(random);
     d->shadow = shadow_create();
     d->workshop = d->wake ? workshop_create(d->clock, d->wake) : NULL;
-    if (!d->mailbox || !d->situation || !d->asks || !d->shadow || !d->workshop)
+    d->calibrations = calibrations_create(d->io, d->clock, d->config.state, d->config.calibration);
+    if (!d->mailbox || !d->situation || !d->asks || !d->shadow || !d->workshop || !d->calibrations)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     r = ttf_http_events_create(&d->events, err);
     (void)snprintf(configuration, sizeof configuration, "%s into %s", d->config.plan,
@@ -198,6 +199,7 @@ static void free_parts(struct daemon *d)
     orders_destroy(d->orders);
     ttf_http_events_destroy(d->events);
     workshop_destroy(d->workshop);
+    calibrations_destroy(d->calibrations);
     shadow_destroy(d->shadow);
     asks_destroy(d->asks);
     situation_destroy(d->situation);

@@ -292,19 +292,53 @@ static int door_note(struct ttf_http_box *box, const char *dataset, const struct
     return r;
 }
 
+/* ---- calibrations ---- */
+
+static int door_calibrations(struct ttf_http_box *box, char **ret_json, struct ttf_err *err)
+{
+    return calibrations_show(of(box)->calibrations, ret_json, err);
+}
+
+/* While nothing runs the owner of the devices looks for it. */
+static int door_calibrate(struct ttf_http_box *box, const struct ttf_http_calibrate *what,
+                          char **ret_json, struct ttf_err *err)
+{
+    struct daemon *d = of(box);
+    int r;
+
+    if (!workshop_is_open(d->workshop)) {
+        ttf_err_set(err, -EBUSY, NULL, "a run has the devices");
+        ttf_err_hint(err, "calibrate before a run, or when it is stopped");
+        return -EBUSY;
+    }
+    r = calibrations_ask(d->calibrations, what, err);
+    if (r < 0)
+        return r;
+    log_line(LOG_LEVEL_NOTICE, "asked", "for=%s calibration=\"%s\"", what->part, what->name);
+    ttf_gate_open(d->wake);
+    return calibrations_show(d->calibrations, ret_json, err);
+}
+
+static int door_calibration_use(struct ttf_http_box *box, const char *name, struct ttf_err *err)
+{
+    int r = calibrations_use(of(box)->calibrations, name, err);
+
+    if (r == 0)
+        log_line(LOG_LEVEL_NOTICE, "calibration", "used=\"%s\"", name);
+    return r;
+}
+
 /* ---- pictures ---- */
 
-static int door_live(struct ttf_http_box *box, const struct ttf_http_view *view, void **ret_jpeg,
-                     size_t *ret_bytes, struct ttf_err *err)
+static int door_live(struct ttf_http_box *box, const struct ttf_http_view *view,
+                     struct ttf_http_shown *ret, struct ttf_err *err)
 {
     struct workshop_job job = {.view = view};
     int r = workshop_ask(of(box)->workshop, &job, err);
 
-    if (r < 0)
-        return r;
-    *ret_jpeg = job.jpeg;
-    *ret_bytes = job.bytes;
-    return 0;
+    if (r == 0)
+        *ret = job.shown;
+    return r;
 }
 
 static int door_newest(struct ttf_http_box *box, char ret_dataset[65], struct ttf_err *err)
@@ -346,6 +380,9 @@ const struct ttf_http_box_ops DOOR_OPS = {
     .asked = door_asked,
     .time = door_time,
     .note = door_note,
+    .calibrations = door_calibrations,
+    .calibrate = door_calibrate,
+    .calibration_use = door_calibration_use,
     .live = door_live,
     .newest = door_newest,
     .token_waits = door_token_waits,

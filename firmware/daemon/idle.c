@@ -3,6 +3,7 @@
 
 #include <errno.h>
 
+#include "calibrate.h"
 #include "light.h"
 #include "log.h"
 #include "view.h"
@@ -72,6 +73,13 @@ static int work(void *ctx, struct workshop_job *job, struct ttf_err *err)
     return r;
 }
 
+/* No run has the devices here, but one may be asked for meanwhile: it ends the step. */
+static bool calibrate_step(struct daemon *d, const struct working *working)
+{
+    __atomic_store_n(&d->view_stop, 0, __ATOMIC_SEQ_CST);
+    return goes_on(d, working->generation) && calibrate_work(d, working->watchdog);
+}
+
 void idle(struct daemon *d, int64_t generation, int64_t for_ns, enum ttf_led led)
 {
     int64_t now_ns = ttf_clock_now_ns(d->clock);
@@ -94,6 +102,7 @@ void idle(struct daemon *d, int64_t generation, int64_t for_ns, enum ttf_led led
             (void)!ttf_gate_wait(d->wake, ends ? until_ns : now_ns + LOOK_NS);
         /* One at a time: who looks through the camera without an end keeps nothing else from being done. */
         worked = goes_on(d, generation) && workshop_work(d->workshop, work, &working);
+        worked = (goes_on(d, generation) && calibrate_step(d, &working)) || worked;
         view_close(d, false);
         look_at_button(d, generation, light, led);
         if (watchdog && fed == 0)

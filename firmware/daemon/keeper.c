@@ -157,7 +157,8 @@ static void tell_letter(struct keeper *k, const struct letter *letter)
     bool other = situation_letter(d->situation, letter);
 
     /* Of a run before: whoever wants to know reads its records, which lie under its name. */
-    if (!situation_is_of(d->situation, letter) && letter->kind != TTF_PROGRESS_ALARM)
+    if (!situation_is_of(d->situation, letter) && letter->kind != TTF_PROGRESS_ALARM &&
+        letter->kind != TTF_PROGRESS_ALARM_OVER)
         return;
     if (letter->kind == TTF_PROGRESS_SLOT)
         tell_slot(d, letter);
@@ -229,6 +230,8 @@ static void *keep(void *ctx)
     while (!__atomic_load_n(&k->stop, __ATOMIC_RELAXED)) {
         int64_t now_ns = ttf_clock_now_ns(clock);
 
+        if (daemon_told_to_end(k->d)) /* nor does a step of a calibration keep the end waiting */
+            __atomic_store_n(&k->d->view_stop, 1, __ATOMIC_SEQ_CST);
         open_sockets(k, now_ns);
         keep_orders(k, now_ns);
         follow_records(k, now_ns);

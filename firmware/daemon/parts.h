@@ -7,6 +7,7 @@
 
 #include "absence.h"
 #include "asks.h"
+#include "calibrations.h"
 #include "daemon.h"
 #include "lock.h"
 #include "mailbox.h"
@@ -41,11 +42,12 @@ struct daemon {
 
     /* of the thread that owns the devices */
     struct run run;
-    int64_t captured, told_ns; /* of this run */
-    struct absence absence;    /* why there are no records */
-    int64_t wanted;            /* the generation of the order that is run, since run.wanted_ns */
-    int64_t wait_ns;           /* before what failed is tried again */
-    struct ttf_box view;       /* kept open for a while between pictures; n_cameras 0: not */
+    int64_t captured, told_ns;          /* of this run */
+    struct absence absence;             /* why there are no records */
+    char calibration[CALIBRATION_PATH]; /* that it is developed with */
+    int64_t wanted;      /* the generation of the order that is run, since run.wanted_ns */
+    int64_t wait_ns;     /* before what failed is tried again */
+    struct ttf_box view; /* kept open for a while between pictures; n_cameras 0: not */
     int64_t viewed_ns;
     volatile int
         view_stop; /* atomically: not 0: a run wants the devices, no picture does any more */
@@ -62,6 +64,7 @@ struct daemon {
     struct asks *asks;
     struct workshop *workshop;
     struct shadow *shadow;
+    struct calibrations *calibrations;
     struct ttf_http_events *events;
     struct keeper *keeper;
     char token[65];

@@ -64,6 +64,8 @@ static void on_progress(void *ctx, const struct ttf_progress *p)
         log_line(LOG_LEVEL_ALERT, "alarm", "text=%s",
                  log_text(p->text ? p->text : "", text, sizeof text));
         break;
+    case TTF_PROGRESS_ALARM_OVER: /* what ended it has an event */
+        break;
     }
 }
 
@@ -96,7 +98,6 @@ void runs_prepare(struct daemon *d)
     run->box_ready_ctx = d;
     run_describe(d->io, &d->board, &choices, run->description);
     run->session = (struct ttf_session_config){
-        .calibration_folder = *d->config.calibration ? d->config.calibration : NULL,
         .threads = d->config.threads,
         .progress = on_progress,
         .progress_ctx = d,
@@ -188,6 +189,10 @@ static int run_it(struct daemon *d, const struct order *order, const char *path,
         r = run_look(&d->run, err);
     if (r < 0)
         return r;
+    d->run.session.calibration_folder =
+        calibrations_of_run(d->calibrations, d->run.dataset, d->run.exists, d->calibration)
+            ? d->calibration
+            : NULL;
     manager_status(&d->manager, "%s %s", d->run.exists ? "going on with" : "beginning", path);
     if (d->wait_ns == d->config.retry_ns) /* not each time that it is tried again */
         log_line(LOG_LEVEL_NOTICE, d->run.exists ? "resuming" : "beginning",
@@ -274,6 +279,7 @@ static void one_run(struct daemon *d, const struct order *order)
         return;
     if (r == 0) {
         workshop_open(d->workshop, false);
+        calibrations_give_up(d->calibrations);
         view_close(d, true);
         daemon_does(d, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
         r = run_it(d, order, path, &err);

@@ -21,7 +21,7 @@
 #define SIDE        1600
 #define QUALITY     85
 
-static int open_devices(struct daemon *d, struct ttf_err *err)
+int view_open(struct daemon *d, struct ttf_err *err)
 {
     int r;
 
@@ -195,7 +195,7 @@ static int encode(const struct ttf_pixbuf *small, struct workshop_job *job, stru
         for (size_t i = 0; i < (size_t)small->width * 3; i++)
             to[i] = table[from[i]];
     }
-    r = ttf_jpeg_encode(&shown, QUALITY, &job->jpeg, &job->bytes, err);
+    r = ttf_jpeg_encode(&shown, QUALITY, &job->shown.jpeg, &job->shown.bytes, err);
     ttf_pixbuf_free(&shown);
     free(table);
     return r;
@@ -225,6 +225,8 @@ static int picture(struct daemon *d, struct workshop_job *job, struct ttf_err *e
 
     if (r == 0)
         r = develop(&raw, &codes, err);
+    job->shown.exposure_ns = raw.settings.exposure_ns;
+    job->shown.gain_milli = raw.settings.gain_milli;
     ttf_raw_sum_free(&raw);
     if (r == 0)
         r = cut(&codes, job->view, &part, err);
@@ -240,7 +242,7 @@ static int picture(struct daemon *d, struct workshop_job *job, struct ttf_err *e
 int view_work(void *ctx, struct workshop_job *job, struct ttf_err *err)
 {
     struct daemon *d = ctx;
-    int r = open_devices(d, err);
+    int r = view_open(d, err);
 
     if (r == 0 && job->view) {
         r = picture(d, job, err);

@@ -18,8 +18,7 @@ struct workshop;
 
 struct workshop_job {
     const struct ttf_http_view *view; /* a picture is wanted; NULL: that the devices are known */
-    void *jpeg;                       /* made; by malloc */
-    size_t bytes;
+    struct ttf_http_shown shown;      /* made */
 };
 
 /* wake is opened when there is something to do; borrowed. NULL: no memory. */
@@ -36,5 +35,6 @@ bool workshop_work(struct workshop *workshop, workshop_fn *fn, void *ctx);
 
 /* Who waits is told -EBUSY (a run takes the devices) until it is opened again. */
 void workshop_open(struct workshop *workshop, bool open);
+bool workshop_is_open(struct workshop *workshop);
 
 #endif

@@ -163,6 +163,116 @@ int body_change(const char *text, size_t bytes, struct ttf_http_ask *ret, struct
     return r;
 }
 
+/* ---- a calibration ---- */
+
+/* A number within bounds; not there: 0. */
+static int take_real(json_t *object, const char *name, double least, double most, double *ret,
+                     struct ttf_err *err)
+{
+    json_t *value = json_object_get(object, name);
+
+    *ret = 0;
+    if (!value)
+        return 0;
+    *ret = json_number_value(value);
+    if (!json_is_number(value) || !(*ret >= least && *ret <= most))
+        return ttf_err_set(err, -EINVAL, name, "a number of %g to %g is meant", least, most);
+    return 0;
+}
+
+static int take_whole(json_t *object, const char *name, int64_t most, int64_t *ret,
+                      struct ttf_err *err)
+{
+    json_t *value = json_object_get(object, name);
+
+    *ret = 0;
+    if (!value)
+        return 0;
+    *ret = json_integer_value(value);
+    if (!json_is_integer(value) || *ret < 1 || *ret > most)
+        return ttf_err_set(err, -EINVAL, name, "a whole number of 1 to %lld is meant",
+                           (long long)most);
+    return 0;
+}
+
+static int take_corners(json_t *object, struct ttf_http_calibrate *ret, struct ttf_err *err)
+{
+    json_t *corners = json_object_get(object, "corners");
+
+    for (size_t i = 0; i < 4; i++)
+        for (size_t k = 0; k < 2; k++) {
+            json_t *value = json_array_get(json_array_get(corners, i), k);
+
+            if (!json_is_number(value) || json_array_size(corners) != 4 ||
+                json_array_size(json_array_get(corners, i)) != 2)
+                return not_meant(err, "corners",
+                                 "[[X, Y], ...] of the chart's four corners is meant");
+            ret->corners[i][k] = json_number_value(value);
+        }
+    return 0;
+}
+
+static int take_calibrate(json_t *object, struct ttf_http_calibrate *ret, struct ttf_err *err)
+{
+    static const char *const PARTS[] = {"dark", "flat", "chart", "geometry", "flicker"};
+    int64_t frames = 0;
+    bool known = false;
+    int r = take_text(object, "part", ret->part, sizeof ret->part, err);
+
+    for (size_t i = 0; i < sizeof PARTS / sizeof *PARTS; i++)
+        known = known || strcmp(ret->part, PARTS[i]) == 0;
+    if (r == 0 && !known)
+        r = not_meant(err, "part", "dark, flat, chart, geometry or flicker is meant");
+    if (r == 0)
+        r = take_name(object, "plan", ret->plan, err);
+    if (r == 0)
+        r = take_whole(object, "exposure_ns", 1000 * TTF_NS_PER_S, &ret->exposure_ns, err);
+    if (r == 0)
+        r = take_whole(object, "gain_milli", 1000000, &ret->gain_milli, err);
+    if (r == 0)
+        r = take_whole(object, "frames", 1000, &frames, err);
+    if (r == 0)
+        r = take_real(object, "reflectance", 0.01, 1, &ret->reflectance, err);
+    if (r == 0)
+        r = take_real(object, "pitch_mm", 0.001, 1000, &ret->pitch_mm, err);
+    ret->frames = (unsigned)frames;
+    if (r == 0 && strcmp(ret->part, "geometry") == 0 && ret->pitch_mm == 0)
+        r = not_meant(err, "pitch_mm", "how far the dots are apart is missing");
+    if (r == 0 && strcmp(ret->part, "chart") == 0)
+        r = take_corners(object, ret, err);
+    return r;
+}
+
+int body_calibrate(const char *text, size_t bytes, struct ttf_http_calibrate *ret,
+                   struct ttf_err *err)
+{
+    static const char *const NAMES[] = {"part",       "plan",    "exposure_ns",
+                                        "gain_milli", "frames",  "reflectance",
+                                        "pitch_mm",   "corners", NULL};
+    json_t *object;
+    int r = read_object(text, bytes, NAMES, &object, err);
+
+    if (r < 0)
+        return r;
+    memset(ret, 0, sizeof *ret);
+    r = take_calibrate(object, ret, err);
+    json_decref(object);
+    return r;
+}
+
+int body_name(const char *text, size_t bytes, char ret[65], struct ttf_err *err)
+{
+    static const char *const NAMES[] = {"name", NULL};
+    json_t *object;
+    int r = read_object(text, bytes, NAMES, &object, err);
+
+    if (r < 0)
+        return r;
+    r = take_name(object, "name", ret, err);
+    json_decref(object);
+    return r;
+}
+
 static int take_slots(json_t *object, struct ttf_note *note, struct ttf_err *err)
 {
     json_t *ranges = json_object_get(object, "slots"), *range;

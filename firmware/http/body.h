@@ -29,6 +29,14 @@ TTF_MUST_USE int body_pause(const char *text, size_t bytes, struct ttf_http_ask 
 TTF_MUST_USE int body_change(const char *text, size_t bytes, struct ttf_http_ask *ret,
                              struct ttf_err *err);
 
+/* {"part","plan","exposure_ns","gain_milli","frames","reflectance","pitch_mm","corners"} of a step of a calibration; its name is
+ * not of the body. */
+TTF_MUST_USE int body_calibrate(const char *text, size_t bytes, struct ttf_http_calibrate *ret,
+                                struct ttf_err *err);
+
+/* {"name"}, which may be "". */
+TTF_MUST_USE int body_name(const char *text, size_t bytes, char ret[65], struct ttf_err *err);
+
 /* {"utc_ns"}. */
 TTF_MUST_USE int body_time(const char *text, size_t bytes, int64_t *ret_utc_ns,
                            struct ttf_err *err);

@@ -188,3 +188,43 @@ int box_time(struct ttf_http_request *request, struct ttf_http_answer *ret)
     r = OPS(request)->time(request->box, utc_ns, &json, &request->err);
     return box_give(ret, r, json);
 }
+
+/* ---- calibrations ---- */
+
+int box_calibrations(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char *json = NULL;
+    int r = box_needed(request);
+
+    if (r < 0)
+        return r;
+    r = OPS(request)->calibrations(request->box, &json, &request->err);
+    return box_give(ret, r, json);
+}
+
+int box_calibrate(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    struct ttf_http_calibrate what;
+    char *json = NULL;
+    int r = named(request, request->match->name);
+
+    if (r == 0)
+        r = body_calibrate(request->body, request->body_bytes, &what, &request->err);
+    if (r < 0)
+        return r;
+    memcpy(what.name, request->match->name, sizeof what.name);
+    r = OPS(request)->calibrate(request->box, &what, &json, &request->err);
+    return box_give(ret, r, json);
+}
+
+int box_calibration_use(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    char name[65];
+    int r = box_needed(request);
+
+    if (r == 0)
+        r = body_name(request->body, request->body_bytes, name, &request->err);
+    if (r == 0)
+        r = OPS(request)->calibration_use(request->box, name, &request->err);
+    return r < 0 ? r : answer_done(request, ret);
+}

@@ -17,6 +17,9 @@ int box_plan_check(struct ttf_http_request *request, struct ttf_http_answer *ret
 int box_plan_put(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_plan_delete(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_time(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_calibrations(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_calibrate(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_calibration_use(struct ttf_http_request *request, struct ttf_http_answer *ret);
 
 /* Ready for the door's functions: 0, or -ENODEV: this server has no box. */
 TTF_MUST_USE int box_needed(struct ttf_http_request *request);

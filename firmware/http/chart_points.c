@@ -124,24 +124,21 @@ static void put(struct chart_series *series, unsigned at, double value)
         join_values(&series->value[at], &one);
 }
 
-/* Of all of an image's exposures, the refused ones too: the lamp was lit all the same. */
-static void add_lamps(struct chart_points *points, const struct ttf_image *image)
+static void add_lamps(struct chart_points *points, struct chart_lamps *lamps,
+                      const struct ttf_slot_record *record)
 {
-    for (unsigned i = 0; i < image->n_shots; i++) {
-        const struct ttf_shot *shot = &image->shots[i];
+    struct chart_lit lit[CHART_LAMPS];
+    unsigned n = chart_lamps_add(lamps, record, lit);
 
-        if (shot->start_ns == TTF_NS_UNKNOWN || shot->end_ns == TTF_NS_UNKNOWN)
-            continue;
-        for (unsigned k = 0; k < shot->n_lamps; k++) {
-            struct chart_series *series = find(points, CHART_LAMP, shot->lamps[k].name, "", -1);
+    for (unsigned i = 0; i < n; i++) {
+        struct chart_series *series = find(points, CHART_LAMP, lit[i].name, "", -1);
 
-            if (series && shot->lamps[k].commanded_permille > 0)
-                series->total += (double)(shot->end_ns - shot->start_ns) / (double)TTF_NS_PER_H;
-        }
+        if (series)
+            series->total += (double)lit[i].ns / (double)TTF_NS_PER_H;
     }
 }
 
-static void add_values(struct chart_points *points, unsigned at,
+static void add_values(struct chart_points *points, unsigned at, struct chart_lamps *lamps,
                        const struct ttf_slot_record *record)
 {
     for (unsigned i = 0; i < record->n_images; i++) {
@@ -152,8 +149,8 @@ static void add_values(struct chart_points *points, unsigned at,
                 image->reference_level);
         if (isfinite(image->mean_level))
             put(find(points, CHART_MEAN, image->stream, "", image->bracket), at, image->mean_level);
-        add_lamps(points, image);
     }
+    add_lamps(points, lamps, record);
     if (record->middle_ns != TTF_NS_UNKNOWN)
         put(find(points, CHART_ERROR, "", "", -1), at,
             (double)(record->middle_ns - record->due_ns) / (double)TTF_NS_PER_S);
@@ -169,7 +166,8 @@ static void add_values(struct chart_points *points, unsigned at,
             put(&points->series[i], at, points->series[i].total);
 }
 
-int chart_points_add(struct chart_points *points, const struct ttf_slot_record *record)
+int chart_points_add(struct chart_points *points, struct chart_lamps *lamps,
+                     const struct ttf_slot_record *record)
 {
     struct chart_point *point;
     unsigned at;
@@ -190,6 +188,6 @@ int chart_points_add(struct chart_points *points, const struct ttf_slot_record *
     }
     point->results[record->result]++;
     points->slots++;
-    add_values(points, at, record);
+    add_values(points, at, lamps, record);
     return 0;
 }

@@ -11,6 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "chart_lamps.h"
 #include "ttf/base/attr.h"
 #include "ttf/dataset/record.h"
 
@@ -22,7 +23,7 @@ enum chart_what {
     CHART_MEAN,          /* mean_level */
     CHART_ERROR,         /* middle - due, s */
     CHART_SENSOR,        /* value of a sensor, in its kind's unit */
-    CHART_LAMP           /* hours so far that a lamp was lit while frames were exposed */
+    CHART_LAMP           /* hours so far that a lamp burned */
 };
 
 struct chart_value {
@@ -52,9 +53,9 @@ struct chart_points {
     struct chart_series series[CHART_SERIES];
 };
 
-/* Zeroed is empty. */
-TTF_MUST_USE int chart_points_add(struct chart_points *points,
-                                  const struct ttf_slot_record *record); /* 0, -ENOMEM */
-void chart_points_free(struct chart_points *points);                     /* empty again */
+/* Zeroed is empty. lamps: of the dataset, told of the record's segment and plan before it. 0, -ENOMEM. */
+TTF_MUST_USE int chart_points_add(struct chart_points *points, struct chart_lamps *lamps,
+                                  const struct ttf_slot_record *record);
+void chart_points_free(struct chart_points *points); /* empty again */
 
 #endif

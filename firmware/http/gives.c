@@ -43,6 +43,8 @@ const struct ttf_http_gives GIVES_FILE = {
     .types = OF_DATASETS, .status = 200, .tagged = true, .ranges = true};
 const struct ttf_http_gives GIVES_TAR = {
     .types = ALL_OF("application/x-tar"), .status = 200, .tagged = true, .ranges = true};
+const struct ttf_http_gives GIVES_VIDEO = {
+    .types = ALL_OF("video/x-msvideo"), .status = 200, .tagged = true, .ranges = true};
 const struct ttf_http_gives GIVES_YAML = {.types = ALL_OF("application/yaml"), .status = 200};
 const struct ttf_http_gives GIVES_JPEG = {
     .types = ALL_OF("image/jpeg"), .status = 200, .tagged = true};

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #define KEPT      4                 /* datasets; 100 kB to 2 MB each, and 16 bytes for each slot */
+#define PLAN_MAX  ((size_t)1 << 20) /* bytes of its JSON */
 #define LINES_MAX ((size_t)1000000) /* of later slots it is not known where they lie */
 
 struct remembered {
@@ -91,15 +92,43 @@ static int add_line(struct history_of *of, int64_t index)
     return 0;
 }
 
+/* The plan of a segment, so that lamps are counted as it has them burn; what cannot be read is not known. */
+static void read_plan(struct ttf_http_request *request, struct history_of *of, int plan)
+{
+    char path[40], *text = malloc(PLAN_MAX);
+    int fd = -ENOENT;
+    ssize_t n = 0;
+
+    (void)snprintf(path, sizeof path, "plans/%d.json", plan);
+    if (plan >= 0 && text)
+        fd = folder_file(request->folder, request->match->name, path, NULL);
+    if (fd >= 0) {
+        n = pread(fd, text, PLAN_MAX, 0);
+        (void)close(fd);
+    }
+    chart_lamps_plan(&of->lamps, text ? text : "", n > 0 ? (size_t)n : 0);
+    free(text);
+}
+
+struct reading {
+    struct ttf_http_request *request;
+    struct history_of *of;
+};
+
 static int take_line(void *ctx, const struct ttf_growth_line *line, struct ttf_err *err)
 {
-    struct history_of *of = ctx;
+    struct reading *reading = ctx;
+    struct history_of *of = reading->of;
     struct ttf_slot_record record;
     struct ttf_segment segment;
     int r;
 
     if (strcmp(line->type, "segment") == 0) {
         r = ttf_growth_segment(line, &segment, err);
+        if (r == 0) {
+            read_plan(reading->request, of, segment.plan);
+            chart_lamps_segment(&of->lamps, &segment);
+        }
         return r == 0 ? chart_segments_put(&of->segments, &segment) : r;
     }
     if (strcmp(line->type, "slot") != 0)
@@ -109,7 +138,7 @@ static int take_line(void *ctx, const struct ttf_growth_line *line, struct ttf_e
         return r == -ENOMEM ? r : 0; /* one that contradicts the format: verify says so */
     r = add_line(of, record.index);
     if (r == 0)
-        r = chart_points_add(&of->points, &record);
+        r = chart_points_add(&of->points, &of->lamps, &record);
     ttf_slot_record_free(&record);
     return r;
 }
@@ -117,14 +146,16 @@ static int take_line(void *ctx, const struct ttf_growth_line *line, struct ttf_e
 static int read_on(struct ttf_http_request *request, const char *path, struct history_of *of,
                    int64_t max_bytes)
 {
-    int r =
-        ttf_growth_read(request->io, path, &of->growth, max_bytes, take_line, of, &request->err);
+    struct reading reading = {request, of};
+    int r = ttf_growth_read(request->io, path, &of->growth, max_bytes, take_line, &reading,
+                            &request->err);
 
     if (r != -ESTALE)
         return r;
     forget(of);
     memset(&request->err, 0, sizeof request->err);
-    return ttf_growth_read(request->io, path, &of->growth, max_bytes, take_line, of, &request->err);
+    return ttf_growth_read(request->io, path, &of->growth, max_bytes, take_line, &reading,
+                           &request->err);
 }
 
 int history_hold(struct ttf_http_request *request, int64_t max_bytes, const struct history_of **ret)

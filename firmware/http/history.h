@@ -21,6 +21,7 @@ struct history_of {
     struct ttf_growth growth;
     uint64_t begun; /* counts up when it was begun anew: the dataset is another one */
     struct chart_points points;
+    struct chart_lamps lamps;
     struct chart_segments segments;
     struct history_line {
         int64_t index, offset;

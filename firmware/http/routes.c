@@ -12,6 +12,7 @@
 #include "gives.h"
 #include "health.h"
 #include "listeners.h"
+#include "preview_video.h"
 #include "previews.h"
 #include "run_answers.h"
 #include "session.h"
@@ -48,6 +49,8 @@ static const struct ttf_http_route ROUTES[] = {
      TTF_HTTP_PICTURES, &GIVES_JPEG},
     {"GET", "/api/v1/datasets/{name}/preview", TTF_HTTP_READ, previews_state, TTF_HTTP_NO_BODY,
      TTF_HTTP_AT_ONCE, &GIVES_TAGGED_JSON},
+    {"GET", "/api/v1/datasets/{name}/preview.avi", TTF_HTTP_READ, preview_video, TTF_HTTP_NO_BODY,
+     TTF_HTTP_PICTURES, &GIVES_VIDEO},
     {"GET", "/api/v1/datasets/{name}/preview/{path}", TTF_HTTP_READ, previews_frame,
      TTF_HTTP_NO_BODY, TTF_HTTP_AT_ONCE, &GIVES_JPEG},
     {"GET", "/api/v1/datasets/{name}/events", TTF_HTTP_READ, datasets_events, TTF_HTTP_NO_BODY,
@@ -82,6 +85,12 @@ static const struct ttf_http_route ROUTES[] = {
      &GIVES_JSON},
     {"DELETE", "/api/v1/plans/{name}", TTF_HTTP_CHANGE, box_plan_delete, TTF_HTTP_NO_BODY,
      TTF_HTTP_WORK, &GIVES_JSON},
+    {"GET", "/api/v1/calibrations", TTF_HTTP_READ, box_calibrations, TTF_HTTP_NO_BODY,
+     TTF_HTTP_WORK, &GIVES_JSON},
+    {"POST", "/api/v1/calibrations/{name}", TTF_HTTP_CHANGE, box_calibrate, TTF_HTTP_JSON,
+     TTF_HTTP_ORDERS, &GIVES_ACCEPTED},
+    {"PUT", "/api/v1/calibration", TTF_HTTP_CHANGE, box_calibration_use, TTF_HTTP_JSON,
+     TTF_HTTP_ORDERS, &GIVES_JSON},
     {"POST", "/api/v1/run", TTF_HTTP_CHANGE, run_start, TTF_HTTP_JSON, TTF_HTTP_ORDERS,
      &GIVES_ACCEPTED},
     {"POST", "/api/v1/run/stop", TTF_HTTP_CHANGE, run_stop, TTF_HTTP_NO_BODY, TTF_HTTP_STOPS,

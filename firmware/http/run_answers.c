@@ -2,6 +2,7 @@
 #include "run_answers.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -117,15 +118,14 @@ int run_live(struct ttf_http_request *request, struct ttf_http_answer *ret)
                                    .lamps = request_query(request, "lamps"),
                                    .region = request_query(request, "region")};
     struct ttf_http_view view;
-    void *jpeg = NULL;
-    size_t bytes = 0;
+    struct ttf_http_shown shown = {0};
     int r = box_needed(request);
 
     if (r == 0)
         r = body_view(&said, &view, &request->err);
     if (r < 0)
         return r;
-    r = request->box->ops->live(request->box, &view, &jpeg, &bytes, &request->err);
+    r = request->box->ops->live(request->box, &view, &shown, &request->err);
     if (r == -EBUSY) { /* a run is under way: its camera is left alone */
         memset(&request->err, 0, sizeof request->err);
         answer_header(ret, "X-Ttfbox-Live", "latest");
@@ -133,7 +133,11 @@ int run_live(struct ttf_http_request *request, struct ttf_http_answer *ret)
     }
     if (r < 0)
         return r;
-    answer_json(ret, jpeg, bytes);
+    answer_json(ret, shown.jpeg, shown.bytes);
     answer_header(ret, "X-Ttfbox-Live", "camera");
+    if (shown.exposure_ns > 0) {
+        answer_header(ret, "X-Ttfbox-Exposure-Ns", "%" PRId64, shown.exposure_ns);
+        answer_header(ret, "X-Ttfbox-Gain-Milli", "%" PRId64, shown.gain_milli);
+    }
     return 0;
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* aids.js: what a picture's pixels say of exposure and focus. Pure: pixels in, figures or pixels out. */
+/* aids.js: what a picture's pixels say of exposure and focus. Pure, but for pixelsOf: pixels in, figures or pixels out. */
 
-const CLIPPED = 250, DARK = 5; /* display codes */
+const CLIPPED = 250, DARK = 5, SPOILED_TOP = 60; /* display codes; the last is 4 % of white */
+const SPOILED_CLIPPED = 0.05;
 
 /* Of RGBA pixels: 256 counts per channel, and the shares that are clipped and dark. */
 export function histogram({ data }) {
@@ -21,19 +22,43 @@ export function histogram({ data }) {
   return { counts, clipped: clipped / n, dark: dark / n };
 }
 
-/* What the figures mean to somebody who sets the exposure. */
-export function advice({ counts, clipped, dark }) {
+/* The code above which there is next to nothing. */
+function brightest({ counts }) {
   let seen = 0, top = 255;
   const all = counts[1].reduce((a, b) => a + b, 0);
   while (top > 0 && (seen += Math.max(counts[0][top], counts[1][top], counts[2][top])) < all / 1000)
     top--;
+  return top;
+}
+
+const of_white = (code) => 100 * (code / 255) ** 2.2;
+
+/* What nobody wants a week of: "" where there is nothing to be said. */
+export function spoiled(figures) {
+  const top = brightest(figures), { clipped } = figures;
+  if (clipped > SPOILED_CLIPPED)
+    return `clipped: ${Math.round(100 * clipped)} % of the picture is as bright as the camera can tell`;
+  return top < SPOILED_TOP ? `nearly black: nothing in it is brighter than ${+of_white(top).toPrecision(1)} % of white` : "";
+}
+
+/* What the figures mean to somebody who sets the exposure. */
+export function advice(figures) {
+  const top = brightest(figures), { clipped, dark } = figures;
   if (clipped > 0.001)
     return `${(100 * clipped).toFixed(clipped > 0.01 ? 0 : 1)} % is clipped: expose less`;
   if (top < 130)
-    return `nothing is brighter than ${Math.round(100 * ((top / 255) ** 2.2))} % of white: expose more, or more light`;
+    return `nothing is brighter than ${Math.round(of_white(top))} % of white: expose more, or more light`;
   if (dark > 0.5)
     return "more than half is black: is the light on?";
   return "nothing is clipped";
+}
+
+/* Of a JPEG, all of them, or shrunk to so many in a row. */
+export async function pixelsOf(blob, width) {
+  const bitmap = await createImageBitmap(blob, width ? { resizeWidth: width } : {}), canvas = new OffscreenCanvas(bitmap.width, bitmap.height), context = canvas.getContext("2d", { willReadFrequently: true });
+  context.drawImage(bitmap, 0, 0);
+  bitmap.close();
+  return context.getImageData(0, 0, canvas.width, canvas.height);
 }
 
 const luma = (d, i) => 0.2126 * d[i] + 0.7152 * d[i + 1] + 0.0722 * d[i + 2];

@@ -40,7 +40,8 @@ export const getText = async (path, options) => (await ask(path, options)).text(
 export async function getPicture(path, patience_ms = 60000) {
   const answer = await ask(path, {}, patience_ms);
   return { blob: await answer.blob(), dataset: answer.headers.get("X-Ttfbox-Dataset"),
-    index: answer.headers.get("X-Ttfbox-Index"), live: answer.headers.get("X-Ttfbox-Live") };
+    index: answer.headers.get("X-Ttfbox-Index"), live: answer.headers.get("X-Ttfbox-Live"),
+    exposure_ms: Number(answer.headers.get("X-Ttfbox-Exposure-Ns")) / 1e6, gain: Number(answer.headers.get("X-Ttfbox-Gain-Milli")) / 1000 };
 }
 
 async function send(method, path, body, type = "application/json") {
@@ -53,6 +54,7 @@ async function send(method, path, body, type = "application/json") {
 }
 
 export const post = (path, body) => send("POST", path, body);
+export const put = (path, body) => send("PUT", path, body);
 export const postPlan = (path, text) => send("POST", path, text, "application/yaml");
 export const putPlan = (name, text) => send("PUT", `plans/${encodeURIComponent(name)}`, text, "application/yaml");
 export const remove = (path) => send("DELETE", path);

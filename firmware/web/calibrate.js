@@ -1,29 +1,147 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* calibrate.js: step by step from a camera's own values to reflectance, with the commands as they are to be typed. */
-import { h, fill } from "./dom.js";
+/* calibrate.js: step by step from a camera's own values to reflectance: asked of the box, or typed as commands. */
+import { h, fill, say } from "./dom.js";
+import { get, post, put } from "./api.js";
 import { cornersOption, picked, pickedText } from "./picker.js";
+import { nameOf } from "./presets.js";
+import { count, span } from "./words.js";
+
+const LOOK_MS = 1000, BUSY = ["capturing", "arming", "paused", "stopping", "retrying"];
+const PARTS = ["dark", "flat", "chart", "geometry", "flicker"];
+
+/* What a part of a calibration says of itself. */
+function partWords(name, part) {
+  const further = { flat: () => `target ${+part.reflectance.toPrecision(3)}`, chart: () => `colours off by ${part.delta_e_mean.toFixed(1)} (${part.delta_e_before_mean.toFixed(1)} without), CIEDE2000`,
+    geometry: () => `${part.mm_per_px.toPrecision(4)} mm a pixel`, flicker: () => `frames differ by ${(100 * part.frame_rms).toFixed(2)} %, bands by ${(100 * part.band_rms).toFixed(2)} %` }[name];
+  return `${name}: ${part.frames} frames${part.exposure_ns ? ` of ${span(part.exposure_ns)}` : ""}${further ? `, ${further()}` : ""}`;
+}
 
 export function calibrate(main, box) {
-  const { status } = box, board = status?.board || "BOARD", marks = picked(), text = pickedText(marks), simulated = status?.simulated;
-  const command = (line) => h("pre", { tabindex: 0, "aria-label": "Command" }, line);
-  const b = board === "sim" ? "" : ` --board ${board}`, white = simulated ? " --scene white" : "";
-  const busy = status && ["waiting", "capturing", "arming", "paused", "retrying"].includes(status.state);
+  let ended = false, timer = 0, step = null;
+  const marks = picked(), text = pickedText(marks), seen = marks.seen;
+  const said = h("p", { role: "status" }), wrong = h("p", { class: "bad", role: "alert" }), list = h("div"), busy_said = h("p", { class: "finding-warning" });
+  const name = h("input", { required: true, pattern: "[A-Za-z0-9_\\-][A-Za-z0-9._\\-]{0,63}", maxlength: 64, size: 22, value: `${nameOf(box.status?.board || "box")}-${new Date().toISOString().slice(0, 10)}` });
+  const plan = h("select", {}, h("option", { value: "" }, "all lamps, fully lit"));
+  const frames = h("input", { type: "number", min: 1, max: 1000, step: 1, value: 64 });
+  const exposure = h("input", { type: "number", min: 0.001, step: "any", placeholder: "the plan's", value: seen?.exposure_ms || "" });
+  const gain = h("input", { type: "number", min: 0.1, step: "any", placeholder: "the plan's", value: seen?.gain || "" });
+  const reflectance = h("input", { type: "number", min: 0.01, max: 1, step: "any", placeholder: "0.9", size: 6 });
+  const pitch = h("input", { type: "number", min: 0.001, max: 1000, step: "any", value: 5, size: 6 });
+  const form = h("form", { onsubmit: (e) => e.preventDefault() }, h("div", { class: "fields" },
+    h("label", { class: "field" }, "Name of the calibration", name), h("label", { class: "field" }, "For the light of the plan", plan),
+    h("label", { class: "field" }, "Exposure, ms", exposure), h("label", { class: "field" }, "Gain", gain), h("label", { class: "field" }, "Frames of a step", frames)));
 
+  /* ---- what is asked of the box ---- */
+
+  const body = { flat: () => reflectance.value > 0 && { reflectance: Number(reflectance.value) }, geometry: () => ({ pitch_mm: Number(pitch.value) }),
+    chart: () => ({ corners: marks.corners.map((p) => [p.x, p.y]) }) };
+  async function take(part) {
+    say(wrong, "");
+    if (!form.reportValidity())
+      return;
+    try {
+      show(await post(`calibrations/${encodeURIComponent(name.value)}`, { part, frames: Number(frames.value), ...(plan.value && { plan: plan.value }),
+        ...(exposure.value > 0 && { exposure_ns: Math.round(exposure.value * 1e6) }), ...(gain.value > 0 && { gain_milli: Math.round(gain.value * 1000) }), ...body[part]?.() }));
+    } catch (error) {
+      say(wrong, error.text || error.message);
+    }
+  }
+
+  async function use(which) {
+    say(wrong, "");
+    try {
+      await put("calibration", { name: which });
+      await look();
+    } catch (error) {
+      say(wrong, error.text || error.message);
+    }
+  }
+
+  async function look() {
+    clearTimeout(timer);
+    try {
+      const got = await get("calibrations");
+      if (!ended)
+        show(got);
+    } catch (error) {
+      say(wrong, error.text || error.message);
+    }
+  }
+
+  /* ---- what it says ---- */
+
+  function show({ used, configured, step: now, calibrations }) {
+    step = now;
+    if (now) {
+      const { part, calibration, state } = now, most = now.at_most_ns ? `, ${span(now.at_most_ns)} at the most` : "";
+      say(said, { waiting: `The ${part} is about to be taken.`, "under-way": `The ${part} is being taken, for ${span(now.for_ns)} by now${most}. Leave the box alone.`,
+        done: `The ${part} of ${calibration} is there.`, refused: `The ${part} was refused: ${now.where ? `${now.where}: ` : ""}${now.error}${now.hint ? ` (${now.hint})` : ""}` }[state]);
+      said.className = { done: "good", refused: "bad" }[state] || "";
+    }
+    fill(list, calibrations.length === 0 ? h("p", {}, "None yet.") : h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Calibrations on this box" }, h("table", {},
+      h("thead", {}, h("tr", {}, ["Calibration", "Holds", ""].map((t) => h("th", { scope: "col" }, t || h("span", { class: "visually-hidden" }, "What to do"))))),
+      h("tbody", {}, calibrations.map((c) => h("tr", {}, h("td", {}, c.name, c.simulated && h("div", { class: "quiet" }, "SIMULATED")),
+        h("td", {}, PARTS.filter((p) => c[p]).map((p) => h("div", {}, partWords(p, c[p]))), c.dark && h("div", { class: "quiet" }, count(c.hot_pixels, "hot pixel"))),
+        h("td", {}, c.name === used ? h("strong", {}, "in use") : h("button", { disabled: !box.session.change, onclick: () => use(c.name) }, "Use it"))))))),
+      used && h("div", { class: "row end" }, h("button", { disabled: !box.session.change, onclick: () => use("") }, configured ? "Use the configured one" : "Use none")),
+      configured && h("p", { class: "quiet" }, `The box's configuration names ${configured}${used ? "; what is chosen here holds instead" : ""}.`));
+    enable();
+    clearTimeout(timer);
+    if (!ended && now && ["waiting", "under-way"].includes(now.state))
+      timer = setTimeout(look, LOOK_MS);
+  }
+
+  const buttons = Object.entries({ dark: "Take the dark", flat: "Take the flat", chart: "Take the chart", geometry: "Take the grid", flicker: "Measure the light" })
+    .reduce((all, [part, words]) => ({ ...all, [part]: h("button", { type: "button", disabled: true, onclick: () => take(part) }, words) }), {});
+
+  function enable() {
+    const busy = BUSY.includes(box.status?.state), working = step && ["waiting", "under-way"].includes(step.state);
+    say(busy_said, busy ? "A run is under way: the camera belongs to it. Calibrate before a run, or when it is stopped." : box.session.change ? "" : "To calibrate, enter the token.");
+    for (const [part, button] of Object.entries(buttons))
+      button.disabled = busy || working || !box.session.change || (part === "chart" && marks.corners.length !== 4);
+  }
+
+  /* ---- the commands ---- */
+
+  const simulated = box.status?.simulated, board = box.status?.board || "BOARD", b = board === "sim" ? "" : ` --board ${board}`;
+  const command = (line) => h("pre", { tabindex: 0, "aria-label": "Command" }, line);
+  const by_hand = h("details", {}, h("summary", {}, "By hand, at the box's own terminal"),
+    h("p", {}, "The same, for whoever is logged in on the box, with targets of other colours or a sample of its own. The box's program holds the camera and the lamps: end it first. A run under way ends within a slot, and is gone on with when the program is started again."),
+    command("sudo systemctl stop ttfboxd"), command(`ttfbox calibrate dark${b} -p PLAN -o cal`), command(`ttfbox calibrate flat${b} -p PLAN${simulated ? " --scene white" : ""} --reflectance 0.9 -o cal`),
+    command(`ttfbox calibrate chart${b} -p PLAN${simulated ? " --scene chart" : ""} -o cal${simulated ? "" : ` ${cornersOption(marks) || "--corners X,Y,X,Y,X,Y,X,Y"}`}`),
+    command(`ttfbox calibrate geometry${b} -p PLAN${simulated ? " --scene dots" : ""} --pitch 5 -o cal`), command(`ttfbox calibrate flicker${b} -p PLAN -o cal`), command("ttfbox calibrate report cal"),
+    h("p", {}, "Then ", h("code", {}, "calibration: PATH"), " in the configuration of the program, and:"), command("sudo systemctl start ttfboxd"));
+
+  /* ---- the page ---- */
+
+  const taken = (part, ...fields) => h("div", { class: "row" }, fields, buttons[part]);
   fill(main, h("h1", {}, "Calibration, step by step"), h("div", { class: "cards" },
     h("section", { class: "card wide" },
       h("p", {}, "Without a calibration, values are the camera's own (radiance); with one, value 1 is a perfect diffuser wherever it lies (reflectance). It takes ten minutes, and it holds as long as camera, lens, lamps and exposure stay as they are. Each step refuses what cannot be right, and says why."),
-      busy && h("p", { class: "finding-warning" }, "A run is under way: the camera belongs to it. Calibrate before a run, or after."),
+      busy_said, form,
       h("ol", { class: "steps" },
-        h("li", {}, h("strong", {}, "Frame, focus, expose."), " In ", h("a", { href: "#/live" }, "live view"), " turn the lens until the focus number is largest; put the white target in, and set exposure and lamps so that nothing is clipped and the brightest lies near the right end of the histogram. Write them into the plan: the calibration takes them from there."),
-        h("li", {}, h("strong", {}, "Dark."), " Close the box; all lamps go off by themselves.", command(`ttfbox calibrate dark${b} -p PLAN -o cal`)),
-        h("li", {}, h("strong", {}, "Flat."), " Put an even white target in the sample's place, filling the picture; say how much light it reflects. Lamps are lit and settled first.", command(`ttfbox calibrate flat${b} -p PLAN${white} --reflectance 0.9 -o cal`)),
-        h("li", {}, h("strong", {}, "Chart, if colours matter."), " Put a colour chart of 24 patches in the sample's place, under the same lamps; mark the corners of its patches in ", h("a", { href: "#/live" }, "live view"), ", from \"dark skin\" clockwise. Grey stays grey; the report says how far the colours are off before and after.",
-          command(`ttfbox calibrate chart${b} -p PLAN${simulated ? " --scene chart" : ""} -o cal${simulated ? "" : ` ${cornersOption(marks) || "--corners X,Y,X,Y,X,Y,X,Y"}`}`)),
-        h("li", {}, h("strong", {}, "Grid, if sizes matter."), " Put a printed grid of dark round dots in the sample's place, flat, filling the picture; say how many millimetres they are apart. Datasets then say how large a pixel is; the report says how square the camera looks and what the lens bends.", command(`ttfbox calibrate geometry${b} -p PLAN${simulated ? " --scene dots" : ""} --pitch 5 -o cal`)),
-        h("li", {}, h("strong", {}, "Is the light steady?"), " Frame by frame, and in bands across one; it says what helps.", command(`ttfbox calibrate flicker${b} -p PLAN -o cal`)),
-        h("li", {}, h("strong", {}, "Look at it."), " How even the light is, how much noise there is, what was refused.", command("ttfbox calibrate report cal")),
-        h("li", {}, h("strong", {}, "Use it."), " In the daemon's configuration as ", h("code", {}, "calibration: PATH"), ", or by hand:", command(`ttfbox capture PLAN${b} -c cal -o DATASET`)))),
+        h("li", {}, h("strong", {}, "Frame, focus, expose."), " In ", h("a", { href: "#/live" }, "live view"), " turn the lens until the focus number is largest; put the white target in, light the lamps, and set the exposure so that nothing is clipped and the brightest lies near the right end of the histogram. It is taken over here, and into the plan."),
+        h("li", {}, h("strong", {}, "Dark."), " Close the box; all lamps go off by themselves.", taken("dark")),
+        h("li", {}, h("strong", {}, "Flat."), " Put an even white target in the sample's place, filling the picture; say how much light it reflects. Lamps are lit and settled first.", taken("flat", h("label", {}, "It reflects", reflectance))),
+        h("li", {}, h("strong", {}, "Chart, if colours matter."), " Put a ColorChecker Classic in the sample's place, under the same lamps; mark the corners of its patches in ", h("a", { href: "#/live" }, "live view"), ", from \"dark skin\" clockwise. Grey stays grey.",
+          marks.corners.length === 4 ? null : h("span", { class: "quiet" }, " Its corners are not marked yet."), taken("chart")),
+        h("li", {}, h("strong", {}, "Grid, if sizes matter."), " Put a printed grid of dark round dots in the sample's place, flat, filling the picture; say how many millimetres they are apart. Datasets then say how large a pixel is.", taken("geometry", h("label", {}, "Dots apart, mm", pitch))),
+        h("li", {}, h("strong", {}, "Is the light steady?"), " Frame by frame, and in bands across one.", taken("flicker"))),
+      said, wrong, by_hand),
+    h("section", { class: "card wide" }, h("h2", {}, "Calibrations on this box"), list, h("p", { class: "quiet" }, "What is in use develops the pictures of the next run that begins. A run that is gone on with keeps its own.")),
     h("section", { class: "card" }, h("h2", {}, "What was picked in live view"),
       text ? h("pre", { tabindex: 0, "aria-label": "What was picked" }, text) : h("p", {}, "Nothing yet. Region, reference patch and the corners of a colour chart are marked in ", h("a", { href: "#/live" }, "live view"), "."),
-      h("p", { class: "quiet" }, "Region and reference go into the plan, the corners into the chart's command."))));
+      h("p", { class: "quiet" }, "Region and reference go into the plan, the corners into the chart."))));
+
+  get("plans").then(({ plans }) => plans.filter((p) => !p.error).forEach((p) => plan.append(h("option", { value: p.name }, p.name)))).catch(() => { /* without one it works as well */ });
+  for (const kind of ["status", "session"])
+    box.addEventListener(kind, enable);
+  enable();
+  look();
+  return () => {
+    ended = true;
+    clearTimeout(timer);
+    for (const kind of ["status", "session"])
+      box.removeEventListener(kind, enable);
+  };
 }

@@ -7,11 +7,17 @@ const UNITS = { temperature: ["°C", 1 / 1000], temp_mdegc: ["°C", 1 / 1000], h
 const KINDS = { temperature: "Temperature", temp_mdegc: "Temperature", humidity: "Humidity", humidity_mpct: "Humidity", light: "Light", light_permille: "Light" };
 const STYLES = ["plain", "red", "green", "blue", "violet"];
 
+/* Hours as people read them: a run of seconds has none. */
+function lampUnit(series) {
+  const most = Math.max(0, ...series.filter((one) => one.what === "lamp_hours").flatMap((one) => one.max));
+  return most >= 2 ? ["h", 1] : most >= 2 / 60 ? ["min", 60] : ["s", 3600];
+}
+
 /* One chart for each thing that has one unit. */
 function groups(series) {
-  const found = new Map();
+  const found = new Map(), lamp = lampUnit(series);
   for (const one of series) {
-    const [unit, factor] = one.what === "sensor" ? UNITS[one.kind] || [one.kind, 1] : one.what === "slot_error_s" ? ["ms", 1000] : one.what === "lamp_hours" ? ["h", 1] : ["value", 1];
+    const [unit, factor] = one.what === "sensor" ? UNITS[one.kind] || [one.kind, 1] : one.what === "slot_error_s" ? ["ms", 1000] : one.what === "lamp_hours" ? lamp : ["value", 1];
     const key = one.what === "sensor" ? `sensor ${unit}` : one.what;
     if (!found.has(key))
       found.set(key, { title: one.what === "sensor" ? KINDS[one.kind] || one.kind : TITLES[one.what] || one.what, unit, lines: [] });

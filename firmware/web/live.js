@@ -2,8 +2,9 @@
 /* live.js: single pictures from the camera, one after another; exposure, focus, region. */
 import { h, fill, say } from "./dom.js";
 import { get, getPicture } from "./api.js";
-import { advice, drawHistogram, histogram, marked, sharpness } from "./aids.js";
+import { advice, drawHistogram, histogram, marked, pixelsOf, sharpness, spoiled } from "./aids.js";
 import { Picker, keep, picked } from "./picker.js";
+import { exposureWords } from "./words.js";
 
 const LOUPE = 160; /* pixels of the camera, shown as they are */
 
@@ -17,7 +18,13 @@ function settings_form(about, again) {
     (about.cameras || []).length > 1 && h("label", { class: "field" }, "Camera", camera),
     h("div", { class: "fields" }, h("label", { class: "field" }, "Exposure, ms", exposure), h("label", { class: "field" }, "Gain", gain)),
     lamps.map(({ lamp, input }) => h("label", {}, `Lamp ${lamp.name}`, input)));
-  return { form, chosen: () => ({ exposure_ms: Number(exposure.value) || 0, gain: Number(gain.value) || 0 }), camera: () => (about.cameras || []).find((c) => c.name === camera.value) || about.cameras?.[0],
+  const lit = () => lamps.filter(({ input }) => input.value > 0);
+  return { form, chosen: () => ({ exposure_ms: Number(exposure.value) || 0, gain: Number(gain.value) || 0 }),
+    choose(seen) {
+      exposure.value = seen.exposure_ms;
+      gain.value = seen.gain || "";
+    },
+    lamps: () => Object.fromEntries(lit().map(({ lamp, input }) => [lamp.name, input.value / 10])), camera: () => (about.cameras || []).find((c) => c.name === camera.value) || about.cameras?.[0],
     query() {
       const q = new URLSearchParams();
       if (camera.value)
@@ -26,18 +33,10 @@ function settings_form(about, again) {
         q.set("exposure_ns", Math.round(exposure.value * 1e6));
       if (gain.value > 0)
         q.set("gain_milli", Math.round(gain.value * 1000));
-      const lit = lamps.filter(({ input }) => input.value > 0).map(({ lamp, input }) => `${lamp.name}:${input.value}`);
-      if (lit.length)
-        q.set("lamps", lit.join(","));
+      if (lit().length)
+        q.set("lamps", lit().map(({ lamp, input }) => `${lamp.name}:${input.value}`).join(","));
       return q;
     } };
-}
-
-async function pixels_of(blob) {
-  const bitmap = await createImageBitmap(blob), canvas = new OffscreenCanvas(bitmap.width, bitmap.height), context = canvas.getContext("2d", { willReadFrequently: true });
-  context.drawImage(bitmap, 0, 0);
-  bitmap.close();
-  return context.getImageData(0, 0, canvas.width, canvas.height);
 }
 
 export function live(main, box) {
@@ -45,7 +44,7 @@ export function live(main, box) {
   const view = h("canvas", { role: "img", "aria-label": "Live view: no picture yet" });
   const overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   overlay.setAttribute("role", "img");
-  const viewer = h("div", { class: "viewer" }, view), said = h("p", { role: "status" }, "…"), exposure_said = h("p", { role: "status" });
+  const viewer = h("div", { class: "viewer" }, view), said = h("p", { role: "status" }, "…"), exposure_said = h("p", { role: "status" }), by = h("p", { hidden: true });
   const bars = h("canvas", { class: "histogram", role: "img", "aria-label": "Histogram" });
   const meter = h("p", { class: "meter" }, "–"), meter_best = h("p", { class: "quiet" }, ""), loupe = h("canvas", { class: "loupe", role: "img", "aria-label": "Loupe" });
   const clipping = check("Mark what is clipped or black", true), peaking = check("Mark sharp edges", false);
@@ -61,7 +60,7 @@ export function live(main, box) {
   fill(main, h("h1", {}, "Live view"), h("div", { class: "cards live" },
     h("section", { class: "card picture-card", "aria-label": "Picture" }, viewer, h("div", { class: "row end" }, play, once, clipping.label, peaking.label), said,
       h("h2", {}, "Region and chart"), picks),
-    h("section", { class: "card" }, h("h2", {}, "Exposure"), bars, exposure_said, side),
+    h("section", { class: "card" }, h("h2", {}, "Exposure"), bars, exposure_said, by, side),
     h("section", { class: "card" }, h("h2", {}, "Focus"), meter, meter_best,
       h("button", { onclick: () => { best = 0; focus(); } }, "Begin anew"),
       h("p", { class: "quiet" }, "The number is largest where focus is best; turn the ring until it grows no more. It is of the loupe's place: click the picture to move it, or with arrow keys."), loupe)));
@@ -80,9 +79,10 @@ export function live(main, box) {
       const query = settings.query(), got = await getPicture(`live?${query}`);
       if (ended)
         return;
-      pixels = await pixels_of(got.blob);
+      pixels = await pixelsOf(got.blob);
       say(said, got.live === "latest" ? `A run is under way: this is its last picture, slot ${got.index}. The camera is left alone.` : "From the camera, now.");
       draw();
+      show_exposure(got);
       if (got.live !== "latest")
         await look_closely(query);
     } catch (error) {
@@ -92,6 +92,21 @@ export function live(main, box) {
     }
     if (running && !ended)
       timer = setTimeout(shoot, box.status?.run?.next ? 2000 : 150);
+  }
+
+  /* With what it was taken; the plan's wizard is told, too. */
+  function show_exposure({ live: from, exposure_ms, gain: g }) {
+    const seen = from === "camera" && exposure_ms > 0 ? { exposure_ms: +exposure_ms.toPrecision(4), gain: g, lamps: settings.lamps(), fine: !spoiled(histogram(pixels)) } : null;
+    by.hidden = !seen;
+    if (!seen)
+      return;
+    keep({ seen });
+    const { exposure_ms: asked } = settings.chosen();
+    fill(by, h("span", {}, `Taken with ${exposureWords(seen)}${asked > 0 ? "" : ", by itself"}. `), !(asked > 0) && h("button", { onclick: () => {
+      settings.choose(seen);
+      keep(settings.chosen());
+      shoot();
+    } }, "Keep this exposure"));
   }
 
   function scale() {
@@ -107,7 +122,7 @@ export function live(main, box) {
     query.set("region", `${x},${y},${LOUPE},${LOUPE}`);
     const got = await getPicture(`live?${query}`);
     if (!ended)
-      focus(await pixels_of(got.blob));
+      focus(await pixelsOf(got.blob));
   }
 
   function draw() {

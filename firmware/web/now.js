@@ -3,18 +3,19 @@
 import { h, fill, facts, say, ask } from "./dom.js";
 import { getPicture, post } from "./api.js";
 import { bytes, countdown, count, reading, span, when } from "./words.js";
+import { histogram, pixelsOf, spoiled } from "./aids.js";
 import { results, stateWords } from "./state.js";
 
 export function now(main, box) {
   const clock = h("p", { class: "countdown", id: "countdown" }), under = h("p", {}), bar = h("progress", { "aria-label": "Slots done" });
   const run_facts = h("div"), disk = h("div"), readings = h("div"), alarms = h("div"), said = h("p", { class: "bad", role: "alert" });
   const buttons = h("div", { class: "row end" }), happened = h("ul", { class: "notes" });
-  const img = h("img", { alt: "The last picture", hidden: true }), none = h("p", {}, "No picture yet"), caption = h("figcaption", {}, "");
+  const img = h("img", { alt: "The last picture", hidden: true }), none = h("p", {}, "No picture yet"), caption = h("figcaption", {}, ""), exposure = h("p", { class: "finding-warning", role: "status", hidden: true });
   const happenings = h("section", { class: "card", hidden: true }, h("h2", {}, "While this page is open"), happened);
 
   fill(main, h("h1", { class: "visually-hidden" }, "Now"), h("div", { class: "cards now" },
     h("section", { class: "card", "aria-label": "State" }, clock, under, bar, said, alarms, buttons),
-    h("section", { class: "card picture-card" }, h("h2", {}, "Last picture"), h("figure", {}, h("div", { class: "picture" }, img, none), caption)),
+    h("section", { class: "card picture-card" }, h("h2", {}, "Last picture"), h("figure", {}, h("div", { class: "picture" }, img, none), caption), exposure),
     h("section", { class: "card" }, h("h2", {}, "Run"), run_facts),
     h("section", { class: "card" }, h("h2", {}, "Box"), disk, readings), happenings));
 
@@ -161,6 +162,7 @@ export function now(main, box) {
       img.hidden = false;
       none.hidden = true;
       say(caption, `${got.dataset}, slot ${got.index}`);
+      await look_at(got.blob);
     } catch (error) {
       if (error.status === 404) {
         img.hidden = true;
@@ -174,6 +176,13 @@ export function now(main, box) {
       wanted = false;
       setTimeout(picture, 500, true);
     }
+  }
+
+  /* A run goes on whatever its frames are like: who looks at it is to see on the first that a week of these is no use. */
+  async function look_at(blob) {
+    const what = spoiled(histogram(await pixelsOf(blob, 256)));
+    exposure.hidden = !what;
+    fill(exposure, what && [`This picture is ${what}. `, h("a", { href: "#/live" }, "Live view"), " finds an exposure that suits, when the run is stopped; a new ", h("a", { href: "#/plan" }, "plan"), " takes it over."]);
   }
 
   function tell(text) {

@@ -148,6 +148,11 @@ export class Picker {
   }
 }
 
+/* A plan's patch counts from its region's corner, what is drawn from the frame's. */
+export function withinRegion(patch, region) {
+  return patch && region ? { ...patch, x: patch.x - region.x, y: patch.y - region.y } : patch;
+}
+
 /* The option that says where a chart lies; "" until all four corners are there. */
 export function cornersOption({ corners }) {
   return corners.length === 4 ? `--corners ${corners.map((p) => `${p.x},${p.y}`).join(",")}` : "";
@@ -157,6 +162,6 @@ export function cornersOption({ corners }) {
 export function pickedText(marks) {
   const { region, reference } = marks, corners = cornersOption(marks);
   const rect = (name, r) => r && `${name}: {x: ${r.x}px, y: ${r.y}px, width: ${r.width}px, height: ${r.height}px}`;
-  return [rect("region", region), rect("reference", reference),
+  return [rect("region", region), rect("reference", withinRegion(reference, region)),
     corners && `# chart: ${corners}`].filter(Boolean).join("\n");
 }

@@ -2,10 +2,10 @@
 /* plan.js: from a sample to a run: what, how often, under which light; checked by the box as one types. */
 import { h, fill, say, ask } from "./dom.js";
 import { get, getText, post, postPlan, putPlan, remove } from "./api.js";
-import { PRESETS, UNITS, nameOf, planText } from "./presets.js";
-import { picked } from "./picker.js";
+import { PRESETS, UNITS, nameOf, planText, presetChoice } from "./presets.js";
+import { picked, withinRegion } from "./picker.js";
 import { planVerdict } from "./verdict.js";
-import { span } from "./words.js";
+import { exposureWords, span } from "./words.js";
 
 function quantity(label, [n, unit], units, again) {
   const number = h("input", { type: "number", min: 0, step: "any", value: n, required: true, oninput: again, "aria-label": label });
@@ -30,7 +30,7 @@ export function plan(main, box) {
 
   /* ---- the form ---- */
 
-  const changed = () => { write(); later(); };
+  const changed = () => { write(); compare(); later(); };
   const preset = h("div", { class: "presets" }, PRESETS.map((p, i) => h("label", {},
     h("input", { type: "radio", name: "preset", value: p.id, checked: i === 0, onchange: () => choose(p) }), h("span", {}, p.title),
     h("small", {}, `every ${span(p.interval[0] * UNITS[p.interval[1]])} for ${span(p.duration[0] * UNITS[p.duration[1]])}. ${p.text}`))));
@@ -41,26 +41,29 @@ export function plan(main, box) {
   const start = h("input", { type: "datetime-local", onchange: changed });
   const mode = select("Lamps burn", [["capture-only", "only for the pictures"], ["continuous", "all the time"], ["photoperiod", "as day and night"], ["none", "not at all"]], () => { shown(); changed(); });
   const settle = quantity("Settle before a picture", [20, "s"], ["s", "min"], changed);
-  const day = quantity("Day of", [16, "h"], ["min", "h"], changed), period = quantity("in every", [24, "h"], ["min", "h", "d"], changed);
+  const day = quantity("Day of", [11.5, "h"], ["min", "h"], changed), period = quantity("in every", [24, "h"], ["min", "h", "d"], changed);
   const exposure = h("input", { type: "number", min: 0.001, step: "any", value: 20, oninput: changed }), gain = h("input", { type: "number", min: 0.1, step: "any", value: 1, oninput: changed });
   const mains = select("Mains", [["50Hz", "50 Hz"], ["60Hz", "60 Hz"], ["none", "none"]], changed);
   const keep = select("Keep", [["default", "as the box thinks best"], ["developed", "developed pictures"], ["raw", "raw frames"], ["both", "both"]], changed);
   const region = h("input", { type: "checkbox", onchange: changed }), reference = h("input", { type: "checkbox", onchange: changed });
-  const lamps_box = h("div", { class: "fields" }), camera_box = h("div", { hidden: true });
+  const lamps_box = h("div", { class: "fields" }), suits = h("div", { class: "stack" }), camera_box = h("div", { hidden: true });
   let lamps = [], camera = null;
 
   function choose(p) {
     by_hand = false;
     say(hand, "");
-    title.value = p.id === "own" ? "Untitled" : p.title;
+    const c = presetChoice(p, []);
+    title.value = c.title;
     name.value = `${nameOf(title.value)}-${new Date().toISOString().slice(0, 10)}`;
-    interval.set(p.interval);
-    duration.set(p.duration);
-    mode.e.value = p.mode;
-    if (p.settle)
-      settle.set(p.settle);
-    mains.e.value = p.mains || "50Hz";
-    keep.e.value = p.keep || "default";
+    interval.set(c.interval);
+    duration.set(c.duration);
+    mode.e.value = c.mode;
+    if (c.settle)
+      settle.set(c.settle);
+    day.set(c.day);
+    period.set(c.period);
+    mains.e.value = c.mains;
+    keep.e.value = c.keep;
     shown();
     changed();
   }
@@ -78,12 +81,38 @@ export function plan(main, box) {
       mode: mode.e.value, settle: settle.element.hidden ? null : settle.get(), day: day.get(), period: period.get(), channel: p?.channel,
       camera: camera?.value, lamps: Object.fromEntries(lamps.map(({ lamp, input }) => [lamp.name, Number(input.value)])),
       exposure_ms: Number(exposure.value), gain: Number(gain.value), mains: mains.e.value, keep: keep.e.value,
-      region: region.checked ? marks.region : null, reference: reference.checked ? marks.reference : null };
+      region: region.checked ? marks.region : null, reference: reference.checked ? withinRegion(marks.reference, region.checked ? marks.region : null) : null };
   }
 
   function write() {
     if (!by_hand)
       text.value = planText(choice());
+  }
+
+  /* ---- the exposure, beside what live view found to suit ---- */
+
+  const FAR = 2; /* times more or less light than a picture that was fine */
+  function compare() {
+    const { seen } = picked(), c = choice();
+    if (!seen) {
+      fill(suits, h("p", { class: "quiet" }, "Nobody has looked through the camera yet on this device: ", h("a", { href: "#/live" }, "live view"), " finds an exposure that suits."));
+      return;
+    }
+    const lit = (levels, on) => JSON.stringify(Object.entries(levels).filter(([, level]) => on && level > 0).sort());
+    const same_light = lit(seen.lamps || {}, true) === lit(c.lamps, c.mode !== "none");
+    const times = (c.exposure_ms * c.gain) / (seen.exposure_ms * (seen.gain || 1)), far = times > FAR || times < 1 / FAR;
+    fill(suits, h("div", { class: "row" }, h("p", { class: "quiet" }, `Live view's last picture: ${exposureWords(seen)}${seen.fine ? "" : "; it was clipped or nearly black"}.`),
+      (c.exposure_ms !== seen.exposure_ms || c.gain !== (seen.gain || 1)) && h("button", { type: "button", onclick: take_over }, "Take it over")),
+      far && seen.fine && h("p", { class: "finding-warning" }, `This plan exposes ${+(times > 1 ? times : 1 / times).toPrecision(2)} times ${times > 1 ? "more" : "less"} than the picture in live view${same_light
+        ? `: expect frames that are ${times > 1 ? "clipped" : "too dark"}.` : ", which was under other lamps: look there again with the plan's."}`),
+      !far && !same_light && h("p", { class: "quiet" }, "It was under other lamps than this plan's."));
+  }
+
+  function take_over() {
+    const { seen } = picked();
+    exposure.value = seen.exposure_ms;
+    gain.value = seen.gain || 1;
+    changed();
   }
 
   /* ---- what the box says of it ---- */
@@ -194,7 +223,7 @@ export function plan(main, box) {
     step(2, "How often, how long?", h("div", { class: "fields" }, interval.element, duration.element,
       h("label", { class: "field" }, "Begin (empty: at once)", start), h("label", { class: "field" }, "Title", title), h("label", { class: "field" }, "Name of plan and dataset", name))),
     step(3, "Under which light?", h("div", { class: "stack" }, h("div", { class: "fields" }, mode.element, settle.element, day.element, period.element), lamps_box,
-      h("div", { class: "fields" }, camera_box, h("label", { class: "field" }, "Exposure, ms", exposure), h("label", { class: "field" }, "Gain", gain), mains.element))),
+      h("div", { class: "fields" }, camera_box, h("label", { class: "field" }, "Exposure, ms", exposure), h("label", { class: "field" }, "Gain", gain), mains.element), suits)),
     step(4, "What is kept?", h("div", { class: "fields" }, keep.element, h("label", {}, region, "only the region"), h("label", {}, reference, "watch the reference patch")),
       h("p", { class: "quiet" }, "Region and patch are drawn in ", h("a", { href: "#/live" }, "live view"), ".")),
     h("details", {}, h("summary", {}, "The plan, as the box reads it"), h("label", { class: "field" }, h("span", { class: "visually-hidden" }, "The plan's text"), text), hand));

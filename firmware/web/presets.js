@@ -2,8 +2,8 @@
 /* presets.js: the paper's five samples (Enrique et al. 2005, section 3; boards/sim/plans), and the plan's text from what is chosen. */
 
 export const PRESETS = [
-  { id: "grass", title: "Growing grass", interval: [10, "min"], duration: [7, "d"], mode: "continuous", keep: "raw",
-    text: "Lamps stay on: grass needs their light. Water from below before the start; do not move the pot." },
+  { id: "grass", title: "Growing grass", interval: [10, "min"], duration: [7, "d"], mode: "photoperiod", settle: [30, "s"], day: [690, "min"], period: [24, "h"], keep: "raw",
+    text: "By day the lamps are lit: grass needs their light. At night they are for the frames alone. Water from below before the start; do not move the pot." },
   { id: "banana", title: "Ripening bananas", interval: [10, "min"], duration: [7, "d"], mode: "capture-only", settle: [30, "s"],
     text: "Lamps only for the frames: heat ripens faster and dries the skin." },
   { id: "copper", title: "Oxidising copper", interval: [1, "min"], duration: [12, "h"], mode: "capture-only", settle: [20, "s"],
@@ -27,6 +27,13 @@ export function slots(choice) {
 const quoted = (text) => `"${text.replace(/[\\"]/g, "\\$&").replace(/[\u0000-\u001f]/g, " ")}"`;
 const rect = (r) => `{x: ${r.x}px, y: ${r.y}px, width: ${r.width}px, height: ${r.height}px}`;
 const quantity = ([n, unit]) => `${n}${unit}`;
+
+/* What the form holds once a preset is chosen, before anybody has changed it; lamps: names. */
+export function presetChoice(p, lamps) {
+  return { title: p.id === "own" ? "Untitled" : p.title, interval: p.interval, duration: p.duration, start: null, mode: p.mode, settle: p.mode === "continuous" ? null : p.settle || [20, "s"],
+    day: p.day || [11.5, "h"], period: p.period || [24, "h"], channel: p.channel, camera: null, lamps: Object.fromEntries(lamps.map((name) => [name, 100])),
+    exposure_ms: 20, gain: 1, mains: p.mains || "50Hz", keep: p.keep || "default", region: null, reference: null };
+}
 
 /* A plan (firmware/config/README.md) of what the form holds. */
 export function planText(c) {

@@ -4,15 +4,19 @@ import { h, fill, say } from "./dom.js";
 import { get } from "./api.js";
 import { count, when } from "./words.js";
 
+const STRIP = 10;
+
 export function preview(parent, box, name) {
   let ended = false, frames = [], timer = 0;
   const captured = h("img", { alt: "" }), grown = h("img", { alt: "" }), caption = h("p", { class: "quiet", role: "status" }), about = h("p", { class: "quiet" });
   const slider = h("input", { type: "range", class: "scrub", min: 0, max: 0, step: 1, value: 0, "aria-label": "Moment of the preview", oninput: show });
+  const strip = h("div", { class: "strip", role: "group", "aria-label": "Moments over the whole time: captured above, synthesized below" });
+  const video = h("a", { class: "button", href: `/api/v1/datasets/${name}/preview.avi`, download: `${name}-preview.avi` }, "Download the preview as a video");
   const play = h("button", { "aria-pressed": "false", onclick: toggle }, "Play");
   fill(parent, h("h2", {}, "Preview of a synthesis"), h("div", { class: "big" },
     h("figure", {}, h("div", { class: "picture" }, captured), h("figcaption", {}, "Captured")),
     h("figure", {}, h("div", { class: "picture" }, grown), h("figcaption", {}, "Synthesized from it"))),
-  h("div", { class: "row" }, play, slider), caption, about);
+  h("div", { class: "row" }, play, slider), caption, strip, about, h("p", {}, video));
 
   function show() {
     const frame = frames[Number(slider.value)];
@@ -22,6 +26,17 @@ export function preview(parent, box, name) {
     grown.alt = `Synthesized, as at slot ${frame.slot}`;
     slider.setAttribute("aria-valuetext", `slot ${frame.slot}`);
     say(caption, `Slot ${frame.slot}`);
+    for (const b of strip.children)
+      b.setAttribute("aria-current", String(b.dataset.at === slider.value));
+  }
+
+  /* The whole time at a glance: what was captured, and below each of it what was made of it. */
+  function draw_strip() {
+    const n = Math.min(STRIP, frames.length);
+    fill(strip, Array.from({ length: n }, (_, k) => (n > 1 ? Math.round(k * (frames.length - 1) / (n - 1)) : 0)).map((i) =>
+      h("button", { type: "button", "data-at": i, "aria-label": `Slot ${frames[i].slot}`, onclick: () => { slider.value = i; show(); } },
+        h("img", { src: `/api/v1/datasets/${name}/thumbs/${frames[i].slot}`, alt: "", loading: "lazy" }),
+        h("img", { src: `/api/v1/datasets/${name}/preview/${frames[i].path}`, alt: "", loading: "lazy" }), h("small", { "aria-hidden": "true" }, frames[i].slot))));
   }
 
   function toggle() {
@@ -59,6 +74,7 @@ export function preview(parent, box, name) {
     slider.max = frames.length - 1;
     if (was === 0)
       slider.value = frames.length - 1;
+    draw_strip();
     show();
   }
 

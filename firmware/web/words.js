@@ -24,9 +24,9 @@ export function span(ns) {
     return some(+s.toPrecision(3), "second");
   if (s < 3600 || (s < 7200 && s % 3600 > 30))
     return some(+(s / 60).toPrecision(3), "minute");
-  if (s < 86400 || (s < 172800 && s % 86400 > 1800))
+  if (s < 86400 || (s < 171000 && s % 86400 > 1800))
     return some(+(s / 3600).toPrecision(3), "hour");
-  const days = Math.floor(s / 86400), hours = Math.round(s / 3600 % 24);
+  const all = Math.round(s / 3600), days = Math.floor(all / 24), hours = all % 24; /* rounded first: no day has 24 hours more */
   return hours ? `${some(days, "day")} ${some(hours, "hour")}` : some(days, "day");
 }
 
@@ -48,6 +48,12 @@ export function when(utc_ns) {
 
 export function count(n, one, many) {
   return `${n.toLocaleString()} ${n === 1 ? one : many || `${one}s`}`;
+}
+
+/* "12.5 ms at gain 2, lamps left 50 %" */
+export function exposureWords({ exposure_ms, gain, lamps }) {
+  const lit = Object.entries(lamps || {}).filter(([, level]) => level > 0);
+  return `${span(exposure_ms * 1e6)}${gain > 0 ? ` at gain ${+gain.toPrecision(3)}` : ""}, ${lit.length ? `lamps ${lit.map(([name, level]) => `${name} ${level} %`).join(", ")}` : "all lamps dark"}`;
 }
 
 /* Units of sensors, by their kind. */

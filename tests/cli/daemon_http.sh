@@ -166,7 +166,11 @@ is cameras.0.width 96
 get "$URL/live" 200 "${ME[@]}"
 [ "$(head -c 2 out | xxd -p)" = ffd8 ] || fail "no JPEG"
 grep -qi '^X-Ttfbox-Live: camera' headers || fail "from elsewhere"
-get "$URL/live?region=10,10,20,20&exposure_ns=5000000" 200 "${ME[@]}"
+grep -Eqi '^X-Ttfbox-Exposure-Ns: [1-9][0-9]*' headers || fail "a picture that exposed by itself does not say how long"
+get "$URL/live?region=10,10,20,20&exposure_ns=5000000&gain_milli=2000" 200 "${ME[@]}"
+ns=$(sed -n 's/^X-Ttfbox-Exposure-Ns: \([0-9]*\)\r$/\1/Ip' headers)
+((ns > 4500000 && ns < 5500000)) || fail "asked for 5 ms, it says $ns ns"
+grep -Eqi '^X-Ttfbox-Gain-Milli: 2000' headers || fail "the gain is not said"
 get "$URL/live?region=90,60,20,20" 400 "${ME[@]}"
 get "$URL/latest" 404 "${ME[@]}"
 

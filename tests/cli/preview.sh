@@ -66,6 +66,36 @@ get "$URL/datasets/grass/preview/$(json frames.3.path)" 200
 for wrong in state.json ../state.json ../../grass/dataset.json factors g1; do
     get "$URL/datasets/grass/preview/$wrong" 404 --path-as-is
 done
+# ---- the same as a video: one that players open, any part of it ----
+"$PYTHON" - "$URL/datasets/grass" "$(command -v ffprobe)" <<'CHECK' || fail "the video is none: $(cat out)"
+import json, struct, subprocess, sys, urllib.request
+url, ffprobe = sys.argv[1:]
+def get(path, **headers):
+    with urllib.request.urlopen(urllib.request.Request(url + path, headers=headers)) as answer:
+        return answer.status, answer.headers, answer.read()
+state = json.loads(get("/preview")[2])
+frames = [get("/preview/" + frame["path"])[2] for frame in state["frames"]]
+status, headers, video = get("/preview.avi")
+assert headers["Content-Type"] == "video/x-msvideo" and int(headers["Content-Length"]) == len(video), headers
+assert headers["Content-Disposition"].endswith('"grass-preview.avi"'), headers
+assert video[:4] == b"RIFF" and struct.unpack("<I", video[4:8])[0] == len(video) - 8 and video[8:12] == b"AVI ", video[:12]
+movi = video.index(b"movi")
+index = video.rindex(b"idx1")
+entries = [struct.unpack("<4sIII", video[at:at + 16]) for at in range(index + 8, len(video), 16)]
+assert len(entries) == len(frames) > 1, (len(entries), len(frames))
+for (tag, _, at, size), frame in zip(entries, frames):
+    assert video[movi + at:movi + at + 4] == tag == b"00dc" and video[movi + at + 8:movi + at + 8 + size] == frame, "a frame of the video is another"
+for first, last in ((0, 99), (200, 4000), (len(video) // 2, len(video) - 1), (len(video) - 5, len(video) - 1)):
+    status, _, part = get("/preview.avi", Range=f"bytes={first}-{last}")
+    assert status == 206 and part == video[first:min(last, len(video) - 1) + 1], (first, last)
+open("grass.avi", "wb").write(video)
+if ffprobe:
+    got = json.loads(subprocess.check_output([ffprobe, "-v", "error", "-count_frames", "-show_streams", "-of", "json", "grass.avi"], stderr=subprocess.STDOUT))["streams"][0]
+    assert (got["codec_name"], got["width"], got["height"]) == ("mjpeg", state["width"], state["height"]), got
+    assert int(got["nb_read_frames"]) == len(frames) and got["r_frame_rate"] == "8/1", got
+CHECK
+get "$URL/datasets/none-such/preview.avi" 404
+
 [ "$(cd data/grass && find . -type f -exec sha256sum {} + | sort)" = "$before" ] || fail "the dataset was touched"
 expect 0 "$TTFBOX" verify data/grass
 

@@ -52,6 +52,7 @@ static void check_body(const char *text, size_t bytes)
     char plan[65], dataset[65], token[64];
     struct ttf_http_ask ask;
     struct ttf_note note;
+    struct ttf_http_calibrate step;
     struct newest newest;
 
     (void)!body_token(text, bytes, token, sizeof token, NULL);
@@ -59,6 +60,9 @@ static void check_body(const char *text, size_t bytes)
         ((*plan && !folder_is_name(plan)) || (*dataset && !folder_is_name(dataset))))
         abort();
     if (body_pause(text, bytes, &ask, NULL) == 0 && strlen(ask.reason) >= sizeof ask.reason)
+        abort();
+    if (body_calibrate(text, bytes, &step, NULL) == 0 &&
+        (!*step.part || step.frames > 1000 || !(step.reflectance >= 0 && step.reflectance <= 1)))
         abort();
     if (body_change(text, bytes, &ask, NULL) == 0 && ask.value < 1)
         abort();

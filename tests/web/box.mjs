@@ -29,6 +29,8 @@ function with_locks(locks) {
 }
 
 const { Box } = await import("./box.js");
+const { span } = await import("./words.js");
+await import("./plot.js");
 answers.set("session", [200, { box: true, read: true, change: true }]);
 
 async function an_error_is_no_news_of_the_box() {
@@ -119,8 +121,17 @@ async function where_there_are_locks_its_holder_listens() {
   assert.ok(pages[1].leading);
 }
 
+async function times_and_axes_read_well() {
+  const D = 8.64e13, H = 3.6e12;
+  assert.equal(span(7 * D - 6e11), "7 days"); /* a week of ten minutes: its last slot begins before it is over */
+  assert.equal(span(6 * D + 23 * H), "6 days 23 hours");
+  assert.equal(span(2 * D - 1e9), "2 days");
+  for (const [value, text] of [[0.000002, "2e-6"], [-0.00012345, "-1.2e-4"], [0.25, "0.25"], [1250, "1250"], [12345678, "1.2e7"], [0, "0"]])
+    assert.equal(globalThis.ttfPlot.tickText(value), text, "as wide as its place");
+}
+
 for (const part of [an_error_is_no_news_of_the_box, an_order_ends_when_the_box_was_started_again, an_order_that_nobody_answers_ends,
-  the_time_left_goes_on_when_a_slot_comes, of_two_pages_that_listen_one_gives_way_at_once, where_there_are_locks_its_holder_listens]) {
+  the_time_left_goes_on_when_a_slot_comes, of_two_pages_that_listen_one_gives_way_at_once, where_there_are_locks_its_holder_listens, times_and_axes_read_well]) {
   await part();
   console.log(part.name.replaceAll("_", " "));
 }

@@ -24,11 +24,16 @@ export class Daemon {
     self.token = "a-token-for-tests-0123456789abcdef";
     mkdirSync("data", { recursive: true });
     writeFileSync("token", `${self.token}\n`, { mode: 0o600 });
-    writeFileSync("box.yaml", [
-      `board: ${process.env.SOURCE}/boards/sim-small/board.yaml`, "data: data", "token_file: token", `listen: ["127.0.0.1:${self.port}"]`, "retry: 1s",
-      "set: {sim.clock: real, sim.daylight: 1, sim.sensor.width: 192px, sim.sensor.height: 128px}", ""].join("\n"));
+    self.configure("sim.ambient: 10");
     await self.start();
     return self;
+  }
+
+  /* From the next start on; `what`: of the simulated box, in place of what the board says. */
+  configure(what) {
+    writeFileSync("box.yaml", [
+      `board: ${process.env.SOURCE}/boards/sim-small/board.yaml`, "data: data", "token_file: token", `listen: ["127.0.0.1:${this.port}"]`, "retry: 1s",
+      `set: {sim.clock: real, ${what}, lamps.left.warm_up: 500ms, lamps.right.warm_up: 500ms, sim.sensor.width: 192px, sim.sensor.height: 128px}`, ""].join("\n"));
   }
 
   async start() {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// page.mjs DAEMON TTFBOX [SHOTS]: a person and the page of a simulated box, from the token to a verified dataset.
+// page.mjs DAEMON TTFBOX PREVIEW [SHOTS]: a person and the page of a simulated box, from the token to a verified dataset.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
+import { readFileSync } from "node:fs";
 import { Browser, until } from "./browser.mjs";
 import { Daemon } from "./daemon.mjs";
 
-const [program, ttfbox, shots] = process.argv.slice(2);
+const [program, ttfbox, previewer, shots] = process.argv.slice(2);
 const SLOTS = 40, NAME = "from-the-page";
 const AWAY = /ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY_RESPONSE|Failed to load resource|ERR_NETWORK/;
 
@@ -37,6 +38,7 @@ async function nothing_is_shown_without_the_token() {
 async function a_region_is_drawn_in_live_view() {
   await go("Live view");
   await page.getByText("From the camera, now.").waitFor();
+  assert.match(await page.getByText("Taken with").textContent(), /^Taken with [\d.]+ m?s(econds)? at gain 1, all lamps dark, by itself/);
   assert.match(await page.locator(".histogram").getAttribute("aria-label"), /clipped|expose|black/);
   assert.ok(Number(await page.locator(".meter").textContent()) > 0, "sharpness is a number");
   await page.getByRole("button", { name: "Draw the region" }).click();
@@ -49,6 +51,13 @@ async function a_region_is_drawn_in_live_view() {
   const about = await daemon.ask("box"), { width, height } = about.cameras[0];
   const drawn = (await page.locator("pre[aria-label^='What was picked']").textContent()).match(/region: \{x: (\d+)px, y: (\d+)px, width: (\d+)px, height: (\d+)px\}/).slice(1).map(Number);
   [width / 4, height / 4, width / 2, height / 2].forEach((want, i) => assert.ok(Math.abs(drawn[i] - want) <= 2, `the region ${drawn} of ${width} x ${height}`));
+  await page.getByText("Numbers", { exact: true }).click();
+  const patch = page.getByRole("group", { name: /^Reference/ });
+  for (const [field, value] of Object.entries({ x: drawn[0] + 10, y: drawn[1] + 8, width: 20, height: 16 })) {
+    await patch.getByLabel(field, { exact: true }).fill(String(value));
+    await page.keyboard.press("Tab");
+  }
+  await page.getByText("reference: {x: 10px, y: 8px, width: 20px, height: 16px}").waitFor(); /* from the region's corner on, as a plan has it */
   await browser.everywhere("live", shots);
 }
 
@@ -62,8 +71,46 @@ async function a_charts_corners_go_into_the_calibration() {
   const corners = (await picked.textContent()).match(/--corners (\d+),(\d+),(\d+),(\d+),(\d+),(\d+),(\d+),(\d+)$/m).slice(1).map(Number);
   assert.ok(corners[0] < corners[2] && corners[1] < corners[5] && corners[0] === corners[6] && corners[1] === corners[3], `clockwise from the top left: ${corners}`);
   await go("Calibrate");
+  await page.getByText("By hand, at the box").click();
   await page.getByText("ttfbox calibrate chart").waitFor();
   assert.match(await picked.textContent(), /--corners \d/);
+}
+
+/* A box in daylight is not dark: refused. In its place one that is, with a white target in it. */
+async function a_calibration_is_made_and_used() {
+  const begin = async (what) => {
+    browser.expected = AWAY;
+    assert.equal(await daemon.kill("SIGTERM"), 0, "the daemon ends cleanly");
+    daemon.configure(what);
+    await daemon.start();
+    await until("it is there again", async () => (await state()) === "Idle", 30000);
+    browser.expected = null;
+  };
+  const fill = async () => {
+    await page.getByLabel("Name of the calibration").fill("from-the-page");
+    await page.getByLabel("Frames of a step").fill("8");
+    await page.getByLabel("Exposure, ms").fill("20");
+  };
+  await fill();
+  await page.getByRole("button", { name: "Take the dark" }).click();
+  await page.getByText(/The dark was refused: .*the frames are not dark/).waitFor();
+  await begin("sim.scene.name: white");
+  await page.reload();
+  await fill();
+  await page.getByRole("button", { name: "Take the dark" }).click();
+  await page.getByText("The dark of from-the-page is there.").waitFor();
+  await page.getByRole("button", { name: "Take the flat" }).click();
+  await page.getByText("The flat of from-the-page is there.").waitFor();
+  const row = page.getByRole("row", { name: /^from-the-page/ });
+  assert.match(await row.textContent(), /dark: 8 frames of 20 ms.*flat: 8 frames of 20 ms, target 0\.\d+/);
+  await row.getByRole("button", { name: "Use it" }).click();
+  await row.getByText("in use").waitFor();
+  assert.equal((await daemon.ask("calibrations")).used, "from-the-page");
+  await browser.everywhere("calibrate", shots);
+  await page.getByRole("button", { name: "Use none" }).click();
+  await row.getByRole("button", { name: "Use it" }).waitFor();
+  assert.equal((await daemon.ask("calibrations")).used, undefined);
+  await begin("sim.ambient: 10");
 }
 
 async function a_run_is_started_from_the_wizard() {
@@ -76,8 +123,20 @@ async function a_run_is_started_from_the_wizard() {
   await page.getByLabel("For, unit").selectOption("s");
   await page.getByLabel("Title").fill("A capture from the page");
   await page.getByLabel("Name of plan and dataset").fill(NAME);
-  await page.getByLabel("Lamps burn").selectOption("none");
+  await page.getByLabel("Lamps burn").selectOption("none"); /* as they were in live view */
   await page.getByLabel("only the region").check();
+  await page.getByLabel("watch the reference patch").check();
+  const exposure = page.getByLabel("Exposure, ms"), seen = page.getByText("Live view's last picture: ");
+  await exposure.fill("0.01");
+  assert.match(await page.getByText(/This plan exposes [\d.e+]+ times less than the picture in live view/).textContent(), /too dark/);
+  await exposure.fill("10000");
+  assert.match(await page.getByText(/This plan exposes [\d.e+]+ times more than the picture in live view/).textContent(), /clipped/);
+  await page.getByLabel("Lamps burn").selectOption("continuous");
+  await page.getByText(/This plan exposes .* under other lamps: look there again/).waitFor();
+  await page.getByRole("button", { name: "Take it over" }).click();
+  await page.getByText("than the picture in live view").waitFor({ state: "detached" });
+  const ms = Number(await exposure.inputValue()), said = (await seen.textContent()).match(/: ([\d.]+) (ms|seconds?) at gain/);
+  assert.ok(Math.abs(ms / (said[1] * (said[2] === "ms" ? 1 : 1000)) - 1) < 0.01, `live view's exposure is in the plan: ${ms} ms, ${said[0]}`);
   await page.getByText("The plan, as the box reads it").click();
   const text = await page.getByLabel("The plan's text").inputValue();
   assert.match(text, new RegExp(`count: ${SLOTS}\\n`));
@@ -93,6 +152,7 @@ async function slots_arrive_and_the_countdown_runs() {
   const first = await page.locator("figcaption").textContent();
   await until("another picture", async () => (await page.locator("figcaption").textContent()) !== first);
   assert.match(await page.title(), /^Capturing \d+\/40 – ttfbox$/);
+  assert.equal(await page.getByText(/This picture is (nearly black|clipped)/).count(), 0, "frames exposed as live view was are neither black nor clipped");
   assert.match(await page.locator("#countdown").textContent(), /^(\d+:\d\d|now)$/);
 }
 
@@ -156,8 +216,16 @@ async function the_dataset_is_scrubbed_and_charted() {
     await page.keyboard.press("ArrowRight");
   }
   await page.keyboard.press("Home");
-  for (const title of ["Mean level", "Slot error", "Temperature", "Humidity"])
+  for (const title of ["Mean level", "Reference level", "Slot error", "Temperature", "Humidity", "Lamp hours"])
     assert.ok(await page.locator(".plot", { hasText: title }).locator("svg path").first().getAttribute("d"), `a line of ${title}`);
+  const lamps = await page.locator(".plot", { hasText: "Lamp hours" }).locator("svg").getAttribute("aria-label");
+  const burned = Number(lamps.match(/left from [\d.]+ to [\d.]+ (?:s|min), last ([\d.]+)/)[1]) * (/ min,/.test(lamps) ? 60 : 1);
+  const restarted = 12; /* s that may pass while the program does not run */
+  assert.ok(burned > SLOTS - restarted && burned < SLOTS + 5, `lamps that burned all the time did so for about ${SLOTS} s, not for the exposures alone: ${lamps}`);
+  const reference = await page.locator(".plot", { hasText: "Reference level" }).locator("svg").getAttribute("aria-label");
+  assert.match(reference, /main from 0\.\d+ to 0\.\d+ value/);
+  for (const label of await page.locator(".plot svg text[text-anchor=end]").allTextContents())
+    assert.ok(label.length <= 9, `an axis has room for ${label}`);
   const chart = page.locator(".plot", { hasText: "Slot error" });
   await chart.getByText("As a table").click();
   assert.equal(await chart.locator("tbody tr").count(), SLOTS, "the table has every slot");
@@ -177,6 +245,39 @@ async function the_dataset_is_scrubbed_and_charted() {
   await browser.everywhere("dataset", shots);
 }
 
+/* As the box's own process makes it; the page hears of it by an event. */
+async function the_preview_is_beside_what_was_captured() {
+  const card = page.locator("section", { has: page.getByRole("heading", { name: "Preview of a synthesis" }) });
+  assert.ok(!await card.isVisible(), "nothing is shown of a preview that is not there");
+  execFileSync(previewer, ["--folder", "data", "--ttfbox", ttfbox, "--room", "1MB", "--time", "5s", "--eager", "--once"], { stdio: "pipe" });
+  await card.waitFor({ state: "visible" });
+  const { frames, width } = await daemon.ask(`datasets/${NAME}/preview`), strip = card.getByRole("group", { name: /captured above, synthesized below/ });
+  assert.equal(await strip.getByRole("button").count(), Math.min(10, frames.length));
+  for (const [at, frame] of [[0, frames[0]], [-1, frames.at(-1)]]) {
+    const moment = strip.getByRole("button").nth(at), [captured, grown] = await moment.locator("img").evaluateAll((all) => all.map((e) => e.getAttribute("src")));
+    assert.ok(captured.endsWith(`/thumbs/${frame.slot}`) && grown.endsWith(`/preview/${frame.path}`), `slot ${frame.slot}: ${captured} above ${grown}`);
+    await moment.click();
+    await card.getByText(`Slot ${frame.slot}`, { exact: true }).waitFor();
+    for (const [name, end] of [[/^Captured/, `/thumbs/${frame.slot}`], [/^Synthesized/, frame.path]])
+      await until(`${name} of slot ${frame.slot}`, () => card.getByRole("img", { name }).evaluate((e, src) => e.complete && e.naturalWidth > 0 && e.src.endsWith(src), end));
+  }
+  await until("every picture of the strip", () => strip.locator("img").evaluateAll((all) => all.every((e) => e.complete && e.naturalWidth > 0)));
+  const [download] = await Promise.all([page.waitForEvent("download"), card.getByRole("link", { name: "Download the preview as a video" }).click()]);
+  assert.equal(download.suggestedFilename(), `${NAME}-preview.avi`);
+  await download.saveAs("preview.avi");
+  assert.equal(readFileSync("preview.avi").subarray(8, 12).toString(), "AVI ");
+  await page.getByRole("button", { name: "Load it again" }).click();
+  const both = page.locator(".panel canvas.stage");
+  await page.getByRole("heading", { name: "synthesized from it" }).waitFor();
+  await page.getByText(new RegExp(`^${frames.length} slots of ${SLOTS},`)).waitFor();
+  assert.equal(await both.count(), 2);
+  await page.getByLabel("Time", { exact: true }).focus();
+  await page.keyboard.press("End");
+  for (const panel of await both.all())
+    assert.match(await panel.getAttribute("aria-label"), new RegExp(`slot ${frames.at(-1).slot},`), `both show the same moment, ${width} pixels wide`);
+  await browser.everywhere("dataset-preview", shots);
+}
+
 async function what_is_downloaded_verifies() {
   const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("link", { name: "Download as a tar" }).click()]);
   assert.equal(download.suggestedFilename(), `${NAME}.tar`);
@@ -193,10 +294,13 @@ async function a_stopped_box_says_stopped() {
   await page.getByLabel("Cracking paint").check();
   await page.getByLabel("Lamps burn").selectOption("none");
   await page.getByLabel("Name of plan and dataset").fill("stopped");
+  await page.getByLabel("Exposure, ms").fill("0.1"); /* mains: what the wizard begins with snaps it to 10 ms */
+  await page.getByLabel("Mains").selectOption("none");
   await until("the button", () => page.getByRole("button", { name: "Save and start" }).isEnabled());
   await page.waitForTimeout(600); /* the verdict of what was just typed */
   await page.getByRole("button", { name: "Save and start" }).click();
   await until("it captures", async () => /^Capturing/.test(await state()), 60000);
+  await page.getByText("This picture is nearly black").waitFor();
   await page.getByRole("button", { name: "Stop", exact: true }).click();
   await browser.accessible("the question");
   await page.getByRole("button", { name: "Stop it" }).click();
@@ -208,15 +312,17 @@ async function a_stopped_box_says_stopped() {
 }
 
 try {
-  for (const part of [nothing_is_shown_without_the_token, a_region_is_drawn_in_live_view, a_charts_corners_go_into_the_calibration, a_run_is_started_from_the_wizard, slots_arrive_and_the_countdown_runs,
-    a_second_page_asks_for_no_second_stream, a_killed_daemon_is_missed_and_found_again, the_dataset_is_scrubbed_and_charted, what_is_downloaded_verifies, a_stopped_box_says_stopped]) {
+  for (const part of [nothing_is_shown_without_the_token, a_region_is_drawn_in_live_view, a_charts_corners_go_into_the_calibration, a_calibration_is_made_and_used, a_run_is_started_from_the_wizard, slots_arrive_and_the_countdown_runs,
+    a_second_page_asks_for_no_second_stream, a_killed_daemon_is_missed_and_found_again, the_dataset_is_scrubbed_and_charted, the_preview_is_beside_what_was_captured, what_is_downloaded_verifies, a_stopped_box_says_stopped]) {
     const begun = Date.now();
     await part();
     browser.fine(part.name);
     console.log(`${part.name.replaceAll("_", " ")}: ${((Date.now() - begun) / 1000).toFixed(1)} s`);
   }
   await go("Calibrate");
-  await browser.everywhere("calibrate", shots);
+  await page.getByText("the camera belongs to it").waitFor();
+  assert.ok(await page.getByRole("button", { name: "Take the dark" }).isDisabled(), "nothing is calibrated beside a run");
+  await browser.everywhere("calibrate-busy", shots);
   browser.fine("calibrate");
   assert.equal(await daemon.kill("SIGTERM"), 0, "the daemon ends cleanly");
 } catch (error) {

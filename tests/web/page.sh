@@ -4,7 +4,7 @@
 . "$(dirname "$0")/../cli/cli.bash"
 : "${DAEMON:?the daemon to test}"
 
-node "$SOURCE/tests/web/page.mjs" "$DAEMON" "$TTFBOX" ${TTFBOX_SHOTS:+"$TTFBOX_SHOTS"} || {
+node "$SOURCE/tests/web/page.mjs" "$DAEMON" "$TTFBOX" "$PREVIEW" ${TTFBOX_SHOTS:+"$TTFBOX_SHOTS"} || {
     tail -n 20 daemon.log >&2
     exit 1
 }

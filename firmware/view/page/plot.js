@@ -46,6 +46,12 @@
   const TIME_STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 10800,
     21600, 43200, 86400, 172800, 432000, 864000];
 
+  /* As many digits as there is room for left of the lines: what is tiny, or huge, as 2e-6. */
+  function tickText(v) {
+    const text = String(+v.toPrecision(4));
+    return text.length <= 7 ? text : v.toExponential(1).replace("e+", "e").replace(".0e", "e");
+  }
+
   /*
    * lines(figure, {times_s, series: [{name, style, values}], label, now_s}): values may hold null. What is
    * no time has its own text.
@@ -66,8 +72,8 @@
         }
     if (!(hi >= lo))
       [lo, hi] = [0, 1];
-    if (hi - lo < 1e-9 + Math.abs(hi) * 0.02) {
-      const more = Math.max(Math.abs(hi) * 0.05, 0.01);
+    if (hi - lo < Math.max(Math.abs(hi), Math.abs(lo)) * 0.02 || hi === lo) {
+      const more = Math.abs(hi) * 0.05 || 0.01;
       [lo, hi] = [lo - more, hi + more];
     }
     const t0 = times_s[0], t1 = Math.max(times_s.at(-1), t0 + 1e-9);
@@ -75,7 +81,7 @@
     const y = (v) => H - BOTTOM - (v - lo) / (hi - lo) * (H - TOP - BOTTOM);
     for (const v of ticks(lo, hi, 4)) {
       element(svg, "line", { class: "grid", x1: LEFT, x2: W - RIGHT, y1: y(v), y2: y(v) });
-      element(svg, "text", { x: LEFT - 6, y: y(v) + 4, "text-anchor": "end" }, String(+v.toPrecision(4)));
+      element(svg, "text", { x: LEFT - 6, y: y(v) + 4, "text-anchor": "end" }, tickText(v));
     }
     for (const t of ticks(t0, t1, W < 480 ? 2.5 : 5, text === timeText ? TIME_STEPS : null)) {
       element(svg, "line", { class: "grid", x1: x(t), x2: x(t), y1: TOP, y2: H - BOTTOM });
@@ -133,5 +139,5 @@
     parent.append(t);
   }
 
-  globalThis.ttfPlot = { lines, table, timeText };
+  globalThis.ttfPlot = { lines, table, timeText, tickText };
 })();

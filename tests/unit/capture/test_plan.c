@@ -399,6 +399,25 @@ static void lamps_are_held_to_what_the_board_allows(void **state)
     refused(&plan, &box, "shots[0].lamps.right");
 }
 
+static void a_run_that_is_over_before_a_lamp_s_share_is_used_up_fits(void **state)
+{
+    struct ttf_plan plan;
+    struct ttf_plan_figures f;
+
+    (void)state;
+    good_plan(&plan);
+    plan.lamps = TTF_LAMPS_CONTINUOUS;
+    plan.settle_ns = TTF_NS_PER_MIN;
+    plan.shots[0].n_levels = 1;
+    strcpy(plan.shots[0].levels[0].lamp, "right");
+    plan.shots[0].levels[0].permille = 1000;
+    plan.count = 2; /* 11 of the 15 minutes that it may be on in an hour */
+    assert_int_equal(ttf_plan_check(&plan, &box, &f, NULL), 0);
+    assert_in_range(f.lamp_duty_permille[1], 180, 190);
+    plan.count = 3;
+    refused(&plan, &box, "lamps.mode");
+}
+
 static void a_photoperiod_is_held_to_it_as_well(void **state)
 {
     struct ttf_plan plan;
@@ -479,6 +498,7 @@ int main(void)
         cmocka_unit_test(names_and_paths_must_be_such_that_folders_can_be_made_of_them),
         cmocka_unit_test(runs_and_brackets_beyond_all_bounds_are_refused),
         cmocka_unit_test(lamps_are_held_to_what_the_board_allows),
+        cmocka_unit_test(a_run_that_is_over_before_a_lamp_s_share_is_used_up_fits),
         cmocka_unit_test(a_photoperiod_is_held_to_it_as_well),
         cmocka_unit_test(lit_shots_without_a_lamp_mode_are_a_mistake),
         cmocka_unit_test(a_slot_must_fit_its_interval),

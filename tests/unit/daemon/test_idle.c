@@ -51,6 +51,7 @@ static void begin(struct fixture *f)
         fail_msg("%s: %s", err.where, err.what);
     f->d.wake = ttf_gate_create(f->d.clock);
     f->d.shadow = shadow_create();
+    f->d.calibrations = calibrations_create(f->d.io, f->d.clock, f->folder, "");
     f->d.workshop = workshop_create(f->d.clock, f->d.wake);
     assert_int_equal(orders_create(f->d.io, f->folder, "", "", &f->d.orders, &err), 0);
     workshop_open(f->d.workshop, true);
@@ -64,6 +65,7 @@ static void end(struct fixture *f)
     orders_destroy(f->d.orders);
     workshop_destroy(f->d.workshop);
     shadow_destroy(f->d.shadow);
+    calibrations_destroy(f->d.calibrations);
     ttf_gate_destroy(f->d.wake);
     ttf_clock_destroy(f->d.clock);
     (void)snprintf(path, sizeof path, "%s/run.json", f->folder);
@@ -82,7 +84,7 @@ static void *look(void *ctx)
 
         if (workshop_ask(f->d.workshop, &job, NULL) == 0)
             (void)__atomic_add_fetch(&f->seen, 1, __ATOMIC_RELAXED);
-        free(job.jpeg);
+        free(job.shown.jpeg);
     }
     return NULL;
 }
@@ -185,7 +187,7 @@ static void *look_by_lamplight(void *ctx)
     (void)snprintf(view.lamps[0].name, sizeof view.lamps[0].name, "left");
     view.lamps[0].level_permille = 1000;
     f->seen = workshop_ask(f->d.workshop, &job, NULL);
-    free(job.jpeg);
+    free(job.shown.jpeg);
     return NULL;
 }
 

@@ -41,6 +41,47 @@ static void a_run_is_asked_for_by_names(void **state)
             fail_msg("taken: %s", WRONG[i]);
 }
 
+static void a_step_of_a_calibration_says_what_it_needs(void **state)
+{
+    static const char *const WRONG[] = {"{}",
+                                        "{\"part\":\"tea\"}",
+                                        "{\"part\":\"dark\",\"frames\":0}",
+                                        "{\"part\":\"dark\",\"frames\":1001}",
+                                        "{\"part\":\"dark\",\"exposure_ns\":1.5}",
+                                        "{\"part\":\"dark\",\"plan\":\"../x\"}",
+                                        "{\"part\":\"dark\",\"name\":\"x\"}",
+                                        "{\"part\":\"flat\",\"reflectance\":1.5}",
+                                        "{\"part\":\"geometry\"}",
+                                        "{\"part\":\"geometry\",\"pitch_mm\":0}",
+                                        "{\"part\":\"chart\"}",
+                                        "{\"part\":\"chart\",\"corners\":[[0,0],[9,0],[9,9]]}",
+                                        "{\"part\":\"chart\",\"corners\":[[0,0],[9,0],[9,9],[0]]}",
+                                        NULL};
+    struct ttf_http_calibrate what;
+    struct ttf_err err;
+    char name[65];
+
+    (void)state;
+    for (unsigned i = 0; WRONG[i]; i++)
+        if (body_calibrate(N(WRONG[i]), &what, &err) != -EINVAL)
+            fail_msg("taken: %s", WRONG[i]);
+    assert_int_equal(body_calibrate(N("{\"part\":\"flat\",\"plan\":\"week\",\"reflectance\":0.9,"
+                                      "\"frames\":8,\"exposure_ns\":20000000}"),
+                                    &what, &err),
+                     0);
+    assert_string_equal(what.part, "flat");
+    assert_string_equal(what.plan, "week");
+    assert_true(what.reflectance == 0.9 && what.frames == 8 && what.exposure_ns == 20000000);
+    assert_int_equal(
+        body_calibrate(N("{\"part\":\"chart\",\"corners\":[[1,2.5],[9,0],[9,9],[0,9]]}"), &what,
+                       &err),
+        0);
+    assert_true(what.corners[0][1] == 2.5 && what.corners[3][1] == 9);
+    assert_int_equal(body_name(N("{\"name\":\"cal\"}"), name, &err), 0);
+    assert_string_equal(name, "cal");
+    assert_int_equal(body_name(N("{\"name\":\"a/b\"}"), name, &err), -EINVAL);
+}
+
 static void one_change_at_a_time(void **state)
 {
     struct ttf_http_ask ask;
@@ -164,6 +205,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_run_is_asked_for_by_names),
         cmocka_unit_test(one_change_at_a_time),
+        cmocka_unit_test(a_step_of_a_calibration_says_what_it_needs),
         cmocka_unit_test(a_note_has_its_slots_and_tags),
         cmocka_unit_test(a_view_has_its_lamps_and_region),
         cmocka_unit_test(the_newest_picture_is_the_developed_file),

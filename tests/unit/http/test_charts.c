@@ -15,6 +15,8 @@
 #include "chart_text.h"
 #include "ttf/base/time.h"
 
+static struct chart_lamps no_plan;
+
 static void add(struct chart_points *points, int64_t index, double level, int64_t late_ns)
 {
     struct ttf_slot_record record;
@@ -27,10 +29,11 @@ static void add(struct chart_points *points, int64_t index, double level, int64_
     assert_int_equal(ttf_slot_record_images(&record, 1), 0);
     memcpy(record.images[0].stream, "main", 5);
     record.images[0].mean_level = level;
+    record.images[0].reference_level = index % 2 ? NAN : level / 2; /* of every second slot alone */
     record.n_sensors = 2;
     record.sensors[0] = (struct ttf_slot_sensor){"box", "temp_mdegc", true, 20000 + index};
     record.sensors[1] = (struct ttf_slot_sensor){"lid", "temp_mdegc", false, 0};
-    assert_int_equal(chart_points_add(points, &record), 0);
+    assert_int_equal(chart_points_add(points, &no_plan, &record), 0);
     ttf_slot_record_free(&record);
 }
 
@@ -48,7 +51,7 @@ static const struct chart_series *series(const struct chart_points *points, enum
 static void few_slots_are_points_of_their_own(void **state)
 {
     struct chart_points points = {0};
-    const struct chart_series *mean;
+    const struct chart_series *mean, *reference;
 
     (void)state;
     for (int64_t i = 0; i < 100; i++)
@@ -57,7 +60,10 @@ static void few_slots_are_points_of_their_own(void **state)
     assert_int_equal(points.n, 100);
     assert_int_equal(points.width, 1);
     assert_true(mean->value[99].min == 99 && mean->value[99].max == 99);
-    assert_int_equal(points.n_series, 3); /* the sensor that was silent has none */
+    assert_int_equal(points.n_series, 4); /* the sensor that was silent has none */
+    reference = series(&points, CHART_REFERENCE);
+    assert_true(reference->value[98].n == 1 && reference->value[98].max == 49);
+    assert_int_equal(reference->value[99].n, 0);
     chart_points_free(&points);
     assert_int_equal(points.n, 0);
 }
@@ -107,7 +113,7 @@ static void holes_and_a_late_beginning_are_kept(void **state)
     chart_points_free(&points);
 }
 
-static void lamps_add_up(void **state)
+static void without_a_plan_exposures_are_all_that_is_known_of_lamps(void **state)
 {
     struct chart_points points = {0};
     struct ttf_slot_record record;
@@ -124,13 +130,111 @@ static void lamps_add_up(void **state)
         record.images[0].shots[0].n_lamps = 1;
         memcpy(record.images[0].shots[0].lamps[0].name, "left", 5);
         record.images[0].shots[0].lamps[0].commanded_permille = i < 5 ? 1000 : 0;
-        assert_int_equal(chart_points_add(&points, &record), 0);
+        assert_int_equal(chart_points_add(&points, &no_plan, &record), 0);
         ttf_slot_record_free(&record);
     }
     lamp = series(&points, CHART_LAMP);
     assert_true(fabs(lamp->value[4].max - 5) < 1e-9);
     assert_true(fabs(lamp->value[9].max - 5) < 1e-9);
     chart_points_free(&points);
+}
+
+/* ---- by a plan ---- */
+
+#define S TTF_NS_PER_S
+
+/* Slots of an interval, each with one exposure of 20 ms that begins when it is due, lit by "left". */
+static double hours_of(struct chart_lamps *lamps, int64_t first, int64_t last, int64_t interval_ns)
+{
+    struct chart_points points = {0};
+    double hours;
+
+    for (int64_t i = first; i <= last; i++) {
+        struct ttf_slot_record record;
+        struct ttf_shot *shot;
+
+        ttf_slot_record_init(&record);
+        record.index = i;
+        record.segment = lamps->segment.segment;
+        record.due_ns = lamps->segment.origin_ns + (i - lamps->segment.first_index) * interval_ns;
+        assert_int_equal(ttf_slot_record_images(&record, 1), 0);
+        assert_int_equal(ttf_image_shots(&record.images[0], 1), 0);
+        shot = &record.images[0].shots[0];
+        shot->start_ns = record.due_ns;
+        shot->end_ns = record.due_ns + 20 * TTF_NS_PER_MS;
+        shot->n_lamps = 1;
+        memcpy(shot->lamps[0].name, "left", 5);
+        shot->lamps[0].commanded_permille = 1000;
+        assert_int_equal(chart_points_add(&points, lamps, &record), 0);
+        ttf_slot_record_free(&record);
+    }
+    hours = series(&points, CHART_LAMP)->total;
+    chart_points_free(&points);
+    return hours;
+}
+
+static void plan(struct chart_lamps *lamps, const char *text, int64_t interval_ns)
+{
+    const struct ttf_segment segment = {
+        .origin_ns = 5000 * S, .origin_utc_ns = TTF_NS_UNKNOWN, .interval_ns = interval_ns};
+
+    memset(lamps, 0, sizeof *lamps);
+    chart_lamps_plan(lamps, text, strlen(text));
+    chart_lamps_segment(lamps, &segment);
+}
+
+#define SHOTS "\"shots\":[{\"lamps_permille\":{\"left\":1000,\"right\":0}}]"
+
+static void a_lamp_that_burns_all_the_time_counts_between_slots(void **state)
+{
+    struct chart_lamps lamps;
+
+    (void)state;
+    plan(&lamps, "{\"lamps\":{\"mode\":\"continuous\",\"settle_ns\":200000000}," SHOTS "}", S);
+    /* ten slots at 1 s: nine intervals, an exposure, and what it settled for before the first */
+    assert_true(fabs(hours_of(&lamps, 0, 9, S) * 3600 - 9.22) < 1e-6);
+}
+
+static void a_lamp_for_the_frames_alone_counts_with_its_settling(void **state)
+{
+    struct chart_lamps lamps;
+
+    (void)state;
+    plan(&lamps, "{\"lamps\":{\"mode\":\"capture-only\",\"settle_ns\":2000000000}," SHOTS "}",
+         60 * S);
+    assert_true(fabs(hours_of(&lamps, 0, 9, 60 * S) * 3600 - 20.2) < 1e-6);
+}
+
+static void by_day_a_lamp_counts_whole_and_at_night_for_the_frames(void **state)
+{
+    static const char TEXT[] = "{\"lamps\":{\"mode\":\"photoperiod\",\"settle_ns\":30000000000,"
+                               "\"day_ns\":43200000000000,\"period_ns\":86400000000000,"
+                               "\"phase_ns\":0,\"day_levels_permille\":{\"left\":800}}," SHOTS "}";
+    struct chart_lamps lamps;
+    double hours;
+
+    (void)state;
+    plan(&lamps, TEXT, 3600 * S);
+    hours = hours_of(&lamps, 0, 48, 3600 * S); /* two whole days and nights, and a slot */
+    /* 24 h of days; each night 11 slots of 30.02 s, at dusk an exposure, at dawn the settling; so before the first day, and 20 ms of
+     * the last one */
+    assert_true(fabs((hours - 24) * 3600 - (2 * (0.02 + 11 * 30.02 + 30) + 30 + 0.02)) < 1e-6);
+}
+
+static void a_boot_s_outage_is_not_counted(void **state)
+{
+    struct ttf_segment segment = {.segment = 1,
+                                  .first_index = 100,
+                                  .origin_ns = 7 * S,
+                                  .origin_utc_ns = TTF_NS_UNKNOWN,
+                                  .interval_ns = S};
+    struct chart_lamps lamps;
+
+    (void)state;
+    plan(&lamps, "{\"lamps\":{\"mode\":\"continuous\",\"settle_ns\":0}," SHOTS "}", S);
+    assert_true(fabs(hours_of(&lamps, 0, 9, S) * 3600 - 9.02) < 1e-6);
+    chart_lamps_segment(&lamps, &segment);
+    assert_true(fabs(hours_of(&lamps, 100, 109, S) * 3600 - 9.02) < 1e-6);
 }
 
 static void columns_are_bounded(void **state)
@@ -146,7 +250,7 @@ static void columns_are_bounded(void **state)
         record.sensors[0] = (struct ttf_slot_sensor){"", "light_permille", true, 1};
         record.sensors[0].name[0] = (char)('0' + i / 10);
         record.sensors[0].name[1] = (char)('0' + i % 10);
-        assert_int_equal(chart_points_add(&points, &record), 0);
+        assert_int_equal(chart_points_add(&points, &no_plan, &record), 0);
         ttf_slot_record_free(&record);
     }
     assert_int_equal(points.n_series, CHART_SERIES);
@@ -184,7 +288,11 @@ int main(void)
         cmocka_unit_test(few_slots_are_points_of_their_own),
         cmocka_unit_test(a_spike_of_one_slot_among_a_hundred_thousand_shows),
         cmocka_unit_test(holes_and_a_late_beginning_are_kept),
-        cmocka_unit_test(lamps_add_up),
+        cmocka_unit_test(without_a_plan_exposures_are_all_that_is_known_of_lamps),
+        cmocka_unit_test(a_lamp_that_burns_all_the_time_counts_between_slots),
+        cmocka_unit_test(a_lamp_for_the_frames_alone_counts_with_its_settling),
+        cmocka_unit_test(by_day_a_lamp_counts_whole_and_at_night_for_the_frames),
+        cmocka_unit_test(a_boot_s_outage_is_not_counted),
         cmocka_unit_test(columns_are_bounded),
         cmocka_unit_test(times_are_those_of_the_segment_as_corrected),
     };

@@ -53,22 +53,28 @@ struct box {
     int waiting;
 };
 
-static int box_live(struct ttf_http_box *base, const struct ttf_http_view *view, void **ret_jpeg,
-                    size_t *ret_bytes, struct ttf_err *err)
+static int wait_until_open(struct box *box, char **ret)
 {
-    struct box *box = (struct box *)base;
-
-    (void)view;
-    (void)err;
     (void)pthread_mutex_lock(&box->lock);
     box->waiting++;
     (void)pthread_cond_broadcast(&box->changed);
     while (!box->open)
         (void)pthread_cond_wait(&box->changed, &box->lock);
     (void)pthread_mutex_unlock(&box->lock);
-    *ret_jpeg = strdup("jpeg");
-    *ret_bytes = 4;
-    return *ret_jpeg ? 0 : -ENOMEM;
+    *ret = strdup("jpeg");
+    return *ret ? 0 : -ENOMEM;
+}
+
+static int box_live(struct ttf_http_box *base, const struct ttf_http_view *view,
+                    struct ttf_http_shown *ret, struct ttf_err *err)
+{
+    char *text = NULL;
+    int r = wait_until_open((struct box *)base, &text);
+
+    (void)view;
+    (void)err;
+    *ret = (struct ttf_http_shown){text, 4, 12345678, 1500};
+    return r;
 }
 
 static int box_ask(struct ttf_http_box *base, const struct ttf_http_ask *ask, char **ret_json,
@@ -85,11 +91,10 @@ static int box_ask(struct ttf_http_box *base, const struct ttf_http_ask *ask, ch
 static int box_start(struct ttf_http_box *base, const char *plan, const char *dataset,
                      char **ret_json, struct ttf_err *err)
 {
-    size_t bytes;
-
     (void)plan;
     (void)dataset;
-    return box_live(base, NULL, (void **)ret_json, &bytes, err);
+    (void)err;
+    return wait_until_open((struct box *)base, ret_json);
 }
 
 static int box_check(struct ttf_http_box *base, const char *yaml, size_t bytes, char **ret_json,

@@ -52,6 +52,27 @@ struct ttf_http_view {
     uint32_t x, y, width, height; /* width 0: all of it, shrunk to fit */
 };
 
+/* What it became. */
+struct ttf_http_shown {
+    void *jpeg; /* by malloc */
+    size_t bytes;
+    int64_t exposure_ns; /* as the camera did it; 0: not known */
+    int64_t gain_milli;
+};
+
+/* A step of a calibration. */
+struct ttf_http_calibrate {
+    char name[65];        /* of the calibration that it goes into */
+    char part[16];        /* dark, flat, chart, geometry, flicker */
+    char plan[65];        /* whose first shot it is for; empty: all lamps, fully lit */
+    int64_t exposure_ns;  /* 0: the plan's */
+    int64_t gain_milli;   /* 0: the plan's */
+    unsigned frames;      /* averaged; 0: as many as suit */
+    double reflectance;   /* of the flat's target, 0..1; 0: not said */
+    double pitch_mm;      /* of the geometry's dots */
+    double corners[4][2]; /* of the chart, in the camera's pixels */
+};
+
 struct ttf_http_box_ops {
     const char *name;
     int (*status)(struct ttf_http_box *box, char **ret_json, struct ttf_err *err);
@@ -82,9 +103,15 @@ struct ttf_http_box_ops {
     /* slow: it is synced */
     int (*note)(struct ttf_http_box *box, const char *dataset, const struct ttf_note *note,
                 struct ttf_err *err);
+    /* A step is asked for, and done while nothing runs; what came of it, calibrations tells */
+    int (*calibrations)(struct ttf_http_box *box, char **ret_json, struct ttf_err *err);
+    int (*calibrate)(struct ttf_http_box *box, const struct ttf_http_calibrate *what,
+                     char **ret_json, struct ttf_err *err);
+    /* name: empty: the configuration's again */
+    int (*calibration_use)(struct ttf_http_box *box, const char *name, struct ttf_err *err);
     /* slow. A JPEG. -EBUSY: a run is under way */
-    int (*live)(struct ttf_http_box *box, const struct ttf_http_view *view, void **ret_jpeg,
-                size_t *ret_bytes, struct ttf_err *err);
+    int (*live)(struct ttf_http_box *box, const struct ttf_http_view *view,
+                struct ttf_http_shown *ret, struct ttf_err *err);
     /* Does the box's token wait to be shown, once? NULL: it never does. */
     bool (*token_waits)(struct ttf_http_box *box);
     /* slow: that it is shown now reaches the disk before it is. 0, once; -EEXIST: it does not wait. NULL: never */

@@ -1,0 +1,369 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "calibrations.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ttf/dataset/json_parse.h"
+#include "ttf/dataset/json_writer.h"
+
+#define MOST     64                        /* that are listed */
+#define TEXT_MAX ((size_t)8 * 1024 * 1024) /* of one's JSON: hot pixels are many */
+#define USED     "calibration-in-use"
+
+enum step {
+    STEP_NONE = 0,
+    STEP_WAITING,
+    STEP_UNDER_WAY,
+    STEP_DONE,
+    STEP_REFUSED
+};
+
+struct calibrations {
+    struct ttf_io *io;
+    struct ttf_clock *clock;
+    const char *state, *configured;
+    pthread_mutex_t lock; /* over all below */
+    enum step step;
+    struct ttf_http_calibrate what;
+    int64_t begun_ns, ended_ns, at_most_ns;
+    struct ttf_err err;
+};
+
+struct calibrations *calibrations_create(struct ttf_io *io, struct ttf_clock *clock,
+                                         const char *state, const char *configured)
+{
+    struct calibrations *c = calloc(1, sizeof *c);
+
+    if (!c)
+        return NULL;
+    c->io = io;
+    c->clock = clock;
+    c->state = state;
+    c->configured = configured;
+    (void)pthread_mutex_init(&c->lock, NULL);
+    return c;
+}
+
+void calibrations_destroy(struct calibrations *c)
+{
+    if (!c)
+        return;
+    (void)pthread_mutex_destroy(&c->lock);
+    free(c);
+}
+
+void calibrations_path(const struct calibrations *c, const char *name, char ret[CALIBRATION_PATH])
+{
+    (void)snprintf(ret, CALIBRATION_PATH, "%s/calibrations/%s", c->state, name);
+}
+
+/* ---- what lies on the disk ---- */
+
+static int read_json(struct calibrations *c, const char *folder, json_t **ret)
+{
+    char path[CALIBRATION_PATH + 32], *text = NULL;
+    size_t bytes;
+    int r;
+
+    (void)snprintf(path, sizeof path, "%s/calibration.json", folder);
+    r = ttf_io_slurp(c->io, path, TEXT_MAX, &text, &bytes, NULL);
+    if (r == 0)
+        r = ttf_json_parse(text, bytes, ret, NULL);
+    free(text);
+    return r;
+}
+
+static bool is_there(struct calibrations *c, const char *folder)
+{
+    char path[CALIBRATION_PATH + 32];
+    struct ttf_io_stat st;
+
+    (void)snprintf(path, sizeof path, "%s/calibration.json", folder);
+    return c->io->ops->stat(c->io, path, &st) == 0;
+}
+
+/* The name of the one that a person chose; false: none. */
+static bool chosen(struct calibrations *c, char ret[65])
+{
+    char path[CALIBRATION_PATH], *text = NULL;
+    size_t bytes;
+    bool is = false;
+
+    (void)snprintf(path, sizeof path, "%s/" USED, c->state);
+    if (ttf_io_slurp(c->io, path, 128, &text, &bytes, NULL) == 0) {
+        (void)snprintf(ret, 65, "%.*s", (int)strcspn(text, "\n/"), text);
+        is = *ret && *ret != '.';
+    }
+    free(text);
+    return is;
+}
+
+int calibrations_use(struct calibrations *c, const char *name, struct ttf_err *err)
+{
+    char path[CALIBRATION_PATH], folder[CALIBRATION_PATH], text[80];
+    int r;
+
+    (void)snprintf(path, sizeof path, "%s/" USED, c->state);
+    if (!*name) {
+        r = c->io->ops->unlink(c->io, path);
+        if (r == 0)
+            r = c->io->ops->sync_dir(c->io, c->state);
+        return r == 0 || r == -ENOENT ? 0 : ttf_err_set(err, r, NULL, "%s", strerrordesc_np(-r));
+    }
+    calibrations_path(c, name, folder);
+    if (!is_there(c, folder))
+        return ttf_err_set(err, -ENOENT, "name", "there is no calibration of this name");
+    (void)snprintf(text, sizeof text, "%s\n", name);
+    return ttf_io_write_file(c->io, path, text, strlen(text), err);
+}
+
+bool calibrations_folder(struct calibrations *c, char ret[CALIBRATION_PATH])
+{
+    char name[65];
+
+    if (chosen(c, name)) {
+        calibrations_path(c, name, ret);
+        if (is_there(c, ret))
+            return true;
+    }
+    (void)snprintf(ret, CALIBRATION_PATH, "%s", c->configured);
+    return *ret;
+}
+
+struct own {
+    unsigned n;
+    char id[65];
+};
+
+static int take_own(void *ctx, const char *name, bool is_dir)
+{
+    struct own *own = ctx;
+
+    if (is_dir && *name != '.' && strlen(name) < sizeof own->id) {
+        own->n++;
+        memcpy(own->id, name, strlen(name) + 1);
+    }
+    return 0;
+}
+
+bool calibrations_of_run(struct calibrations *c, const char *dataset, bool exists,
+                         char ret[CALIBRATION_PATH])
+{
+    struct own own = {0};
+    char folder[CALIBRATION_PATH];
+
+    (void)snprintf(folder, sizeof folder, "%.600s/calibration", dataset);
+    if (exists && c->io->ops->list(c->io, folder, take_own, &own) == 0 && own.n == 1) {
+        (void)snprintf(ret, CALIBRATION_PATH, "%.600s/calibration/%s", dataset, own.id);
+        return true;
+    }
+    return calibrations_folder(c, ret);
+}
+
+/* ---- a step ---- */
+
+/* A part that is there already, or one without what it is measured by. */
+static int refuse_part(struct calibrations *c, const struct ttf_http_calibrate *what,
+                       struct ttf_err *err)
+{
+    bool first = strcmp(what->part, "dark") == 0 || strcmp(what->part, "flat") == 0;
+    char folder[CALIBRATION_PATH];
+    json_t *json = NULL;
+    int r = 0;
+
+    calibrations_path(c, what->name, folder);
+    if (read_json(c, folder, &json) == 0 && json_object_get(json, what->part)) {
+        r = ttf_err_set(err, -EEXIST, what->name, "holds a %s already", what->part);
+        ttf_err_hint(err, "nothing is overwritten: begin a calibration of another name");
+    } else if (strcmp(what->part, "chart") == 0 && !json_object_get(json, "flat")) {
+        r = ttf_err_set(err, -EINVAL, what->name, "has no flat yet: a chart is measured by it");
+    } else if (!first && !json_object_get(json, "dark") && !json_object_get(json, "flat")) {
+        r = ttf_err_set(err, -EINVAL, what->name, "holds nothing yet: begin with dark and flat");
+    }
+    json_decref(json);
+    return r;
+}
+
+int calibrations_ask(struct calibrations *c, const struct ttf_http_calibrate *what,
+                     struct ttf_err *err)
+{
+    int r = refuse_part(c, what, err);
+
+    if (r < 0)
+        return r;
+    (void)pthread_mutex_lock(&c->lock);
+    if (c->step == STEP_WAITING || c->step == STEP_UNDER_WAY) {
+        r = ttf_err_set(err, -EBUSY, NULL, "a step of a calibration is under way");
+    } else {
+        c->step = STEP_WAITING;
+        c->what = *what;
+        c->begun_ns = ttf_clock_now_ns(c->clock);
+        c->at_most_ns = 0;
+    }
+    (void)pthread_mutex_unlock(&c->lock);
+    return r;
+}
+
+bool calibrations_begin(struct calibrations *c, struct ttf_http_calibrate *ret)
+{
+    bool waits;
+
+    (void)pthread_mutex_lock(&c->lock);
+    waits = c->step == STEP_WAITING;
+    if (waits) {
+        c->step = STEP_UNDER_WAY;
+        c->begun_ns = ttf_clock_now_ns(c->clock);
+        *ret = c->what;
+    }
+    (void)pthread_mutex_unlock(&c->lock);
+    return waits;
+}
+
+void calibrations_at_most(struct calibrations *c, int64_t ns)
+{
+    (void)pthread_mutex_lock(&c->lock);
+    c->at_most_ns = ns;
+    (void)pthread_mutex_unlock(&c->lock);
+}
+
+static void end(struct calibrations *c, int r, const struct ttf_err *err)
+{
+    c->step = r < 0 ? STEP_REFUSED : STEP_DONE;
+    c->ended_ns = ttf_clock_now_ns(c->clock);
+    memset(&c->err, 0, sizeof c->err);
+    if (r < 0 && err)
+        c->err = *err;
+}
+
+void calibrations_end(struct calibrations *c, int r, const struct ttf_err *err)
+{
+    (void)pthread_mutex_lock(&c->lock);
+    end(c, r, err);
+    (void)pthread_mutex_unlock(&c->lock);
+}
+
+void calibrations_give_up(struct calibrations *c)
+{
+    struct ttf_err err = {0};
+
+    ttf_err_set(&err, -EBUSY, NULL, "a run took the devices before it was begun");
+    (void)pthread_mutex_lock(&c->lock);
+    if (c->step == STEP_WAITING)
+        end(c, -EBUSY, &err);
+    (void)pthread_mutex_unlock(&c->lock);
+}
+
+/* ---- in words ---- */
+
+static void put_step(struct calibrations *c, struct ttf_json *j)
+{
+    static const char *const NAMES[] = {"none", "waiting", "under-way", "done", "refused"};
+
+    (void)pthread_mutex_lock(&c->lock);
+    if (c->step != STEP_NONE) {
+        bool over = c->step == STEP_DONE || c->step == STEP_REFUSED;
+
+        ttf_json_key(j, "step");
+        ttf_json_object(j);
+        ttf_json_kstring(j, "calibration", c->what.name);
+        ttf_json_kstring(j, "part", c->what.part);
+        ttf_json_kstring(j, "state", NAMES[c->step]);
+        ttf_json_kint(j, "for_ns", (over ? c->ended_ns : ttf_clock_now_ns(c->clock)) - c->begun_ns);
+        if (c->at_most_ns > 0)
+            ttf_json_kint(j, "at_most_ns", c->at_most_ns);
+        if (c->step == STEP_REFUSED) {
+            ttf_json_kstring(j, "error", c->err.what);
+            if (*c->err.where)
+                ttf_json_kstring(j, "where", c->err.where);
+            if (*c->err.hint)
+                ttf_json_kstring(j, "hint", c->err.hint);
+        }
+        ttf_json_object_end(j);
+    }
+    (void)pthread_mutex_unlock(&c->lock);
+}
+
+/* What calibration.json says, but for the files' names and each hot pixel's place. */
+static void put_one(struct calibrations *c, const char *name, struct ttf_json *j)
+{
+    static const char *const KEYS[] = {"id",   "camera", "simulated", "width",    "height",
+                                       "dark", "flat",   "chart",     "geometry", "flicker"};
+    char folder[CALIBRATION_PATH];
+    json_t *json = NULL;
+
+    calibrations_path(c, name, folder);
+    if (read_json(c, folder, &json) < 0)
+        return;
+    ttf_json_object(j);
+    ttf_json_kstring(j, "name", name);
+    ttf_json_kint(j, "hot_pixels", (int64_t)json_array_size(json_object_get(json, "hot")) / 2);
+    for (unsigned i = 0; i < TTF_COUNT_OF(KEYS); i++) {
+        json_t *value = json_object_get(json, KEYS[i]);
+        char *text = value ? json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY) : NULL;
+
+        if (text) {
+            ttf_json_key(j, KEYS[i]);
+            ttf_json_raw(j, text);
+        }
+        free(text);
+    }
+    ttf_json_object_end(j);
+    json_decref(json);
+}
+
+struct names {
+    char name[MOST][65];
+    unsigned n;
+};
+
+static int take_name(void *ctx, const char *name, bool is_dir)
+{
+    struct names *names = ctx;
+
+    if (is_dir && *name != '.' && strlen(name) < sizeof names->name[0] && names->n < MOST)
+        memcpy(names->name[names->n++], name, strlen(name) + 1);
+    return 0;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(a, b);
+}
+
+int calibrations_show(struct calibrations *c, char **ret_json, struct ttf_err *err)
+{
+    struct names *names = calloc(1, sizeof *names);
+    char folder[CALIBRATION_PATH], name[65];
+    struct ttf_json j;
+    int r;
+
+    if (!names)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    calibrations_path(c, "", folder);
+    r = c->io->ops->list(c->io, folder, take_name, names);
+    qsort(names->name, names->n, sizeof names->name[0], by_name);
+    ttf_json_init(&j, false);
+    ttf_json_object(&j);
+    if (*c->configured)
+        ttf_json_kstring(&j, "configured", c->configured);
+    if (chosen(c, name))
+        ttf_json_kstring(&j, "used", name);
+    put_step(c, &j);
+    ttf_json_key(&j, "calibrations");
+    ttf_json_array(&j);
+    for (unsigned i = 0; i < names->n; i++)
+        put_one(c, names->name[i], &j);
+    ttf_json_array_end(&j);
+    ttf_json_object_end(&j);
+    free(names);
+    if (r < 0 && r != -ENOENT) {
+        ttf_json_free(&j);
+        return ttf_err_set(err, r, NULL, "%s", strerrordesc_np(-r));
+    }
+    r = ttf_json_take(&j, ret_json, NULL);
+    return r < 0 ? ttf_err_set(err, r, NULL, "no memory") : 0;
+}

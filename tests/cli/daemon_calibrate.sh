@@ -1,0 +1,123 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# A calibration made by HTTP alone, on a box that a daemon owns: dark, flat, in use, a run that is developed with it; and what is refused.
+. "$(dirname "$0")/cli.bash"
+. "$(dirname "$0")/server.bash"
+[ -n "${DAEMON:-}" ] || exit 77 # built without a box
+trap 'kill "${daemon:-}" 2>/dev/null; rm -rf "$WORK"' EXIT
+
+printf 'board: %s\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0"]\n' "$SOURCE/boards/sim-small/board.yaml" >ttfboxd.yaml
+lamps='lamps.left.warm_up: 500ms, lamps.right.warm_up: 500ms, lamps.left.interlock: none, lamps.right.interlock: none'
+printf 'set: {sim.clock: real, sim.scene.name: white, sim.sensor.width: 96px, sim.sensor.height: 64px, %s}\n' "$lamps" >>ttfboxd.yaml
+
+start() {
+    : >log
+    "$DAEMON" --config ttfboxd.yaml >>log 2>&1 &
+    daemon=$!
+    for _ in $(seq 600); do
+        URL=http://$(sed -n 's/.*listening at="\(127[^"]*\)".*/\1/p' log)/api/v1
+        [ "$URL" = http:///api/v1 ] || break
+        sleep 0.05
+    done
+    ME=(-H "Authorization: Bearer $(cat data/.ttfbox/token)" -H 'Content-Type: application/json')
+}
+send() { # METHOD PATH STATUS JSON
+    get "$URL/$2" "$3" "${ME[@]}" -X "$1" --data-binary "$4"
+}
+step() { # STATE: what the last step comes to, within a minute
+    for _ in $(seq 600); do
+        get "$URL/calibrations" 200 "${ME[@]}"
+        case $(json step.state) in "$1") return 0 ;; done | refused) break ;; esac
+        sleep 0.1
+    done
+    fail "the step: $(cat out); $(cat log)"
+}
+state() { # WORD
+    for _ in $(seq 600); do
+        get "$URL/status" 200 "${ME[@]}"
+        [ "$(json state)" = "$1" ] && return 0
+        sleep 0.05
+    done
+    fail "it is $(json state), not $1: $(cat log)"
+}
+plan() { # NAME: of 3 slots, 100 ms
+    printf 'interval: 500ms\ncount: 3\nlamps: {mode: continuous, settle: 500ms}\nshot: {lamps: {left: 100%%, right: 100%%}, exposure: 20ms}\nkeep: both\nreserve: 0B\n' >"$1.yaml"
+    get "$URL/plans/$1" 200 "${ME[0]}" "${ME[1]}" -H 'Content-Type: application/yaml' -X PUT --data-binary "@$1.yaml"
+}
+quantity() { "$PYTHON" -c 'import json, sys; print(json.load(open(sys.argv[1]))["streams"][0]["quantity"])' "data/$1/dataset.json"; }
+
+start
+plan three
+get "$URL/calibrations" 200 "${ME[@]}"
+is calibrations '[]'
+send POST calibrations/first 400 '{"part":"tea"}'
+send POST calibrations/first 400 '{"part":"geometry"}'
+send POST calibrations/..%2fx 404 '{"part":"dark"}'
+get "$URL/calibrations/first" 401 -H 'Content-Type: application/json' -X POST --data-binary '{"part":"dark"}'
+
+send POST calibrations/first 400 '{"part":"flicker"}'
+send POST calibrations/first 400 '{"part":"chart","corners":[[0,0],[9,0],[9,9],[0,9]]}'
+
+# ---- dark and flat for a plan's shot; what is there is not overwritten ----
+send POST calibrations/first 202 '{"part":"dark","plan":"three","frames":8}'
+step 'done'
+is calibrations.0.name first
+is calibrations.0.dark.frames 8
+is calibrations.0.dark.exposure_ns 20000000
+send POST calibrations/first 409 '{"part":"dark","plan":"three","frames":8}'
+send POST calibrations/first 202 '{"part":"flat","plan":"three","frames":8}'
+step 'done'
+is calibrations.0.flat.frames 8
+send POST calibrations/first 202 '{"part":"flicker","plan":"three","frames":16}'
+step 'done'
+is calibrations.0.flicker.frames 16
+expect 0 "$TTFBOX" calibrate report data/.ttfbox/calibrations/first
+grep -q SIMULATED out || fail "a simulated calibration does not say so"
+
+# ---- what cannot be right is refused with why, and leaves nothing ----
+send POST calibrations/bright 202 '{"part":"flat","exposure_ns":900000000,"frames":2}'
+step refused
+[ -n "$(json step.error)" ] || fail "it does not say why"
+[ ! -e data/.ttfbox/calibrations/bright ] || fail "it left something"
+send POST calibrations/lost 202 '{"part":"dark","plan":"none-such"}'
+step refused
+
+# ---- used from the next run on ----
+send POST run 202 '{"plan":"three","dataset":"before"}'
+state idle
+[ "$(quantity before)" = radiance ] || fail "a run had a calibration that nobody chose"
+send PUT calibration 404 '{"name":"none-such"}'
+send PUT calibration 200 '{"name":"first"}'
+send POST run 202 '{"plan":"three","dataset":"after"}'
+state idle
+[ "$(quantity after)" = reflectance ] || fail "the calibration that was chosen is not used: $(cat log)"
+expect 0 "$TTFBOX" verify data/after
+
+# ---- a run has the devices; one that is gone on with keeps its own; a run ends a step ----
+sed 's/count: 3/count: 2000/' three.yaml >long.yaml
+get "$URL/plans/long" 200 "${ME[0]}" "${ME[1]}" -H 'Content-Type: application/yaml' -X PUT --data-binary @long.yaml
+send POST run 202 '{"plan":"long"}'
+state capturing
+send POST calibrations/second 409 '{"part":"dark","plan":"three"}'
+grep -q 'a run has the devices' out || fail "it does not say why: $(cat out)"
+send POST run/stop 202 ''
+state stopped
+send PUT calibration 200 '{"name":""}'
+send POST calibrations/second 202 '{"part":"dark","exposure_ns":400000000,"frames":400}'
+step under-way
+send POST calibrations/third 409 '{"part":"dark"}'
+send POST run 202 '{}'
+state capturing
+step refused
+grep -q 'a run wants the devices' out || fail "the step does not say what ended it: $(cat out)"
+[ "$(quantity long)" = reflectance ] || fail "a run that was gone on with changed its calibration"
+send POST run/stop 202 ''
+state stopped
+
+# ---- the end of the program does not wait for a step ----
+send POST calibrations/second 202 '{"part":"dark","exposure_ns":400000000,"frames":1000}'
+step under-way
+kill -TERM "$daemon"
+timeout 30 tail --pid="$daemon" -f /dev/null || fail "it does not end: $(cat log)"
+wait "$daemon" || fail "it ended with $?: $(cat log)"
+[ ! -e data/.ttfbox/calibrations/second ] || fail "a step that was not done left something"
