@@ -23,9 +23,10 @@ void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progre
     pthread_mutex_unlock(&committer->progress_mutex);
 }
 
-void ttf_committer_alarm(struct ttf_committer *committer, const char *text)
+static void tell_alarm(struct ttf_committer *committer, enum ttf_progress_kind kind,
+                       const char *text)
 {
-    struct ttf_progress p = {.kind = TTF_PROGRESS_ALARM,
+    struct ttf_progress p = {.kind = kind,
                              .index = committer->ledger.next_index,
                              .total = committer->total,
                              .text = text,
@@ -34,6 +35,11 @@ void ttf_committer_alarm(struct ttf_committer *committer, const char *text)
                              .wakeup_ns = TTF_NS_UNKNOWN};
 
     ttf_committer_tell(committer, &p);
+}
+
+void ttf_committer_alarm(struct ttf_committer *committer, const char *text)
+{
+    tell_alarm(committer, TTF_PROGRESS_ALARM, text);
 }
 
 /* ---- room on the disk ---- */
@@ -51,13 +57,19 @@ static const char *storage_reason(int r)
                    : (r == -ENOMEM ? TTF_REASON_NO_MEMORY : TTF_REASON_IO_ERROR);
 }
 
-static void note_disk(struct ttf_committer *c, bool full)
+void ttf_committer_note_disk(struct ttf_committer *c, bool full)
 {
     if (full != c->disk_full)
         ttf_events_emit(c->events, "disk",
                         full ? "less room than the reserve: no slot is captured"
                              : "there is room again");
+    /* The first look of a run tells in any case: the alarm of a run before may stand. */
+    if (full != c->disk_full || !c->disk_noted)
+        tell_alarm(c, full ? TTF_PROGRESS_ALARM : TTF_PROGRESS_ALARM_OVER,
+                   TTF_REASON_DISK_FULL
+                   ", less room than the reserve: no slot is captured until there is more");
     c->disk_full = full;
+    c->disk_noted = true;
     ttf_queue_tell_disk(c->queue, full);
 }
 
@@ -84,7 +96,7 @@ static void look_at_space(struct ttf_committer *c)
         return;
     if (space.free_bytes < needs && ttf_committer_move(c, "less room than the reserve", NULL) == 0)
         return;
-    note_disk(c, space.free_bytes < needs);
+    ttf_committer_note_disk(c, space.free_bytes < needs);
 }
 
 /* ---- images ---- */

@@ -72,7 +72,7 @@ struct ttf_committer {
     unsigned n_late_segments;
     unsigned strikes;
     int64_t first_strike_ns;
-    bool disk_full;
+    bool disk_full, disk_noted;
     bool power_lost;
     int64_t busy_since_ns;          /* first image of the slot under way; TTF_NS_UNKNOWN */
     pthread_mutex_t progress_mutex; /* the session's: it tells before begin and after end, too */
@@ -89,7 +89,7 @@ void ttf_committer_end(struct ttf_committer *committer, struct ttf_pulse *pulse)
 /* Tells the watcher; any thread, one at a time. */
 void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progress *progress);
 
-/* Tells it of a storage that is gone (TTF_PROGRESS_ALARM). */
+/* Tells it that a person is needed (TTF_PROGRESS_ALARM). */
 void ttf_committer_alarm(struct ttf_committer *committer, const char *text);
 
 #endif

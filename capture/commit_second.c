@@ -212,7 +212,6 @@ int ttf_committer_move(struct ttf_committer *c, const char *why, struct ttf_slot
         fetch(c, first, under_way);
     tell_second(c, first, why);
     tell_first(c, first, before, why);
-    c->disk_full = false;
-    ttf_queue_tell_disk(c->queue, false);
+    ttf_committer_note_disk(c, false);
     return 0;
 }

@@ -58,6 +58,9 @@ void ttf_committer_say(struct ttf_committer *c, struct ttf_writer *writer, const
 /* Events and corrections of UTC that wait, as far as the storage takes them. */
 void ttf_committer_write_late(struct ttf_committer *c);
 
+/* Whether there is less room than the reserve: an event and an alarm when it begins, and when it is over. */
+void ttf_committer_note_disk(struct ttf_committer *c, bool full);
+
 /* Everything that waits. 0 once all records are written. */
 int ttf_committer_catch_up(struct ttf_committer *c, struct ttf_err *err);
 

@@ -401,8 +401,11 @@ int ttf_session_slot(struct ttf_session *s, int64_t index)
     due = ttf_grid_due_ns(&s->grid, index);
     submit = due - ttf_exposure_lead_ns(caps, s->locked[0][0].granted.exposure_ns);
     reason = cannot_begin(s, due);
-    if (reason)
+    if (reason) {
+        if (strcmp(reason, TTF_REASON_DISK_FULL) == 0) /* nobody else makes room */
+            ttf_pulse_led(&s->pulse, TTF_LED_STOPPED);
         return ttf_session_no_slot(s, index, TTF_RESULT_MISSED, reason);
+    }
     s->trouble = false;
     r = do_slot(s, index, submit, late);
     ttf_pulse_led(&s->pulse, s->trouble ? TTF_LED_WARNING : TTF_LED_CAPTURING);

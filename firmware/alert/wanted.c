@@ -96,6 +96,9 @@ void wanted_look(struct wanted *wanted, const struct ttf_alerts_config *config, 
     r = orders_file_read(&file, &order, NULL);
     if (r < 0 && r != -ENOENT && r != -EINVAL)
         return;
+    /* Nobody takes it away: its disk has gone, and what runs on it as well. */
+    if (r == -ENOENT && wanted->known && wanted->seen[0].is_regular)
+        return;
     if (r > 0) {
         take(config, &order, &now);
     } else if (r == -EINVAL) {

@@ -34,6 +34,8 @@ static void on_progress(void *ctx, const struct ttf_progress *p)
         cli_warn("ttfbox capture: %s", p->text);
         return;
     }
+    if (p->kind == TTF_PROGRESS_ALARM_OVER)
+        return; /* what ended it has an event */
     if (p->kind == TTF_PROGRESS_EVENT) {
         c->events++;
         if (c->bar.shown) {

@@ -4,12 +4,24 @@
 #include <stdio.h>
 #include <string.h>
 
+bool alarms_over(struct alarms *alarms, const char *text)
+{
+    unsigned kept = 0, n = alarms->n;
+
+    for (unsigned i = 0; i < n; i++)
+        if (strcmp(alarms->kept[i].text, text) != 0)
+            alarms->kept[kept++] = alarms->kept[i];
+    alarms->n = kept;
+    return kept < n;
+}
+
 void alarms_add(struct alarms *alarms, struct ttf_clock *clock, const char *text)
 {
     struct ttf_utc utc;
     struct alarm *alarm;
 
     ttf_clock_utc(clock, &utc);
+    (void)alarms_over(alarms, text);
     if (alarms->n == ALARMS_KEPT)
         memmove(&alarms->kept[0], &alarms->kept[1], --alarms->n * sizeof alarms->kept[0]);
     alarm = &alarms->kept[alarms->n++];

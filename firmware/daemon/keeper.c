@@ -157,7 +157,8 @@ static void tell_letter(struct keeper *k, const struct letter *letter)
     bool other = situation_letter(d->situation, letter);
 
     /* Of a run before: whoever wants to know reads its records, which lie under its name. */
-    if (!situation_is_of(d->situation, letter) && letter->kind != TTF_PROGRESS_ALARM)
+    if (!situation_is_of(d->situation, letter) && letter->kind != TTF_PROGRESS_ALARM &&
+        letter->kind != TTF_PROGRESS_ALARM_OVER)
         return;
     if (letter->kind == TTF_PROGRESS_SLOT)
         tell_slot(d, letter);

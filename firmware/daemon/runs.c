@@ -64,6 +64,8 @@ static void on_progress(void *ctx, const struct ttf_progress *p)
         log_line(LOG_LEVEL_ALERT, "alarm", "text=%s",
                  log_text(p->text ? p->text : "", text, sizeof text));
         break;
+    case TTF_PROGRESS_ALARM_OVER: /* what ended it has an event */
+        break;
     }
 }
 

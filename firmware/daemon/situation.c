@@ -172,15 +172,16 @@ enum doing situation_doing(struct situation *s)
 bool situation_letter(struct situation *s, const struct letter *letter)
 {
     enum doing before;
-    bool other;
+    bool other, over;
 
     lock(s);
     before = s->doing;
     if (letter->kind == TTF_PROGRESS_ALARM)
         alarms_add(&s->alarms, s->clock, letter->text);
+    over = letter->kind == TTF_PROGRESS_ALARM_OVER && alarms_over(&s->alarms, letter->text);
     if (letter->run != s->run) {
         unlock(s);
-        return false;
+        return over;
     }
     course_letter(&s->course, letter);
     if (letter->kind == TTF_PROGRESS_ARMED) {
@@ -198,7 +199,7 @@ bool situation_letter(struct situation *s, const struct letter *letter)
     }
     other = s->doing != before;
     unlock(s);
-    return other;
+    return other || over;
 }
 
 bool situation_is_of(struct situation *s, const struct letter *letter)

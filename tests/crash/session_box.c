@@ -132,6 +132,8 @@ static void told(void *ctx, const struct ttf_progress *progress)
     case TTF_PROGRESS_ALARM:
         s->alarms++;
         break;
+    case TTF_PROGRESS_ALARM_OVER:
+        break;
     }
 }
 

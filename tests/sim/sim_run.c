@@ -104,6 +104,8 @@ static void told(void *ctx, const struct ttf_progress *progress)
         run->alarms++;
         snprintf(run->alarm_text, sizeof(run->alarm_text), "%.500s", progress->text);
     }
+    if (progress->kind == TTF_PROGRESS_ALARM_OVER)
+        run->alarms_over += strcmp(run->alarm_text, progress->text) == 0;
     if (progress->kind == TTF_PROGRESS_EVENT)
         run->events_told++;
     if (run->on_progress)

@@ -41,6 +41,7 @@ struct sim_run {
     int64_t committed;    /* the slot told last, and one: slots with a record, as far as is known */
     unsigned alarms;      /* told */
     char alarm_text[512]; /* of the last one */
+    unsigned alarms_over; /* of that one, told to be over */
     /* of the last boot */
     int code;
     struct ttf_err err;

@@ -310,11 +310,56 @@ static void a_disk_that_stays_full_ends_the_run_with_all_slots_safe(void **state
     sim_run_finish(&run);
 }
 
+/* A light that remembers what it showed, in the box's panel's place. */
+static struct {
+    struct ttf_panel base; /* first */
+    struct ttf_panel *of;
+    enum ttf_led shown;
+} light;
+
+static int light_led(struct ttf_panel *panel, enum ttf_led led)
+{
+    (void)panel;
+    light.shown = led;
+    return 0;
+}
+
+static int light_door(struct ttf_panel *panel)
+{
+    (void)panel;
+    return ttf_panel_door(light.of);
+}
+
+static int light_poll(struct ttf_panel *panel, struct ttf_panel_event *ret)
+{
+    (void)panel;
+    return ttf_panel_poll(light.of, ret);
+}
+
+static const struct ttf_panel_ops LIGHT = {
+    .name = "light", .led = light_led, .door = light_door, .poll = light_poll};
+
+static void put_light(struct sim_run *run)
+{
+    light.base.ops = &LIGHT;
+    light.of = run->box->panel;
+    run->box->panel = &light.base;
+}
+
+static void take_light(struct sim_run *run)
+{
+    run->box->panel = light.of;
+}
+
+static enum ttf_led led_of_slot[6];
+
 /* Less room than the reserve while slots 2 and 3 are committed. */
 static void fill_and_empty(struct sim_run *run, const struct ttf_progress *progress)
 {
-    if (progress->kind == TTF_PROGRESS_SLOT)
-        run->free_bytes = progress->index == 1 || progress->index == 2 ? 1 << 20 : 1 << 30;
+    if (progress->kind != TTF_PROGRESS_SLOT)
+        return;
+    run->free_bytes = progress->index == 1 || progress->index == 2 ? 1 << 20 : 1 << 30;
+    led_of_slot[progress->index] = light.shown;
 }
 
 static void before_its_reserve_is_touched_capture_stops_and_goes_on_when_there_is_room(void **state)
@@ -326,8 +371,16 @@ static void before_its_reserve_is_touched_capture_stops_and_goes_on_when_there_i
     run.plan.reserve_bytes = 8 << 20;
     run.free_bytes = 1 << 30;
     run.on_progress = fill_and_empty;
+    run.on_box = put_light;
+    run.at_end = take_light;
     assert_int_equal(sim_run_boot(&run), 0);
     sim_run_expect(&run, "ccmmcc");
+    /* Whoever is needed is told, until there is room. */
+    assert_int_equal(run.alarms, 1);
+    assert_non_null(strstr(run.alarm_text, "disk full"));
+    assert_int_equal(run.alarms_over, 1);
+    assert_int_equal(led_of_slot[3], TTF_LED_STOPPED);
+    assert_int_equal(led_of_slot[5], TTF_LED_CAPTURING);
     sim_run_expect_reason(&run, 2, "disk full");
     assert_int_equal(sim_run_events(&run, "disk", "less room"), 1);
     assert_int_equal(sim_run_events(&run, "disk", "room again"), 1);

@@ -307,6 +307,25 @@ static void orders_that_nobody_understands_are_an_alarm_until_something_runs(voi
     free(f);
 }
 
+static void a_disk_that_goes_with_all_that_was_decided_is_an_alarm(void **state)
+{
+    struct fixture *f = begin(*state);
+    struct ttf_writer *writer;
+
+    assert_int_equal(remove(f->config.plan), 0);
+    decided(f, ORDER_RUN, "");
+    writer = small_create(ttf_io_posix(), in(*state, "data/grass"));
+    pass(f, 3);
+    assert_int_equal(small_slot(writer, 0), 0);
+    pass(f, 3);
+    ttf_writer_abandon(writer);
+    assert_int_equal(run("rm -r %s/state %s/data", (char *)*state, (char *)*state), 0);
+    pass(f, 20);
+    assert_int_equal(f->n, 1);
+    assert_true(told(f, 0, "stopped", "the capture has stopped"));
+    free(f);
+}
+
 static void a_run_that_goes_on_in_its_second_storage_has_not_stopped(void **state)
 {
     struct fixture *f = begin(*state);
@@ -347,6 +366,7 @@ int main(void)
         TEST(a_stop_by_a_person_is_told_as_that_once_and_is_no_alarm),
         TEST(a_program_that_was_told_to_end_is_no_persons_stop),
         TEST(orders_that_nobody_understands_are_an_alarm_until_something_runs),
+        TEST(a_disk_that_goes_with_all_that_was_decided_is_an_alarm),
         TEST(a_run_that_goes_on_in_its_second_storage_has_not_stopped),
     };
 

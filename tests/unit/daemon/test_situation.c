@@ -182,6 +182,48 @@ static void a_run_waits_for_its_plans_start_and_captures_from_its_first_slot_on(
     situation_destroy(s);
 }
 
+static unsigned alarms_after(struct situation *s, enum ttf_progress_kind kind, int64_t run,
+                             const char *text)
+{
+    struct letter letter = letter_of(kind, 1, 0);
+    json_t *status;
+    size_t n;
+
+    letter.run = run;
+    (void)snprintf(letter.text, sizeof letter.text, "%s", text);
+    (void)situation_letter(s, &letter);
+    status = status_of(s);
+    n = json_array_size(json_object_get(status, "alarms"));
+    json_decref(status);
+    return (unsigned)n;
+}
+
+static void an_alarm_that_is_over_is_taken_back_also_by_another_run(void **state)
+{
+    struct hand_clock clock = {.base = {.ops = &OPS}, .now_ns = TTF_NS_PER_S};
+    struct situation *s = situation_create(&clock.base);
+    const struct order order = {.state = ORDER_RUN, .dataset = "grass"};
+    struct letter over = letter_of(TTF_PROGRESS_ALARM_OVER, 1, 0);
+    int64_t run;
+
+    (void)state;
+    if (!s) {
+        fail();
+        return;
+    }
+    run = situation_run(s, &order, NULL);
+    assert_int_equal(alarms_after(s, TTF_PROGRESS_ALARM_OVER, run, "no room"), 0);
+    assert_int_equal(alarms_after(s, TTF_PROGRESS_ALARM, run, "no room"), 1);
+    assert_int_equal(alarms_after(s, TTF_PROGRESS_ALARM, run, "the storage is broken"), 2);
+    assert_int_equal(alarms_after(s, TTF_PROGRESS_ALARM, run + 1, "no room"), 2); /* it stands */
+    over.run = run + 1;
+    (void)snprintf(over.text, sizeof over.text, "no room");
+    assert_true(situation_letter(s, &over)); /* whoever listens is told */
+    assert_false(situation_letter(s, &over));
+    assert_int_equal(alarms_after(s, TTF_PROGRESS_ALARM_OVER, run, "no room"), 1);
+    situation_destroy(s);
+}
+
 static void a_clock_that_nobody_vouches_for_gives_no_utc(void **state)
 {
     struct hand_clock clock = {.base = {.ops = &OPS}, .now_ns = TTF_NS_PER_S};
@@ -277,6 +319,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_run_is_followed_from_arming_to_its_end),
         cmocka_unit_test(a_run_waits_for_its_plans_start_and_captures_from_its_first_slot_on),
+        cmocka_unit_test(an_alarm_that_is_over_is_taken_back_also_by_another_run),
         cmocka_unit_test(a_clock_that_nobody_vouches_for_gives_no_utc),
         cmocka_unit_test(records_and_letters_of_the_run_before_are_not_counted_into_this_one),
         cmocka_unit_test(a_run_is_about_one_second_storage_at_a_time),
