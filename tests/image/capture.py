@@ -26,6 +26,7 @@ reserve: 1MB
 """
 RECORDS = "/var/lib/ttfbox/plan/records.jsonl"
 LOOPBACK = ("0100007F", "00000000000000000000000001000000")  # as /proc/net has them
+LISTENING = ("0A", "07")  # states of TCP and of UDP there
 DHCP = "00000000:0043"  # networkd's, of the cable's network alone
 SERVICES = ("ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "ttfbox-preview", "ttfbox-alertd")
 RESTARTS = "systemctl show -P NRestarts %s | grep -v '^$'" % " ".join(SERVICES)
@@ -51,10 +52,10 @@ def expect_sealed_off(m):
     code, out = m.run("touch /x /etc/x /usr/x; grep ' / ' /proc/mounts")
     assert out.count("Read-only file system") == 3 and " / ext4 ro," in out, out
     code, out = m.run("cat /proc/net/tcp /proc/net/tcp6 /proc/net/udp /proc/net/udp6 2>/dev/null | grep -v local_address")
-    # On the cable's network its page, and whoever has a connection to it; elsewhere nothing.
+    # On the cable's network its page; elsewhere nothing. (A connection that was, or is, listens to nobody.)
     page = "%s:%04X" % (cable_address(m), 8417)
-    beyond = [line for line in out.splitlines()
-              if line.split()[1].split(":")[0] not in LOOPBACK and line.split()[1] not in (DHCP, page)]
+    beyond = [line for line in out.splitlines() if line.split()[3] in LISTENING and
+              line.split()[1].split(":")[0] not in LOOPBACK and line.split()[1] not in (DHCP, page)]
     assert not beyond, "something listens beyond this machine: " + "\n".join(beyond)
     code, out = m.run("ls -d /var/log/journal; journalctl --header --no-pager | grep 'File path' | sort -u")
     assert "/run/log/journal/" in out and "/var/log" not in out.replace("'/var/log/journal'", ""), out
