@@ -100,7 +100,16 @@ struct choice {
     libusb_device_handle *handle;
     unsigned n; /* that it may be */
     int error;  /* of one that could not be opened */
+    char serials[200];
 };
+
+static void add_serial(struct choice *c, const char *serial)
+{
+    size_t n = strlen(c->serials);
+
+    (void)snprintf(c->serials + n, sizeof c->serials - n, "%s%s", n > 0 ? ", " : "",
+                   *serial ? serial : "(none)");
+}
 
 static void consider(struct choice *c, libusb_device *device, const char *wanted)
 {
@@ -117,6 +126,7 @@ static void consider(struct choice *c, libusb_device *device, const char *wanted
         libusb_close(handle);
         return;
     }
+    add_serial(c, serial);
     if (c->n++ == 0)
         c->handle = handle;
     else
@@ -141,8 +151,12 @@ int usb_find_open(libusb_context *context, const char *serial, libusb_device_han
     }
     if (c.n > 1) {
         libusb_close(c.handle);
-        ttf_err_set(err, -ENOTUNIQ, "USB", "there are %u boxes", c.n);
-        ttf_err_hint(err, "name one by its serial, as usb:SERIAL: 'ttfbox usb list' shows them");
+        ttf_err_set(err, -ENOTUNIQ, "USB", "there are %u boxes: %s", c.n, c.serials);
+        ttf_err_hint(
+            err,
+            serial
+                ? "give one another serial: /etc/ttfbox/usb-serial, of an image settings/usb-serial"
+                : "name one by its serial, as usb:SERIAL");
         return -ENOTUNIQ;
     }
     if (c.error == -EACCES) {

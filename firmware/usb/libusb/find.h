@@ -10,7 +10,7 @@
 /* libusb's error as a negative errno. */
 int usb_errno(int error);
 
-/* Opens the box of that serial, or the only one. -ENODEV, -ENOTUNIQ, -EACCES. */
+/* Opens the box of that serial, or the only one. -ENODEV, -ENOTUNIQ (the error names all that it may be), -EACCES. */
 int usb_find_open(libusb_context *context, const char *serial, libusb_device_handle **ret,
                   struct ttf_err *err);
 
