@@ -199,6 +199,9 @@ static int calibrate(struct cli *cli, enum part part)
         r = cli_load_board(cli, board);
     if (r == 0)
         r = cli_own_box(cli, board, &lock);
+    if (r == -EBUSY)
+        ttf_err_hint(&cli->err, "the page of a box that ttfboxd has makes the same: Calibrate; or "
+                                "stop that program first");
     if (r == 0)
         r = box_create(board, cli->io, NULL, &g->box, &cli->err);
     if (r == 0)

@@ -199,11 +199,12 @@ static void take_daemons(const char *file, const struct yaml_node *root,
     take_text(yaml_child(root, "plan"), config->plan, sizeof config->plan);
     take_dataset(root, config);
     take_text(yaml_child(root, "state"), config->state, sizeof config->state);
+    cfg_from_folder_of(file, config->plan);
+    cfg_from_folder_of(file, config->state);
+    /* What is not said lies in the data folder, which is found already. */
     if (!*config->state && snprintf(config->state, sizeof config->state, "%s/.ttfbox",
                                     config->data) >= (int)sizeof config->state)
         config->state[0] = '\0';
-    cfg_from_folder_of(file, config->plan);
-    cfg_from_folder_of(file, config->state);
     take_http(yaml_child(root, "listen"), config);
 }
 

@@ -153,14 +153,15 @@ static int finish(struct read *read, const char *file, const struct yaml_node *r
     cfg_from_folder_of(file, c->plan);
     cfg_from_folder_of(file, c->data);
     cfg_from_folder_of(file, c->calibration);
+    cfg_from_folder_of(file, c->state);
+    cfg_from_folder_of(file, c->token_file);
+    /* What is not said lies in the data folder, which is found already. */
     if (!*c->state &&
         snprintf(c->state, sizeof c->state, "%s/.ttfbox", c->data) >= (int)sizeof c->state)
         return cfg_error(yaml_child(root, "data"), err, "a shorter path", "is too long");
-    cfg_from_folder_of(file, c->state);
     if (!*c->token_file && snprintf(c->token_file, sizeof c->token_file, "%s/token", c->state) >=
                                (int)sizeof c->token_file)
         return cfg_error(yaml_child(root, "data"), err, "a shorter path", "is too long");
-    cfg_from_folder_of(file, c->token_file);
     if (ttf_zone_offset(c->zone, 0, &offset_s, err) < 0)
         return cfg_error(yaml_child(root, "zone"), err, "UTC, or a name as Europe/Berlin",
                          "this machine knows no time zone '%s'", c->zone);

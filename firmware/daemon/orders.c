@@ -54,6 +54,7 @@ static int save(struct orders *o, const struct order *order, struct ttf_err *err
     if (r == 0) {                     /* whatever stood there before is over */
         o->unseen = false;
         o->unread = 0;
+        orders_file_reserve(&o->file);
     }
     return r;
 }
@@ -327,6 +328,8 @@ int orders_save(struct orders *o, struct ttf_err *err)
 
     (void)pthread_mutex_lock(&o->lock);
     r = o->unsaved ? save(o, &o->order, err) : 0;
+    if (r == 0 && !o->unread)
+        orders_file_reserve(&o->file);
     (void)pthread_mutex_unlock(&o->lock);
     return r;
 }

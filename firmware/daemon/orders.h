@@ -77,7 +77,7 @@ TTF_MUST_USE int orders_go_on(struct orders *orders, struct ttf_err *err);
  */
 TTF_MUST_USE int orders_ended(struct orders *orders, int64_t generation, enum order_state to,
                               struct ttf_err *err);
-/* Once more what the disk did not take; 0: it has all. */
+/* Once more what the disk did not take; 0: it has all. Room is kept for the next decision, so that a full disk takes a stop. */
 TTF_MUST_USE int orders_save(struct orders *orders, struct ttf_err *err);
 
 #endif

@@ -10,7 +10,8 @@
 #include "ttf/dataset/json_parse.h"
 #include "ttf/dataset/json_writer.h"
 
-#define FILE_MAX ((size_t)1 << 20)
+#define FILE_MAX      ((size_t)1 << 20)
+#define RESERVE_BYTES ((int64_t)64 << 10) /* beyond what was decided last */
 
 static const char *const STATES[] = {"none", "running", "stopped", "done"};
 
@@ -84,6 +85,60 @@ int orders_file_read(const struct orders_file *file, struct order *ret, struct t
     return r;
 }
 
+static void name_reserve(const struct orders_file *file, char *ret, size_t size)
+{
+    (void)snprintf(ret, size, "%s.reserve", file->path);
+}
+
+/* What stands there stays until the new one is whole, so a full disk has to have room for both: the reserve's. */
+static int write_text(const struct orders_file *file, const char *text, size_t bytes,
+                      struct ttf_err *err)
+{
+    char reserve[sizeof file->path + 16];
+    int r = ttf_io_write_file(file->io, file->path, text, bytes, err);
+
+    name_reserve(file, reserve, sizeof reserve);
+    if ((r != -ENOSPC && r != -EDQUOT) || file->io->ops->unlink(file->io, reserve) < 0)
+        return r;
+    (void)file->io->ops->sync_dir(file->io, file->folder); /* some disks have the room then only */
+    return ttf_io_write_file(file->io, file->path, text, bytes, err);
+}
+
+/* Nothing that a disk which compresses would make small. */
+static void fill(unsigned char *to, size_t n)
+{
+    uint32_t x = 1;
+
+    for (size_t i = 0; i < n; i++) {
+        x = x * 1664525u + 1013904223u;
+        to[i] = (unsigned char)(x >> 24);
+    }
+}
+
+void orders_file_reserve(const struct orders_file *file)
+{
+    const struct ttf_io_ops *ops = file->io->ops;
+    char reserve[sizeof file->path + 16];
+    int64_t needs = RESERVE_BYTES;
+    struct ttf_io_space space;
+    struct ttf_io_stat st;
+    unsigned char *bytes;
+
+    name_reserve(file, reserve, sizeof reserve);
+    if (ops->stat(file->io, file->path, &st) == 0)
+        needs += st.bytes;
+    if ((ops->stat(file->io, reserve, &st) == 0 && st.bytes >= needs) ||
+        ops->stat(file->io, file->folder, &st) < 0 || /* not made yet, or its disk comes late */
+        ops->space(file->io, file->folder, &space) < 0 || space.free_bytes < needs)
+        return;
+    bytes = malloc((size_t)needs);
+    if (!bytes)
+        return;
+    fill(bytes, (size_t)needs);
+    (void)!ttf_io_write_file(file->io, reserve, bytes, (size_t)needs, NULL);
+    free(bytes);
+}
+
 int orders_file_write(const struct orders_file *file, const struct order *order,
                       struct ttf_err *err)
 {
@@ -112,7 +167,7 @@ int orders_file_write(const struct orders_file *file, const struct order *order,
     else
         r = ttf_io_mkdirs(file->io, file->folder, err);
     if (r == 0)
-        r = ttf_io_write_file(file->io, file->path, text, bytes, err);
+        r = write_text(file, text, bytes, err);
     ttf_json_free(&json);
     return r;
 }

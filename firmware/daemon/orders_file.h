@@ -18,8 +18,12 @@ struct orders_file {
 TTF_MUST_USE int orders_file_read(const struct orders_file *file, struct order *ret,
                                   struct ttf_err *err);
 
+/* On a full disk it takes the room of the reserve. */
 TTF_MUST_USE int orders_file_write(const struct orders_file *file, const struct order *order,
                                    struct ttf_err *err);
+
+/* Keeps room for the next decision beside it, as run.json.reserve, if it is not there and can be had. */
+void orders_file_reserve(const struct orders_file *file);
 
 /* To where it is in nobody's way, for a person to look at: beside it, as run.json.unreadable. */
 TTF_MUST_USE int orders_file_put_aside(const struct orders_file *file);

@@ -128,8 +128,7 @@ static void put_entity(struct MHD_Response *response, const struct ttf_http_answ
 
 /* ---- conditions ---- */
 
-/* Is the tag in a list of tags ("a", W/"b", or *)? */
-static bool lists(const char *header, const char *etag)
+bool answer_lists_tag(const char *header, const char *etag)
 {
     char quoted[96];
 
@@ -145,7 +144,8 @@ static struct range wanted(struct MHD_Connection *connection, bool parts,
     const char *range = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Range");
     const char *only = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "If-Range");
 
-    if (!parts || !answer->ranges || (only && (*only != '"' || !lists(only, answer->etag))))
+    if (!parts || !answer->ranges ||
+        (only && (*only != '"' || !answer_lists_tag(only, answer->etag))))
         range = NULL; /* it is another entity by now: all of it */
     return range_read(range, answer->bytes);
 }
@@ -261,7 +261,7 @@ enum MHD_Result answer_send(struct MHD_Connection *connection, bool parts,
 
     if (answer->listener)
         return send_events(connection, answer);
-    if (lists(none, answer->etag)) {
+    if (answer_lists_tag(none, answer->etag)) {
         response = empty();
         status = MHD_HTTP_NOT_MODIFIED;
     } else if (part.kind == RANGE_OUTSIDE) {

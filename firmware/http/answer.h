@@ -9,6 +9,9 @@
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
 
+/* Is the tag in an If-None-Match or the like ("a", W/"b", or *)? header NULL, or no tag: no. */
+bool answer_lists_tag(const char *header, const char *etag);
+
 /*
  * Queues what a handler gave; the answer's contents are the response's afterwards. parts: a Range counts, as it does for
  * GET alone (RFC 9110, 14.2).

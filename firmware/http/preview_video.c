@@ -35,6 +35,7 @@ struct video {
     unsigned n;
     struct frame *frame;
     int64_t index_at, bytes;
+    uint64_t inode, made_ns; /* of the first frame: another preview has another */
     uint8_t head[HEAD];
     uint8_t *index;
     int fd; /* of the frame that was read last; -1: none */
@@ -90,6 +91,10 @@ static int add_frame(struct video *v, json_t *frame)
         return -EINVAL;
     memcpy(f->path, path, strlen(path) + 1);
     f->bytes = (uint32_t)st.st_size;
+    if (v->n == 0) {
+        v->inode = (uint64_t)st.st_ino;
+        v->made_ns = (uint64_t)st.st_mtim.tv_sec * 1000000000U + (uint64_t)st.st_mtim.tv_nsec;
+    }
     v->n++;
     return 0;
 }
@@ -296,7 +301,8 @@ int preview_video(struct ttf_http_request *request, struct ttf_http_answer *ret)
     ret->source = (struct answer_source){video_read, video_free, v};
     ret->bytes = v->bytes;
     ret->ranges = true;
-    (void)snprintf(ret->etag, sizeof ret->etag, "%.40s-%" PRIx64, v->frame[0].path, v->bytes);
+    (void)snprintf(ret->etag, sizeof ret->etag, "%" PRIx64 "-%" PRIx64 "-%" PRIx64, v->inode,
+                   v->made_ns, (uint64_t)v->bytes);
     (void)snprintf(ret->file_name, sizeof ret->file_name, "%s-preview.avi", name);
     return 0;
 }

@@ -13,6 +13,8 @@
 #include "ttf/dataset/json_writer.h"
 
 #define STATE_MAX ((size_t)256 * 1024)
+#define COUNT_MAX \
+    (1 << 30) /* of refreshes, images and tries: more is nothing that was written here */
 
 static int drop_entry(const char *path, const struct stat *st, int kind, struct FTW *ftw)
 {
@@ -83,6 +85,13 @@ static void clean(struct ttf_io *io, const struct preview_cache *cache)
 
 /* ---- what is in force ---- */
 
+static int count(const json_t *json, const char *key)
+{
+    json_int_t n = json_integer_value(json_object_get(json, key));
+
+    return n < 0 || n > COUNT_MAX ? 0 : (int)n;
+}
+
 static void read_state(struct ttf_io *io, struct preview_cache *cache)
 {
     char path[4300];
@@ -93,14 +102,14 @@ static void read_state(struct ttf_io *io, struct preview_cache *cache)
     (void)snprintf(path, sizeof path, "%s/state.json", cache->path);
     if (ttf_io_slurp(io, path, STATE_MAX, &text, &n, NULL) < 0)
         return;
-    if (ttf_json_parse(text, n, &json, NULL) == 0) {
+    if (ttf_json_parse(text, n, &json, NULL) == 0 && json_is_object(json)) {
         const char *uuid = json_string_value(json_object_get(json, "uuid"));
 
         (void)snprintf(cache->uuid, sizeof cache->uuid, "%s", uuid ? uuid : "");
-        cache->generation = (int)json_integer_value(json_object_get(json, "generation"));
-        cache->images = json_integer_value(json_object_get(json, "images"));
-        cache->tried_images = json_integer_value(json_object_get(json, "tried_images"));
-        cache->tries = json_integer_value(json_object_get(json, "tries"));
+        cache->generation = count(json, "generation");
+        cache->images = count(json, "images");
+        cache->tried_images = count(json, "tried_images");
+        cache->tries = count(json, "tries");
         cache->tried_utc_ns = json_integer_value(json_object_get(json, "tried_utc_ns"));
         (void)json_object_del(json, "state");
         (void)json_object_del(json, "why");

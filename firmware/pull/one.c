@@ -319,7 +319,8 @@ static int pull_all(struct one *one, struct ttf_err *err)
     if (r == 0)
         r = beside_people(&beside, err);
     if (r == 0 && one->result->damaged == 0)
-        r = seal_close(&one->landing, &one->settling, &state, &one->result->sealed, err);
+        r = seal_close(&one->landing, &one->settling, &one->records, &state, &one->result->sealed,
+                       err);
     if (r == 0 && !one->result->sealed &&
         (one->lines.changed || one->taken_back || state.other_here))
         r = ttf_sums_rebuild(one->config->io, one->folder, err);

@@ -9,6 +9,7 @@
 
 #include "ttf/dataset/hash.h"
 #include "ttf/dataset/json_parse.h"
+#include "vouched.h"
 
 #define SUMMARY_MAX ((size_t)1 << 20)
 #define SUMS_MAX    ((size_t)256 << 20)
@@ -51,6 +52,14 @@ int seal_ask(struct wire *wire, const char *name, struct seal_state *ret, struct
     return r;
 }
 
+/* A list without the records seals nothing. */
+static bool names_records(const char *text)
+{
+    static const char NAME[] = "  records.jsonl\n";
+
+    return strstr(text, NAME) != NULL;
+}
+
 int seal_look(struct ttf_io *io, const char *folder, struct seal_state *state, struct ttf_err *err)
 {
     char path[4600], digest[65], *text = NULL;
@@ -63,7 +72,7 @@ int seal_look(struct ttf_io *io, const char *folder, struct seal_state *state, s
     if (r < 0)
         return r == -ENOENT ? 0
                             : ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
-    sealed = strstr(text, "  records.jsonl\n") != NULL;
+    sealed = names_records(text);
     free(text);
     if (!sealed)
         return 0;
@@ -87,26 +96,35 @@ int seal_drop(struct ttf_io *io, const char *folder, struct ttf_err *err)
     return r == 0 ? 0 : ttf_err_set(err, r, path, "cannot be taken away: %s", strerrordesc_np(-r));
 }
 
-/* What its line alone vouches for: the rest was checked against its record when it came. */
-static enum landing_trust trust_of(const char *path)
+/* What its record vouches for in the same words was checked when it came; else it is looked at now. */
+static int check_one(struct landing *landing, struct settling *settling,
+                     const struct vouched *vouched, const char *path, const char *hex,
+                     struct ttf_err *err)
 {
-    return strncmp(path, "frames/", 7) == 0 || strncmp(path, "raw/", 4) == 0 ||
-                   strncmp(path, "plans/", 6) == 0 || strncmp(path, "calibration/", 12) == 0
-               ? LANDING_SIZE
-               : LANDING_HASH;
+    enum vouched_as as = vouched_as(vouched, path, hex);
+    struct landed landed;
+    int r;
+
+    if (as == VOUCHED_OTHERWISE)
+        return ttf_err_set(err, -TTF_EDAMAGED, path,
+                           "the box's SHA256SUMS and its records say different things of it");
+    r = landing_ensure(landing, path, -1, hex, as == VOUCHED_SO ? LANDING_SIZE : LANDING_HASH,
+                       &landed, err);
+    return r == 0 && landed.unsettled ? settle_add(settling, path, err) : r;
 }
 
 /* Every file of the list. */
-static int check_all(struct landing *landing, struct settling *settling, const char *text, size_t n,
-                     struct ttf_err *err)
+static int check_all(struct landing *landing, struct settling *settling,
+                     const struct vouched *vouched, const char *text, size_t n, struct ttf_err *err)
 {
     const char *end = text + n;
 
+    if (!names_records(text))
+        return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS", "the box's does not list the records");
     while (text < end) {
         const char *lf = memchr(text, '\n', (size_t)(end - text));
         size_t length = lf ? (size_t)(lf - text) : 0;
         char hex[65], path[192];
-        struct landed landed;
         int r;
 
         if (length <= PREFIX || length - PREFIX >= sizeof path)
@@ -117,9 +135,7 @@ static int check_all(struct landing *landing, struct settling *settling, const c
         path[length - PREFIX] = '\0';
         if (!ttf_sha256_is_hex(hex) || !landing_is_listed(path))
             return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS", "a line of the box's is none");
-        r = landing_ensure(landing, path, -1, hex, trust_of(path), &landed, err);
-        if (r == 0 && landed.unsettled)
-            r = settle_add(settling, path, err);
+        r = check_one(landing, settling, vouched, path, hex, err);
         if (r < 0)
             return r;
         text = lf + 1;
@@ -127,10 +143,11 @@ static int check_all(struct landing *landing, struct settling *settling, const c
     return 0;
 }
 
-int seal_close(struct landing *landing, struct settling *settling, const struct seal_state *state,
-               bool *ret_sealed, struct ttf_err *err)
+int seal_close(struct landing *landing, struct settling *settling, struct grown *records,
+               const struct seal_state *state, bool *ret_sealed, struct ttf_err *err)
 {
     char url[128], digest[65], *text = NULL;
+    struct vouched vouched = {0};
     struct ttf_sha256 hash;
     size_t n;
     int r;
@@ -147,13 +164,16 @@ int seal_close(struct landing *landing, struct settling *settling, const struct 
     ttf_sha256_hex(&hash, digest);
     /* Gone on with since it was asked: its next state is for the next time. */
     if (strcmp(digest, state->digest) == 0) {
-        r = check_all(landing, settling, text, n, err);
+        r = vouched_read(records, &vouched, err);
+        if (r == 0)
+            r = check_all(landing, settling, &vouched, text, n, err);
         if (r == 0)
             r = settle_all(settling, err);
         if (r == 0)
             r = landing_put(landing, "SHA256SUMS", text, n, err);
         *ret_sealed = r == 0;
     }
+    vouched_free(&vouched);
     free(text);
     return r;
 }

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "grown.h"
 #include "landing.h"
 #include "settle.h"
 #include "ttf/base/attr.h"
@@ -34,9 +35,10 @@ TTF_MUST_USE int seal_drop(struct ttf_io *io, const char *folder, struct ttf_err
 
 /*
  * Checks and completes all that the box's seal lists, and puts it in place. *ret_sealed: false where the box has none (any
- * more). -TTF_EDAMAGED: what is listed is not so on the box.
+ * more). records: as they are here, open. -TTF_EDAMAGED: what is listed is not so on the box, or its records say otherwise.
  */
 TTF_MUST_USE int seal_close(struct landing *landing, struct settling *settling,
-                            const struct seal_state *state, bool *ret_sealed, struct ttf_err *err);
+                            struct grown *records, const struct seal_state *state, bool *ret_sealed,
+                            struct ttf_err *err);
 
 #endif

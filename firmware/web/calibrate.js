@@ -21,7 +21,7 @@ export function calibrate(main, box) {
   const marks = picked(), text = pickedText(marks), seen = marks.seen;
   const said = h("p", { role: "status" }), wrong = h("p", { class: "bad", role: "alert" }), list = h("div"), busy_said = h("p", { class: "finding-warning" });
   const name = h("input", { required: true, pattern: "[A-Za-z0-9_\\-][A-Za-z0-9._\\-]{0,63}", maxlength: 64, size: 22, value: `${nameOf(box.status?.board || "box")}-${new Date().toISOString().slice(0, 10)}` });
-  const plan = h("select", {}, h("option", { value: "" }, "all lamps, fully lit"));
+  const plan = h("select", { onchange: () => { if (plan.value) exposure.value = gain.value = ""; /* the plan's own hold */ } }, h("option", { value: "" }, "all lamps, fully lit"));
   const frames = h("input", { type: "number", min: 1, max: 1000, step: 1, value: 64 });
   const exposure = h("input", { type: "number", min: 0.001, step: "any", placeholder: "the plan's", value: seen?.exposure_ms || "" });
   const gain = h("input", { type: "number", min: 0.1, step: "any", placeholder: "the plan's", value: seen?.gain || "" });

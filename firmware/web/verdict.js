@@ -17,7 +17,7 @@ export function planVerdict({ ok, findings = [], figures }) {
         `${bytes(f.disk_free_bytes)} free${f.slots_that_fit !== undefined ? `, room for ${count(f.slots_that_fit, "slot")}` : ""}${fits ? "" : ": not enough"}`)],
       f.slot_busy_ns !== undefined && ["A slot takes", `${span(f.slot_busy_ns)} of its ${span(f.interval_ns)}`],
       f.memory_bytes !== undefined && ["Memory", bytes(f.memory_bytes)],
-      ...(f.lamps || []).filter((l) => l.on_ns > 0).map((l) => [`Lamp ${l.name}`, `on for ${span(l.on_ns)}, at most ${l.duty_permille / 10} % of ${l.duty_window_ns ? span(l.duty_window_ns) : "the run"}`]),
+      ...(f.lamps || []).filter((l) => l.on_ns > 0).map((l) => [`Lamp ${l.name}`, `on for ${span(l.on_ns)}${l.duty_permille > 0 ? `, at most ${l.duty_permille / 10} % of any ${l.duty_window_ns ? span(l.duty_window_ns) : "such run"}` : ""}`]),
     ]),
   ];
 }

@@ -8,7 +8,7 @@ trap 'kill "${daemon:-}" 2>/dev/null; rm -rf "$WORK"' EXIT
 
 printf 'board: %s\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0"]\n' "$SOURCE/boards/sim-small/board.yaml" >ttfboxd.yaml
 lamps='lamps.left.warm_up: 500ms, lamps.right.warm_up: 500ms, lamps.left.interlock: none, lamps.right.interlock: none'
-printf 'set: {sim.clock: real, sim.scene.name: white, sim.sensor.width: 96px, sim.sensor.height: 64px, %s}\n' "$lamps" >>ttfboxd.yaml
+printf 'set: {lock: %s/box.lock, sim.clock: real, sim.scene.name: white, sim.sensor.width: 96px, sim.sensor.height: 64px, %s}\n' "$WORK" "$lamps" >>ttfboxd.yaml
 
 start() {
     : >log
@@ -50,6 +50,8 @@ start
 plan three
 get "$URL/calibrations" 200 "${ME[@]}"
 is calibrations '[]'
+expect 1 "$TTFBOX" calibrate dark --board sim-small --set "lock=$WORK/box.lock" -o cal
+said err "the page of a box that ttfboxd has makes the same"
 send POST calibrations/first 400 '{"part":"tea"}'
 send POST calibrations/first 400 '{"part":"geometry"}'
 send POST calibrations/..%2fx 404 '{"part":"dark"}'

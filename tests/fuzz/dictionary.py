@@ -25,6 +25,9 @@ SOURCES = {
     "map": ["synth/quilt/map_file.c"],
     "request": ["firmware/http/access.c"],
     "body": ["firmware/http/body.c", "firmware/http/session.c", "firmware/http/newest.c"],
+    "settings": ["firmware/config/daemon_file.c", "firmware/config/alerts_file.c", "firmware/config/units.c"],
+    "orders": ["firmware/daemon/orders_file.c"], "preview": ["firmware/preview/cache.c"],
+    "pull": LINES + ["firmware/pull/seal.c", "firmware/pull/lines.c"],
     "tiff": ["dataset/tiff_*.c"], "dng": ["dataset/tiff_*.c", "dataset/dng_*.c"],
 }
 OTHER = {
@@ -34,6 +37,9 @@ OTHER = {
              b"2020:05:28 18:20:01\0"] + [b"\xff" + bytes([m]) for m in (
                  0xc0, 0xc1, 0xc2, 0xc3, 0xc4, 0xd8, 0xd9, 0xda, 0xdb, 0xdd, 0xe0, 0xe1, 0xe2, 0xee)],
     "sums": [b"records.jsonl", b"frames/main/000000.tif", b"0" * 64 + b"  "],
+    "pull": [b"records.jsonl", b"frames/main/000000.tif", b"plans/0.yaml", b"../", b"0" * 64 + b"  "],
+    "conditions": [b'W/"', b'"5f3c-1a"', b"~-1", b"~-3", b"~-4"],
+    "lampd": [b"TLD3"] + [b"TLD3" + bytes([op, 0, 0, 0]) for op in range(1, 10)],
     "request": [b"bytes=", b"Bearer ", b"/api/v1/datasets/", b"/files/", b"/records", b"/tar", b"../", b"[::1]:"],
     # Heads of frames: stream 1, each type, the usual lengths.
     "usb": [b"\x01\0" + bytes([t]) + b"\0" + bytes([n]) + b"\0\0\0" for t in range(2, 6) for n in (0, 4, 16)] +

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the seeds of sums, events, store and usb anew, into the folder given (tests/fuzz/seeds).
+"""Makes the seeds of sums, events, store, usb, pull, lampd, conditions, orders and preview anew, into the folder given (tests/fuzz/seeds).
 
 They speak of the small dataset of store.c: three slots of one file each. Lines have neither seq nor
 crc of their own; the targets frame them (framing.h). The first byte is the mode of store.h.
@@ -9,6 +9,7 @@ import hashlib
 import os
 import struct
 import sys
+import zlib
 
 FRAME_RECORDS, FRAME_EVENTS, MEND_SUMS, ENDED = 1, 2, 4, 8
 PICTURES = [("frames/main/%06d.tif" % i, b"picture %d\n" % i) for i in range(3)]
@@ -126,12 +127,108 @@ USB_SEEDS = {
 }
 
 
+# Of fuzz_pull.c: how the box answers, then its answers.
+WHOLE, BREAKS, MISSING, CORRECT, FRAMED = 1, 2, 4, 8, 16
+SAME = b"picture 0\n"  # the content of every other file
+
+
+def framed(line):
+    """A record with the checksum of FORMAT.md: its bytes without the crc."""
+    text = line[:-1] if line.endswith("}") else line
+    return text + ',"crc":"%08x"}' % zlib.crc32(text.encode())
+
+
+def pull_seed(how, records, names, summary='{"slots":1,"sealed":false}', sums=None, events="", notes=""):
+    def file(path):
+        return '{"role":"developed","path":"%s","bytes":%d,"sha256":"%s"}' % (path, len(SAME), sha(SAME))
+    text = "".join((r if how & FRAMED else framed(r)) + "\n" for r in records(file))
+    listed = "".join("%s  %s\n" % (sha(d), n) for n, d in sorted(names(text))) if sums is None else sums
+    parts = ['{"format":"ttf","uuid":"0a0b0c0d-0000-4000-8000-000000000001"}', summary, text, events, notes, listed]
+    return bytes([how]) + b"\0".join(p.encode() for p in parts) + b"\0" + SAME
+
+
+def pull_records(file):
+    return ['{"type":"plan","seq":0,"plan":0,"files":[%s]' % file("plans/0.yaml"),
+            '{"type":"slot","seq":1,"index":0,"images":[{"stream":"main","files":[%s]}]' % file("frames/main/000000.tif"),
+            '{"type":"slot","seq":2,"index":1,"images":[{"stream":"main","files":[%s]}]' % file("frames/main/000001.tif"),
+            '{"type":"end","seq":3,"reason":"count"']
+
+
+def pull_escape(file):
+    return ['{"type":"slot","seq":0,"index":0,"images":[{"stream":"main","files":[%s]}]' % file("frames/../../../etc/passwd")]
+
+
+def pull_names(records):
+    return [("plans/0.yaml", SAME), ("frames/main/000000.tif", SAME), ("frames/main/000001.tif", SAME),
+            ("records.jsonl", records.encode()), ("dataset.json", b'{"format":"ttf","uuid":"0a0b0c0d-0000-4000-8000-000000000001"}')]
+
+
+PULL_SEEDS = {
+    "framed": pull_seed(FRAMED | CORRECT, pull_records, pull_names, events=lines(EVENT)),
+    "framed-growing": pull_seed(FRAMED, pull_records, pull_names, events=lines(EVENT, REPAIR)),
+    "framed-breaks": pull_seed(FRAMED | BREAKS | CORRECT, pull_records, pull_names),
+    "growing": pull_seed(MISSING, pull_records, pull_names),
+    "sealed": pull_seed(CORRECT, pull_records, pull_names),
+    "sealed-otherwise": pull_seed(0, pull_records, pull_names, '{"slots":2,"sealed":true,"digest":"%s"}' % ("0" * 64)),
+    "seal-escapes": pull_seed(CORRECT, pull_records, pull_names, sums=sha(SAME) + "  ../../escaped\n"),
+    "seal-hidden": pull_seed(CORRECT, pull_records, pull_names, sums=sha(SAME) + "  .ttf-anew\n"),
+    "seal-empty": pull_seed(CORRECT, pull_records, pull_names, sums=""),
+    "seal-otherwise": pull_seed(CORRECT, pull_records, lambda text: [(n, b"another" if n == "plans/0.yaml" else d)
+                                                                     for n, d in pull_names(text)]),
+    "breaks": pull_seed(BREAKS, pull_records, pull_names),
+    "no-ranges": pull_seed(WHOLE | CORRECT, pull_records, pull_names),
+    "escapes": pull_seed(0, pull_escape, pull_names),
+    "notes": pull_seed(CORRECT, pull_records, pull_names, events=framed(EVENT) + "\n", notes='{"text":"mould"}\n'),
+}
+
+
+def lampd_step(client, ms, op, lamp=0, permille=0, flags=0, magic=0x33444C54, odd=1):
+    """Of fuzz_lampd.c: a client, whether its message is whole, how long it waited, the message."""
+    return struct.pack("<BBH", client, odd, ms) + struct.pack("<IHHIII", magic, op, flags, 7, lamp, permille)
+
+
+LAMPD_SEEDS = {
+    "lit": lampd_step(0, 0, 1) + lampd_step(0, 0, 2, 1) + lampd_step(0, 1, 3) + lampd_step(0, 1, 5, 0, 500) +
+           lampd_step(0, 900, 4) + lampd_step(0, 60000, 6, 0) + lampd_step(0, 1, 7, 0) + lampd_step(0, 1, 8),
+    "burnt": lampd_step(0, 0, 3) + lampd_step(0, 1, 5, 1, 1000) + b"".join(lampd_step(0, 400, 4) for _ in range(8)) +
+             lampd_step(0, 1, 5, 1, 1000),
+    "two": lampd_step(0, 0, 3) + lampd_step(1, 0, 3) + lampd_step(1, 0, 5, 0, 1000) + lampd_step(0, 0, 5, 0, 1000) +
+           lampd_step(1, 0, 5, 0, 0) + lampd_step(1, 0, 9) + lampd_step(0, 0, 3, magic=1) + lampd_step(1, 5000, 5, 1, 1),
+    "odd": lampd_step(0, 0, 99) + lampd_step(0, 0, 5, 77, 5000) + lampd_step(0, 0, 1, flags=1) + lampd_step(1, 0, 1, odd=6),
+}
+
+CONDITION_SEEDS = {
+    "listed": b'"a", W/"5f3c-1a", "c"\n~-2', "star": b"*\n~-3", "none": b'"5f3c-1b"\n', "ahead": b"\n~-99",
+    "other": b"5f3c-1a\n0123456789abcdef-1", "odd": b'""\n~-18446744073709551616',
+}
+
+ORDER_SEEDS = {
+    "asked": b'{"state":"running","dataset":"grass","configuration":"box.yaml","plan":"first","plan_yaml":"interval: 10s\\ncount: 3\\n"}',
+    "stopped": b'{"state":"stopped","dataset":"grass","configuration":"box.yaml","why":"its plan is wrong"}',
+    "done": b'{"state":"done","dataset":"grass","configuration":"other.yaml"}',
+    "done-here": b'{"state":"done","dataset":"grass","configuration":"box.yaml"}',
+    "none": b'{"state":"none","dataset":"","configuration":"box.yaml"}', "half": b'{"state":"runn',
+}
+
+UUID = "0a0b0c0d-0000-4000-8000-000000000001"
+PREVIEW_SEEDS = {
+    "ready": ('{"state":"ready","dataset":"grass","uuid":"%s","generation":3,"images":6,"tried_images":6,"made_utc_ns":1,"width":8,'
+              '"height":8,"shrunk_by":1,"frame_step":1,"frames":[{"path":"g3/000.jpg","slot":0}]}' % UUID).encode(),
+    "failed": ('{"state":"failed","why":"no room","uuid":"%s","tried_images":7,"tries":4,"tried_utc_ns":9,"frames":[]}' % UUID).encode(),
+    "other": b'{"state":"ready","uuid":"ffffffff-0000-4000-8000-000000000001","generation":1,"frames":[]}',
+    "far": ('{"uuid":"%s","generation":2147483647,"tries":9223372036854775807,"tried_images":7}' % UUID).encode(),
+    "odd": b'[1,2]',
+}
+
+
 def main():
-    folder = os.path.join(sys.argv[1], "usb")
-    os.makedirs(folder, exist_ok=True)
-    for name, data in USB_SEEDS.items():
-        with open(os.path.join(folder, name), "wb") as f:
-            f.write(data)
+    for target, seeds in (("usb", USB_SEEDS), ("pull", PULL_SEEDS), ("lampd", LAMPD_SEEDS), ("conditions", CONDITION_SEEDS),
+                          ("orders", ORDER_SEEDS), ("preview", PREVIEW_SEEDS)):
+        folder = os.path.join(sys.argv[1], target)
+        os.makedirs(folder, exist_ok=True)
+        for name, data in seeds.items():
+            with open(os.path.join(folder, name), "wb") as f:
+                f.write(data)
     for target, seeds in SEEDS.items():
         folder = os.path.join(sys.argv[1], target)
         os.makedirs(folder, exist_ok=True)

@@ -57,6 +57,20 @@ static void every_key_reaches_its_field(void **state)
     assert_true(c.heartbeat_every_ns == 30 * TTF_NS_PER_S);
 }
 
+/* As ttfboxd reads the same file (test_daemon_file.c). */
+static void state_is_where_the_daemon_keeps_it(void **state)
+{
+    static const char text[] = "board: rpi4\ndata: captures\nplan: p.yaml\n";
+    struct ttf_alerts_config c;
+    struct ttf_err err = {0};
+
+    (void)state;
+    assert_int_equal(ttf_alerts_file_parse("conf/d.yaml", text, strlen(text), &c, &err), 0);
+    assert_string_equal(c.data, "conf/captures");
+    assert_string_equal(c.state, "conf/captures/.ttfbox");
+    assert_string_equal(c.plan, "conf/p.yaml");
+}
+
 static void without_alerts_nobody_is_told(void **state)
 {
     struct ttf_alerts_config c;
@@ -128,6 +142,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_key_reaches_its_field),
+        cmocka_unit_test(state_is_where_the_daemon_keeps_it),
         cmocka_unit_test(without_alerts_nobody_is_told),
         cmocka_unit_test(what_is_the_daemons_is_read_as_far_as_it_can_be),
         cmocka_unit_test(what_is_wrong_is_refused_with_its_place),

@@ -66,6 +66,20 @@ static void a_dataset_without_a_name_has_the_plan_s(void **state)
     assert_string_equal(c.dataset, "/d/week");
 }
 
+/* What is not said lies in the data folder, wherever the file and whoever reads it. */
+static void a_file_named_from_here_puts_its_state_into_its_data(void **state)
+{
+    static const char text[] = "board: rpi4\ndata: captures\n";
+    struct ttf_daemon_config c;
+    struct ttf_err err = {0};
+
+    (void)state;
+    assert_int_equal(ttf_daemon_file_parse("conf/d.yaml", text, strlen(text), &c, &err), 0);
+    assert_string_equal(c.data, "conf/captures");
+    assert_string_equal(c.state, "conf/captures/.ttfbox");
+    assert_string_equal(c.token_file, "conf/captures/.ttfbox/token");
+}
+
 static void without_a_plan_runs_are_asked_for(void **state)
 {
     struct ttf_daemon_config c;
@@ -209,6 +223,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_key_reaches_its_field),
         cmocka_unit_test(a_dataset_without_a_name_has_the_plan_s),
+        cmocka_unit_test(a_file_named_from_here_puts_its_state_into_its_data),
         cmocka_unit_test(without_a_plan_runs_are_asked_for),
         cmocka_unit_test(what_has_no_room_is_refused),
         cmocka_unit_test(what_is_wrong_is_named_with_its_place),

@@ -70,6 +70,8 @@ static void end(struct fixture *f)
     ttf_clock_destroy(f->d.clock);
     (void)snprintf(path, sizeof path, "%s/run.json", f->folder);
     (void)unlink(path);
+    (void)snprintf(path, sizeof path, "%s/run.json.reserve", f->folder);
+    (void)unlink(path);
     assert_int_equal(rmdir(f->folder), 0);
 }
 

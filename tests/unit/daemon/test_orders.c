@@ -33,6 +33,8 @@ static int remove_folder(void **state)
 
     (void)snprintf(path, sizeof path, "%s/run.json", (const char *)*state);
     (void)unlink(path);
+    (void)snprintf(path, sizeof path, "%s/run.json.reserve", (const char *)*state);
+    (void)unlink(path);
     return rmdir(*state);
 }
 
@@ -249,8 +251,7 @@ static void the_button_holds_also_where_the_disk_does_not_take_it(void **state)
     assert_int_equal(orders_save(orders, &err), 0);
     orders_destroy(orders);
     expect(folder, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
-    assert_int_equal(unlink(path), 0);
-    assert_int_equal(rmdir(folder), 0);
+    assert_int_equal(remove_folder((void **)&(char *){folder}), 0);
 }
 
 static void put(const char *folder, const char *text)
@@ -382,6 +383,91 @@ static void a_disk_that_comes_late_says_what_holds_and_ends_what_began_without_i
     assert_int_equal(rmdir(folder), 0);
 }
 
+/* A disk that is full: it has the room of the reserve, once that is given up, or none at all. */
+struct full_disk {
+    char reserve[640];
+    bool full, quite; /* quite full: not even that helps */
+    bool cut;         /* power goes before the new file is in the old one's place */
+};
+
+static int no_room(void *ctx, const char *op, const char *path)
+{
+    const struct full_disk *disk = ctx;
+
+    (void)path;
+    if (strcmp(op, "rename") == 0 && disk->cut)
+        return EIO;
+    if (strcmp(op, "open") != 0 && strcmp(op, "append") != 0)
+        return 0;
+    return disk->quite || (disk->full && access(disk->reserve, F_OK) == 0) ? ENOSPC : 0;
+}
+
+static void room_left(void *ctx, const char *path, struct ttf_io_space *space)
+{
+    const struct full_disk *disk = ctx;
+
+    (void)path;
+    if (disk->full)
+        space->free_bytes = 0;
+}
+
+static struct ttf_io *fill_up(struct full_disk *disk, const char *folder, struct orders **ret)
+{
+    struct ttf_io *io = ttf_io_faulty_create(ttf_io_posix(), no_room, disk);
+    struct ttf_err err = {0};
+
+    *disk = (struct full_disk){0};
+    (void)snprintf(disk->reserve, sizeof disk->reserve, "%s/run.json.reserve", folder);
+    assert_non_null(io);
+    ttf_io_faulty_space(io, room_left);
+    assert_int_equal(orders_create(io, folder, "grass", CONFIGURATION, ret, &err), 0);
+    assert_int_equal(orders_save(*ret, &err), 0);
+    assert_int_equal(access(disk->reserve, F_OK), 0); /* also where nobody has decided anything */
+    disk->full = true;
+    return io;
+}
+
+static void a_full_disk_takes_a_stop_and_keeps_room_for_the_next_one(void **state)
+{
+    struct orders *orders = NULL;
+    struct full_disk disk;
+    struct ttf_io *io = fill_up(&disk, *state, &orders);
+    struct ttf_err err = {0};
+
+    assert_int_equal(orders_stop(orders, &err), 0);
+    expect(*state, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
+    assert_int_equal(access(disk.reserve, F_OK), -1); /* nothing that is not there is kept */
+    disk.quite = true;
+    assert_int_equal(orders_go_on(orders, &err), -ENOSPC);
+    expect(*state, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
+    disk.full = disk.quite = false;
+    assert_int_equal(orders_save(orders, &err), 0);
+    disk.full = true;
+    assert_int_equal(access(disk.reserve, F_OK), 0);
+    assert_int_equal(orders_go_on(orders, &err), 0);
+    expect(*state, "grass", CONFIGURATION, ORDER_RUN, "grass");
+    orders_destroy(orders);
+    ttf_io_faulty_destroy(io);
+}
+
+static void a_power_cut_behind_the_reserve_leaves_what_was_decided_before(void **state)
+{
+    struct orders *orders = NULL;
+    struct full_disk disk;
+    struct ttf_io *io = fill_up(&disk, *state, &orders);
+    struct ttf_err err = {0};
+
+    assert_int_equal(orders_stop(orders, &err), 0);
+    disk.full = false;
+    assert_int_equal(orders_save(orders, &err), 0);
+    disk.full = disk.cut = true;
+    assert_true(orders_go_on(orders, &err) < 0);
+    assert_int_equal(access(disk.reserve, F_OK), -1);
+    expect(*state, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
+    orders_destroy(orders);
+    ttf_io_faulty_destroy(io);
+}
+
 #define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_folder, remove_folder)
 
 int main(void)
@@ -401,6 +487,8 @@ int main(void)
         WITH_FOLDER(a_box_that_has_nothing_configured_does_not_go_on_with_nothing),
         WITH_FOLDER(a_disk_that_cannot_be_read_is_tried_again_and_nothing_is_decided_by_guess),
         WITH_FOLDER(a_disk_that_comes_late_says_what_holds_and_ends_what_began_without_it),
+        WITH_FOLDER(a_full_disk_takes_a_stop_and_keeps_room_for_the_next_one),
+        WITH_FOLDER(a_power_cut_behind_the_reserve_leaves_what_was_decided_before),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

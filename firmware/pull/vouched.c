@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "vouched.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ttf/dataset/hash.h"
+#include "ttf/dataset/json_parse.h"
+
+static void bytes_of(const char *hex, uint8_t *ret, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        const char pair[3] = {hex[2 * i], hex[2 * i + 1], '\0'};
+
+        ret[i] = (uint8_t)strtoul(pair, NULL, 16);
+    }
+}
+
+static struct vouched_file file_of(const char *path, const char *hex)
+{
+    struct vouched_file file;
+    struct ttf_sha256 hash;
+    char name[65];
+
+    ttf_sha256_init(&hash);
+    ttf_sha256_add(&hash, path, strlen(path));
+    ttf_sha256_hex(&hash, name);
+    bytes_of(name, file.path, sizeof file.path);
+    bytes_of(hex, file.hash, sizeof file.hash);
+    return file;
+}
+
+static int add(struct vouched *v, const char *path, const char *hex)
+{
+    if (v->n == v->room) {
+        size_t room = v->room ? 2 * v->room : 256;
+        struct vouched_file *more = realloc(v->files, room * sizeof *more);
+
+        if (!more)
+            return -ENOMEM;
+        v->files = more;
+        v->room = room;
+    }
+    v->files[v->n++] = file_of(path, hex);
+    return 0;
+}
+
+static int add_files(struct vouched *v, const json_t *owner)
+{
+    const json_t *file;
+    size_t i;
+    int r = 0;
+
+    json_array_foreach(json_object_get(owner, "files"), i, file)
+    {
+        const char *path = json_string_value(json_object_get(file, "path"));
+        const char *hex = json_string_value(json_object_get(file, "sha256"));
+
+        if (r == 0 && path && hex && ttf_sha256_is_hex(hex))
+            r = add(v, path, hex);
+    }
+    return r;
+}
+
+/* grown_line_fn */
+static int take_line(void *ctx, const char *line, size_t n, struct ttf_err *err)
+{
+    const json_t *image;
+    json_t *json;
+    size_t i;
+    int r = ttf_json_parse(line, n, &json, NULL);
+
+    if (r == 0) {
+        r = add_files(ctx, json);
+        json_array_foreach(json_object_get(json, "images"), i, image) if (r == 0) r =
+            add_files(ctx, image);
+        json_decref(json);
+    }
+    return r == -ENOMEM ? ttf_err_set(err, r, NULL, "no memory") : 0;
+}
+
+static int by_path(const void *a, const void *b)
+{
+    const struct vouched_file *one = a, *other = b;
+
+    return memcmp(one->path, other->path, sizeof one->path);
+}
+
+int vouched_read(struct grown *records, struct vouched *ret, struct ttf_err *err)
+{
+    int r;
+
+    *ret = (struct vouched){0};
+    r = grown_each(records, 0, take_line, ret, err);
+    if (r == 0 && ret->n > 1)
+        qsort(ret->files, ret->n, sizeof *ret->files, by_path);
+    return r;
+}
+
+void vouched_free(struct vouched *vouched)
+{
+    free(vouched->files);
+    *vouched = (struct vouched){0};
+}
+
+enum vouched_as vouched_as(const struct vouched *v, const char *path, const char *hex)
+{
+    const struct vouched_file wanted = file_of(path, hex);
+    const struct vouched_file *found =
+        v->n ? bsearch(&wanted, v->files, v->n, sizeof *v->files, by_path) : NULL;
+    bool so = found != NULL;
+
+    if (!found)
+        return VOUCHED_NOT;
+    /* One that is named twice is so only if it is in both. */
+    while (found > v->files && by_path(found - 1, &wanted) == 0)
+        found--;
+    for (; found < v->files + v->n && by_path(found, &wanted) == 0; found++)
+        so = so && memcmp(found->hash, wanted.hash, sizeof wanted.hash) == 0;
+    return so ? VOUCHED_SO : VOUCHED_OTHERWISE;
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* vouched.h: the files that the records here name, each with its hash, so that a seal can be held against them without reading the files anew. One thread. */
+#ifndef PULL_VOUCHED_H
+#define PULL_VOUCHED_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "grown.h"
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+
+#define VOUCHED_PATH 12 /* bytes of a SHA-256 of the path */
+#define VOUCHED_HASH 32
+
+struct vouched {
+    struct vouched_file {
+        uint8_t path[VOUCHED_PATH];
+        uint8_t hash[VOUCHED_HASH];
+    } *files; /* by path */
+    size_t n, room;
+};
+
+enum vouched_as {
+    VOUCHED_NOT = 0, /* no record names it */
+    VOUCHED_SO,
+    VOUCHED_OTHERWISE
+};
+
+/* Reads all records here: 44 bytes are held for each file. *ret is to be freed, also on failure. -ENOMEM; errors of grown_each. */
+TTF_MUST_USE int vouched_read(struct grown *records, struct vouched *ret, struct ttf_err *err);
+void vouched_free(struct vouched *vouched);
+
+enum vouched_as vouched_as(const struct vouched *vouched, const char *path, const char *hex);
+
+#endif
