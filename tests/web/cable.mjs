@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// cable.mjs URL TOKEN_FILE: the page over a box's cable shows the box's token, once, and uses it.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { Browser, until } from "./browser.mjs";
+
+const [url, token_file] = process.argv.slice(2);
+const browser = await Browser.start({ may: (u) => u.startsWith(`${url}/`) });
+const { page } = browser;
+try {
+  await page.goto(`${url}/`);
+  await until("idle", async () => (await page.locator("#state").textContent()) === "Idle"); /* read without a token */
+  await page.locator("#login").click();
+  await page.getByText("nobody has seen its token yet").waitFor();
+  await browser.accessible("the token waits");
+  await page.getByRole("button", { name: "Show the token" }).click();
+  await page.getByText("It is shown this once").waitFor();
+  assert.equal(await page.locator("dialog code").textContent(), readFileSync(token_file, "utf8").trim());
+  await browser.accessible("the token is shown");
+  await page.getByRole("button", { name: "Close" }).click();
+  await until("it is used", async () => (await page.locator("#login").textContent()) === "Token ✓");
+  /* Another browser at the same cable: it is asked for. */
+  await page.context().clearCookies();
+  await page.reload();
+  await until("idle", async () => (await page.locator("#state").textContent()) === "Idle");
+  await page.locator("#login").click();
+  await page.getByRole("textbox", { name: "Token" }).waitFor();
+  assert.equal(await page.getByText("nobody has seen its token yet").count(), 0);
+  browser.fine("the page at the cable");
+} finally {
+  await browser.stop();
+}
