@@ -105,7 +105,19 @@ expect 0 "$ALERTD" --config ttfboxd.yaml --check
 
 start_daemon() { "$DAEMON" --config ttfboxd.yaml >>log 2>&1 & box=$!; }
 start_guardian() { "$LAMPD" --board box.yaml >>guarding 2>&1 & guardian=$!; }
-start_preview() { "$PREVIEW" --folder data --ttfbox "$TTFBOX" --eager >>previewing 2>&1 & previewer=$!; }
+# By a sanitizer it needs more address space than it allows itself: then something else holds its lock.
+start_preview() {
+    if sanitized "$PREVIEW"; then
+        mkdir -p data/.preview
+        "$PYTHON" -c 'import fcntl, time
+lock = open("data/.preview/lock", "w")
+fcntl.flock(lock, fcntl.LOCK_EX)
+time.sleep(600)' &
+    else
+        "$PREVIEW" --folder data --ttfbox "$TTFBOX" --eager >>previewing 2>&1 &
+    fi
+    previewer=$!
+}
 start_alertd() { "$ALERTD" --config ttfboxd.yaml >>alertd.log 2>&1 & alertd=$!; }
 gone() { # PROCESS
     kill -9 "$1"

@@ -61,3 +61,8 @@ plan() {
     shift
     printf '%s\n' "$@" >"$file"
 }
+
+# sanitized PROGRAM: it was built with a sanitizer, which looks for leaks itself and keeps what was freed.
+sanitized() {
+    grep -qaE '__(asan|tsan)_init' "$1"
+}

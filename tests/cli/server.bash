@@ -39,8 +39,3 @@ get() {
 asked_for() {
     sed -n 's/^VmData:[^0-9]*\([0-9]*\) kB/\1/p' "/proc/$1/status"
 }
-
-# sanitized PROGRAM: it was built with a sanitizer, which looks for leaks itself and keeps what was freed.
-sanitized() {
-    grep -qaE '__(asan|tsan)_init' "$1"
-}
