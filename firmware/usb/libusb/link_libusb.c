@@ -11,7 +11,9 @@
 #include "find.h"
 #include "ttf/usb/identity.h"
 
-#define CONTROL_MS 1000
+#define CONTROL_MS   1000
+#define CONTROL_SIZE (LIBUSB_CONTROL_SETUP_SIZE + TTF_USB_RESET_SIZE)
+#define LOST_MAX     (4 * 2 * TTF_USB_DEPTH) /* transfers that may stay away: 4 MiB of them */
 
 enum slot_state {
     SLOT_FREE = 0, /* of a write: to be filled */
@@ -38,11 +40,12 @@ struct libusb_link {
     unsigned next_in; /* the read that completes next: they do in order */
     int handed;       /* the read that was handed out, to be queued again; -1 */
     struct libusb_transfer *control;
-    uint8_t control_data[LIBUSB_CONTROL_SETUP_SIZE + TTF_USB_RESET_SIZE];
+    uint8_t *control_data;
     bool control_queued, control_done;
     int control_error;
     int down; /* the error for which the device is to be let go; 0 */
     bool closing;
+    unsigned lost; /* transfers that did not come back, with their buffers: libusb's */
     char serial[TTF_USB_SERIAL_SIZE];
 };
 
@@ -75,11 +78,25 @@ static void fail(struct libusb_link *l, int error)
         l->down = error;
 }
 
+/* One that was lost has come back after all: another is in its place. */
+static bool came_late(struct libusb_link *l, struct libusb_transfer *transfer,
+                      const struct libusb_transfer *in_place)
+{
+    if (transfer == in_place)
+        return false;
+    l->lost--;
+    free(transfer->buffer);
+    libusb_free_transfer(transfer);
+    return true;
+}
+
 static void LIBUSB_CALL read_done(struct libusb_transfer *transfer)
 {
     struct slot *s = transfer->user_data;
     int error = status_errno(transfer->status);
 
+    if (came_late(s->link, transfer, s->transfer))
+        return;
     s->state = error ? SLOT_FREE : SLOT_CAME;
     s->n = (size_t)transfer->actual_length;
     if (error)
@@ -91,6 +108,8 @@ static void LIBUSB_CALL write_done(struct libusb_transfer *transfer)
     struct slot *s = transfer->user_data;
     int error = status_errno(transfer->status);
 
+    if (came_late(s->link, transfer, s->transfer))
+        return;
     s->state = SLOT_FREE;
     if (error && error != -ECANCELED)
         fail(s->link, error);
@@ -100,6 +119,8 @@ static void LIBUSB_CALL control_done(struct libusb_transfer *transfer)
 {
     struct libusb_link *l = transfer->user_data;
 
+    if (came_late(l, transfer, l->control))
+        return;
     l->control_queued = false;
     l->control_done = true;
     l->control_error = status_errno(transfer->status);
@@ -134,6 +155,40 @@ static bool anything_queued(const struct libusb_link *l)
         if (l->in[i].state == SLOT_QUEUED || l->out[i].state == SLOT_QUEUED)
             return true;
     return l->control_queued;
+}
+
+/* Another transfer and buffer in the place of one that libusb keeps. false: no memory, or too many are lost. */
+static bool replace(struct libusb_link *l, struct libusb_transfer **transfer, uint8_t **data,
+                    size_t n)
+{
+    struct libusb_transfer *other = l->lost < LOST_MAX ? libusb_alloc_transfer(0) : NULL;
+    uint8_t *room = other ? malloc(n) : NULL;
+
+    if (!room) {
+        libusb_free_transfer(other);
+        return false;
+    }
+    l->lost++;
+    *transfer = other;
+    *data = room;
+    return true;
+}
+
+static void replace_slot(struct libusb_link *l, struct slot *s)
+{
+    if (s->state == SLOT_QUEUED && replace(l, &s->transfer, &s->data, TTF_USB_TRANSFER))
+        s->state = SLOT_FREE;
+}
+
+/* A device that was let go with transfers out: what has not come back by now is not waited for. */
+static void replace_queued(struct libusb_link *l)
+{
+    for (unsigned i = 0; i < TTF_USB_DEPTH; i++) {
+        replace_slot(l, &l->in[i]);
+        replace_slot(l, &l->out[i]);
+    }
+    if (l->control_queued && replace(l, &l->control, &l->control_data, CONTROL_SIZE))
+        l->control_queued = false;
 }
 
 static void link_close(struct ttf_usb_link *link)
@@ -188,6 +243,7 @@ static int link_open(struct ttf_usb_link *link, struct ttf_err *err)
                          "a running 'ttfbox usb' can be shared: --box and the address it shows");
         return r;
     }
+    replace_queued(l);
     if (anything_queued(l)) { /* of the last time: its memory is not to be given away twice */
         libusb_close(l->handle);
         l->handle = NULL;
@@ -195,6 +251,7 @@ static int link_open(struct ttf_usb_link *link, struct ttf_err *err)
     }
     l->next_in = 0;
     l->down = 0;
+    l->control_done = false;
     for (unsigned i = 0; i < TTF_USB_DEPTH; i++)
         queue_read(l, i);
     return 0;
@@ -316,13 +373,14 @@ static void link_destroy(struct ttf_usb_link *link)
 
     link_close(link);
     /* What libusb did not give back is still its own, down to this struct, which its callback writes to: better lost than freed. */
-    if (anything_queued(l))
+    if (anything_queued(l) || l->lost > 0)
         return;
     for (unsigned i = 0; i < TTF_USB_DEPTH; i++) {
         free_slot_of(&l->in[i]);
         free_slot_of(&l->out[i]);
     }
     libusb_free_transfer(l->control);
+    free(l->control_data);
     if (l->context)
         libusb_exit(l->context);
     free(l);
@@ -360,9 +418,10 @@ int ttf_usb_libusb_create(const char *serial, struct ttf_usb_link **ret, struct 
         (void)snprintf(l->serial, sizeof l->serial, "%s", serial);
     r = libusb_init(&l->context);
     l->control = r < 0 ? NULL : libusb_alloc_transfer(0);
+    l->control_data = malloc(CONTROL_SIZE);
     for (unsigned i = 0; r == 0 && i < TTF_USB_DEPTH; i++)
         made = make_slot(l, &l->in[i]) && make_slot(l, &l->out[i]) && made;
-    if (r < 0 || !made || !l->control) {
+    if (r < 0 || !made || !l->control || !l->control_data) {
         if (r < 0)
             l->context = NULL;
         link_destroy(&l->base);
