@@ -17,7 +17,7 @@ struct vouched {
     struct vouched_file {
         uint8_t path[VOUCHED_PATH];
         uint8_t hash[VOUCHED_HASH];
-    } *files; /* by path */
+    } * files; /* by path */
     size_t n, room;
 };
 

@@ -54,7 +54,8 @@ static void check_id(const char *text)
         ttf_http_events_publish(events, "state", "{}");
     (void)ttf_http_events_last(events, id);
     *strrchr(id, '-') = '\0';
-    (void)snprintf(said, sizeof said, "%s%.400s", *text == '~' ? id : "", *text == '~' ? text + 1 : text);
+    (void)snprintf(said, sizeof said, "%s%.400s", *text == '~' ? id : "",
+                   *text == '~' ? text + 1 : text);
     if (listener_create(events, said, &leaving, &listener, NULL) == 0) {
         ttf_http_events_publish(events, "state", "{\"last\":true}");
         check_stream(listener);

@@ -65,9 +65,8 @@ static void step(struct ttf_lampd *d, struct hand_clock *clock, const struct han
     for (unsigned i = 0; i < LAMPS; i++) {
         const struct ttf_guardian_lamp *lamp = &d->guardian.lamp[i];
 
-        if (lines->level[i] > 0 &&
-            (!d->guardian.leased || d->holder < 0 ||
-             clock->now_ns - lamp->on_since_ns > INFO[i].max_on_ns))
+        if (lines->level[i] > 0 && (!d->guardian.leased || d->holder < 0 ||
+                                    clock->now_ns - lamp->on_since_ns > INFO[i].max_on_ns))
             abort();
     }
 }
@@ -81,11 +80,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
     if (!d)
         return 0;
-    d->config = (struct ttf_lampd_config){.n = LAMPS,
-                                          .info = INFO,
-                                          .lines = &lines.base,
-                                          .door = -1,
-                                          .clock = &clock.base};
+    d->config = (struct ttf_lampd_config){
+        .n = LAMPS, .info = INFO, .lines = &lines.base, .door = -1, .clock = &clock.base};
     d->listening = d->holder = -1;
     d->door_opened_ns = d->door_closed_ns = TTF_NS_UNKNOWN;
     for (unsigned c = 0; c < LAMPD_CLIENTS_MAX; c++)

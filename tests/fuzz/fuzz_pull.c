@@ -18,14 +18,24 @@
 
 #define FOLDER "here/grass/"
 
-enum part { MANIFEST, SUMMARY, RECORDS, EVENTS, NOTES, SUMS, OTHER, PARTS };
+enum part {
+    MANIFEST,
+    SUMMARY,
+    RECORDS,
+    EVENTS,
+    NOTES,
+    SUMS,
+    OTHER,
+    PARTS
+};
 
 enum how {
     WHOLE = 1,   /* whatever is asked for */
     BREAKS = 2,  /* in the middle of an answer that is longer than 64 bytes */
     MISSING = 4, /* events, notes and sums are */
-    CORRECT = 8, /* the digest in the summary and the records' hash in SHA256SUMS are set right: no mutation finds them */
-    FRAMED = 16  /* so are seq and crc of records and events */
+    CORRECT =
+        8, /* the digest in the summary and the records' hash in SHA256SUMS are set right: no mutation finds them */
+    FRAMED = 16 /* so are seq and crc of records and events */
 };
 
 /* ---- the wire ---- */
@@ -152,7 +162,8 @@ void crew_do(struct crew *crew, struct errand *e)
     crew->landing.folder = e->folder;
     crew->landing.doubtful = e->doubtful;
     e->why = (struct ttf_err){0};
-    e->r = landing_ensure(&crew->landing, e->path, e->bytes, e->sha256, e->trust, &e->landed, &e->why);
+    e->r =
+        landing_ensure(&crew->landing, e->path, e->bytes, e->sha256, e->trust, &e->landed, &e->why);
 }
 
 void crew_wait(struct crew *crew, const struct errand *errand)
@@ -181,7 +192,8 @@ static void check_names(const struct fuzz_disk *disk)
     for (unsigned i = 0; i < disk->n; i++) {
         const char *path = disk->files[i].path;
 
-        if (strncmp(path, FOLDER, strlen(FOLDER)) != 0 || strstr(path, "/../") || strstr(path, "//"))
+        if (strncmp(path, FOLDER, strlen(FOLDER)) != 0 || strstr(path, "/../") ||
+            strstr(path, "//"))
             abort();
     }
 }
@@ -195,7 +207,8 @@ static void check_records(const struct fuzz_disk *disk)
         abort();
 }
 
-static void is_hash(const struct fuzz_disk *disk, const char *path, const char *expected, size_t n_hex)
+static void is_hash(const struct fuzz_disk *disk, const char *path, const char *expected,
+                    size_t n_hex)
 {
     struct ttf_sha256 hash;
     char hex[65];
@@ -220,7 +233,8 @@ static void check_seal(const struct fuzz_disk *disk, const char *digest)
     if (!text)
         abort();
     is_hash(disk, FOLDER "SHA256SUMS", digest, 64);
-    for (end = text + n; text < end; text = (const char *)memchr(text, '\n', (size_t)(end - text)) + 1) {
+    for (end = text + n; text < end;
+         text = (const char *)memchr(text, '\n', (size_t)(end - text)) + 1) {
         size_t length = (size_t)((const char *)memchr(text, '\n', (size_t)(end - text)) - text);
 
         (void)snprintf(path, sizeof path, FOLDER "%.*s", (int)(length - 66), text + 66);
@@ -265,8 +279,7 @@ static void hash_of(const struct wire *wire, enum part part, char ret[65])
 static void frame(struct wire *wire, enum part part)
 {
     size_t n;
-    char *framed =
-        fuzz_frame_lines((const uint8_t *)wire->part[part].data, wire->part[part].n, &n);
+    char *framed = fuzz_frame_lines((const uint8_t *)wire->part[part].data, wire->part[part].n, &n);
 
     free(wire->part[part].data);
     wire->part[part].data = framed;
@@ -292,8 +305,8 @@ static void put_right(struct wire *wire, char digest[65])
     if (wire->how & CORRECT) {
         free(wire->part[SUMMARY].data);
         wire->part[SUMMARY].data = text;
-        wire->part[SUMMARY].n = (size_t)snprintf(
-            text, 200, "{\"slots\":3,\"sealed\":true,\"digest\":\"%s\"}", digest);
+        wire->part[SUMMARY].n =
+            (size_t)snprintf(text, 200, "{\"slots\":3,\"sealed\":true,\"digest\":\"%s\"}", digest);
     } else {
         free(text);
     }
