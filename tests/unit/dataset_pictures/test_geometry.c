@@ -218,7 +218,7 @@ static void what_is_no_even_grid_is_refused_with_the_reason(void **state)
     s = plain;
     s.pitch_px = 16;
     s.reach = 0.3;
-    refused(&s, "less than half of the frame");
+    refused(&s, "less than two fifths of the frame");
     s = plain;
     s.jitter = 0.25;
     refused(&s, "pixels off a flat, even grid");
