@@ -28,6 +28,11 @@ void absence_tried(struct absence *a, const char *dataset, int64_t since_ns)
         a->it.trying_since_ns = since_ns;
 }
 
+void absence_over(struct absence *a)
+{
+    a->it = (struct ttf_absence){0};
+}
+
 struct ttf_absence absence_of(struct absence *a, const char *dataset)
 {
     about(a, dataset);

@@ -23,6 +23,9 @@ void absence_rested(struct absence *absence, const char *dataset, int64_t from_n
 /* What was begun at since_ns could not go on. */
 void absence_tried(struct absence *absence, const char *dataset, int64_t since_ns);
 
+/* The run was armed: what has no record until now gets one, and what is lost from now on has its own reasons. */
+void absence_over(struct absence *absence);
+
 struct ttf_absence absence_of(struct absence *absence, const char *dataset);
 
 #endif

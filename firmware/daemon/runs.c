@@ -46,6 +46,7 @@ static void on_progress(void *ctx, const struct ttf_progress *p)
     switch (p->kind) {
     case TTF_PROGRESS_ARMED:
         d->wait_ns = d->config.retry_ns; /* it works again */
+        absence_over(&d->absence);
         d->told_ns = p->now_ns;
         manager_status(&d->manager, "%sarmed: slot %" PRId64 " of %" PRId64 " is next",
                        d->board.simulated ? "SIMULATED, " : "", p->index, p->total);

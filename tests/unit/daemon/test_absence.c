@@ -39,6 +39,23 @@ static void what_was_tried_before_and_after_a_stop_is_no_stop(void **state)
     assert_int_equal(it.stopped_until_ns, 200);
 }
 
+/* Armed at 210, it failed at 300 and was tried until a person stopped it at 500. */
+static void what_the_box_lost_between_two_stops_is_no_stop(void **state)
+{
+    struct absence a = {0};
+    struct ttf_absence it;
+
+    (void)state;
+    absence_rested(&a, "grass", 100, 200);
+    absence_over(&a);
+    absence_tried(&a, "grass", 205);
+    absence_rested(&a, "grass", 500, 600);
+    it = absence_of(&a, "grass");
+    assert_int_equal(it.trying_since_ns, 205);
+    assert_int_equal(it.stopped_from_ns, 500);
+    assert_int_equal(it.stopped_until_ns, 600);
+}
+
 static void nothing_is_said_of_one_dataset_by_another(void **state)
 {
     struct absence a = {0};
@@ -57,6 +74,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_stop_counts_from_the_last_record_on),
         cmocka_unit_test(what_was_tried_before_and_after_a_stop_is_no_stop),
+        cmocka_unit_test(what_the_box_lost_between_two_stops_is_no_stop),
         cmocka_unit_test(nothing_is_said_of_one_dataset_by_another),
     };
 
