@@ -15,8 +15,15 @@
 #define PHASE_FRAMES   8                      /* after so many the stream begins anew */
 #define PHASE_SHIFT_NS (3700 * TTF_NS_PER_US) /* no simple part of a half-period of 50 or 60 Hz */
 
+struct light {
+    bool lit;    /* under the shot's lamps; else all are off */
+    bool strict; /* a calibration is fitted: it must be what was asked for */
+};
+
 /* Everything that taking frames needs, without a dataset. */
 struct guide {
+    struct light light;
+    int64_t settled_ns;              /* a lamp that is lit for less has not settled */
     int64_t give_up_ns;              /* a set of frames is not begun anew after this */
     struct ttf_flicker_frames *each; /* frames go there one by one instead of into a sum; or NULL */
     struct ttf_queue queue;          /* events go here and no further */
@@ -56,6 +63,26 @@ static int levels_of(const struct ttf_guided_config *config, unsigned ret[TTF_LA
     return 0;
 }
 
+/* Frames in another light are in no average: what is fitted from them looks right and is not. */
+static int check_light(const struct guide *g, const char *flags, struct ttf_err *err)
+{
+    static const struct {
+        const char *flag, *what;
+        bool lit; /* of frames under lamps alone */
+    } WRONG[] = {
+        {"door-open", "the door was open", false},
+        {"lamp-tripped", "a lamp was off that was to be lit", true},
+        {"lamp-unsettled", "a lamp went off and had not settled again", true},
+        {"lamp-unknown", "nobody says what a lamp did", true},
+    };
+
+    for (unsigned i = 0; g->light.strict && i < sizeof(WRONG) / sizeof(*WRONG); i++)
+        if ((g->light.lit || !WRONG[i].lit) && strstr(flags, WRONG[i].flag))
+            return ttf_err_set(err, -EIO, g->camera.name, "%s while frames were taken",
+                               WRONG[i].what);
+    return 0;
+}
+
 /* Fills the sum up to so many frames in all; when the first of the new ones was exposed. */
 static int take_set(struct guide *g, const struct ttf_locked *locked, unsigned up_to,
                     struct ttf_raw_sum *sum, int64_t *ret_start_ns, struct ttf_err *err)
@@ -63,6 +90,7 @@ static int take_set(struct guide *g, const struct ttf_locked *locked, unsigned u
     struct ttf_image image = {.shots = g->shots};
     struct ttf_take take = {
         .locked = locked,
+        .settle_ns = g->settled_ns,
         .give_up_ns = g->give_up_ns,
         .raw = sum,
         .image = &image,
@@ -83,7 +111,7 @@ static int take_set(struct guide *g, const struct ttf_locked *locked, unsigned u
     if (strstr(image.flags, "wrong-settings"))
         return ttf_err_set(err, -EIO, g->camera.name, "the camera does not keep its exposure");
     *ret_start_ns = take.start_ns;
-    return 0;
+    return check_light(g, image.flags, err);
 }
 
 /* Averages the frames, a set at a time. */
@@ -143,8 +171,8 @@ static int take_each(struct guide *g, struct ttf_locked *locked, unsigned frames
 }
 
 /* Levels set and settled, exposure locked, frames taken. */
-static int acquire(struct guide *g, const struct ttf_guided_config *config, bool lit,
-                   struct ttf_raw_sum *sum, struct ttf_err *err)
+static int acquire(struct guide *g, const struct ttf_guided_config *config, struct ttf_raw_sum *sum,
+                   struct ttf_err *err)
 {
     const struct ttf_camera_caps *caps = ttf_camera_caps(g->camera.camera);
     struct ttf_exposure asked =
@@ -152,11 +180,13 @@ static int acquire(struct guide *g, const struct ttf_guided_config *config, bool
     unsigned levels[TTF_LAMPS_MAX] = {0};
     struct ttf_locked locked;
     int64_t settle = 0;
-    int r = lit ? levels_of(config, levels, &settle, err) : 0;
+    int r = g->light.lit ? levels_of(config, levels, &settle, err) : 0;
 
     if (r < 0)
         return r;
     ttf_lamp_driver_want(&g->lamps, levels);
+    g->settled_ns =
+        settle / 10 * 9; /* a stream's first frame may have begun before the wait ended */
     settle += ttf_clock_now_ns(config->box->clock);
     r = ttf_shooter_lock(&g->camera, &asked, &locked, err);
     if (r == 0)
@@ -192,7 +222,7 @@ static int set_up_camera(struct guide *g, const struct ttf_guided_config *config
 }
 
 /* Everything but the fitting. */
-static int with_devices(struct guide *g, const struct ttf_guided_config *config, bool lit,
+static int with_devices(struct guide *g, const struct ttf_guided_config *config,
                         struct ttf_raw_sum *sum, struct ttf_err *err)
 {
     struct ttf_box *box = config->box;
@@ -209,7 +239,7 @@ static int with_devices(struct guide *g, const struct ttf_guided_config *config,
         ttf_pulse_begin(&g->pulse, box, &g->queue, &g->events, &g->lamps, config->stop);
         r = set_up_camera(g, config, err);
         if (r == 0)
-            r = acquire(g, config, lit, sum, err);
+            r = acquire(g, config, sum, err);
         ttf_pulse_end(&g->pulse);
     }
     ttf_lamp_driver_end(&g->lamps);
@@ -219,8 +249,8 @@ static int with_devices(struct guide *g, const struct ttf_guided_config *config,
     return r;
 }
 
-static int guided(const struct ttf_guided_config *config, bool lit, struct ttf_raw_sum *sum,
-                  struct ttf_flicker_frames *each, struct ttf_err *err)
+static int guided(const struct ttf_guided_config *config, struct light light,
+                  struct ttf_raw_sum *sum, struct ttf_flicker_frames *each, struct ttf_err *err)
 {
     struct guide *g;
     int r = check(config, err);
@@ -230,9 +260,10 @@ static int guided(const struct ttf_guided_config *config, bool lit, struct ttf_r
     g = calloc(1, sizeof(*g));
     if (!g)
         return ttf_err_set(err, -ENOMEM, config->shot->camera, "no memory to take frames");
+    g->light = light;
     g->each = each;
     ttf_clock_join(config->box->clock);
-    r = with_devices(g, config, lit, sum, err);
+    r = with_devices(g, config, sum, err);
     ttf_clock_leave(config->box->clock);
     free(g);
     if (r < 0 && err && err->code != r)
@@ -244,7 +275,20 @@ static int guided(const struct ttf_guided_config *config, bool lit, struct ttf_r
 int ttf_guided_frames(const struct ttf_guided_config *config, bool lit, struct ttf_raw_sum *sum,
                       struct ttf_err *err)
 {
-    return guided(config, lit, sum, NULL, err);
+    return guided(config, (struct light){.lit = lit}, sum, NULL, err);
+}
+
+/* The same for a part of a calibration, which is of one camera. */
+static int frames_for(const struct ttf_guided_config *config,
+                      const struct ttf_calibration *calibration, bool lit, struct ttf_raw_sum *sum,
+                      struct ttf_err *err)
+{
+    const char *camera = config->shot->camera;
+
+    if (calibration->camera[0] != '\0' && strcmp(calibration->camera, camera) != 0)
+        return ttf_err_set(err, -EINVAL, camera, "the calibration is of camera '%s'",
+                           calibration->camera);
+    return guided(config, (struct light){.lit = lit, .strict = true}, sum, NULL, err);
 }
 
 /* What a calibration says of where it comes from. */
@@ -273,7 +317,7 @@ int ttf_guided_dark(const struct ttf_guided_config *config, struct ttf_calibrati
                     struct ttf_err *err)
 {
     struct ttf_raw_sum sum = {0};
-    int r = ttf_guided_frames(config, false, &sum, err);
+    int r = frames_for(config, calibration, false, &sum, err);
 
     if (r == 0)
         r = ttf_calibration_fit_dark(calibration, &sum, err);
@@ -290,7 +334,7 @@ int ttf_guided_flat(const struct ttf_guided_config *config, struct ttf_calibrati
                     struct ttf_err *err)
 {
     struct ttf_raw_sum sum = {0};
-    int r = ttf_guided_frames(config, true, &sum, err);
+    int r = frames_for(config, calibration, true, &sum, err);
 
     if (r == 0)
         r = ttf_calibration_fit_flat(calibration, &sum, config->reflectance, err);
@@ -307,7 +351,7 @@ int ttf_guided_chart(const struct ttf_guided_config *config, const struct ttf_ch
                      struct ttf_err *err)
 {
     struct ttf_raw_sum sum = {0};
-    int r = ttf_guided_frames(config, true, &sum, err);
+    int r = frames_for(config, calibration, true, &sum, err);
 
     if (r == 0)
         r = ttf_calibration_fit_chart(calibration, &sum, view, chart, err);
@@ -321,10 +365,12 @@ int ttf_guided_geometry(const struct ttf_guided_config *config, double pitch_mm,
                         struct ttf_calibration *calibration, struct ttf_err *err)
 {
     struct ttf_raw_sum sum = {0};
-    int r = ttf_guided_frames(config, true, &sum, err);
+    int r = frames_for(config, calibration, true, &sum, err);
 
     if (r == 0)
         r = ttf_calibration_fit_geometry(calibration, &sum, pitch_mm, err);
+    if (r == 0)
+        sign(config, calibration);
     ttf_raw_sum_free(&sum);
     return r;
 }
@@ -334,7 +380,7 @@ int ttf_guided_flicker(const struct ttf_guided_config *config, struct ttf_flicke
 {
     struct ttf_flicker_frames frames = {0};
     struct ttf_raw_sum sum = {0};
-    int r = guided(config, true, &sum, &frames, err);
+    int r = guided(config, (struct light){.lit = true, .strict = true}, &sum, &frames, err);
 
     if (r == 0)
         r = ttf_flicker_measure(&frames, ret, err);

@@ -140,7 +140,7 @@ static int check_grid(const struct fit *f)
     if (x1 - x0 < SHARE_LEAST * f->frames->format.width ||
         y1 - y0 < SHARE_LEAST * f->frames->format.height)
         return refuse(f, "let it fill the frame: scale and lens are measured where dots are",
-                      "the grid covers less than half of the frame");
+                      "the grid covers less than two fifths of the frame");
     return 0;
 }
 

@@ -99,12 +99,14 @@ static int save_picture(const struct ttf_calibration *calibration, struct ttf_io
     closed = io->ops->close(io, file);
     if (r == 0 && closed < 0)
         r = ttf_err_set(err, closed, temporary, "cannot close: %s", strerrordesc_np(-closed));
+    if (r == 0) {
+        r = io->ops->rename(io, temporary, path);
+        if (r < 0)
+            ttf_err_set(err, r, path, "cannot rename: %s", strerrordesc_np(-r));
+    }
     if (r < 0)
-        return r;
-    r = io->ops->rename(io, temporary, path);
-    if (r < 0)
-        return ttf_err_set(err, r, path, "cannot rename: %s", strerrordesc_np(-r));
-    return 0;
+        (void)!io->ops->unlink(io, temporary); /* a full disk needs its room */
+    return r;
 }
 
 static void json_settings(struct ttf_json *json, const struct ttf_exposure *settings)

@@ -26,6 +26,7 @@ pull() { python3 -u tests/bench/pull.py "$box" build/tests/bench_no_hash.so "$@"
 case ${1:-all} in
 week) week ;;
 schedule) shift; schedule "$@" ;;
+pull) shift; pull "$@" ;;
 synth) shift; synth "$@" ;;
 recovery) recovery ;;
 gmic) shift; gmic "$@" ;;

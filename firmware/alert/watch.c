@@ -8,6 +8,8 @@
 
 #include "alert.h"
 #include "ttf/dataset/copy.h"
+#include "ttf/dataset/manifest.h"
+#include "ttf/dataset/reader.h"
 
 #define LOOK_NS (500 * TTF_NS_PER_MS)
 #define SOON_NS (50 * TTF_NS_PER_MS)
@@ -155,18 +157,50 @@ static bool is_there(const struct watch *w, const char *path)
     return w->io->ops->stat(w->io, file, &st) == 0;
 }
 
+/*
+ * Has the run gone on in the second storage? As capture/second_storage.c judges it: another dataset of this name may lie there, and one
+ * that has ended, without its first, is of a run before.
+ */
+static bool went_on_in(const struct watch *w, const char *second, const char *first)
+{
+    struct ttf_manifest of_first, of_second;
+    struct ttf_reader *reader;
+    bool goes_on;
+
+    if (ttf_manifest_load(w->io, second, &of_second, NULL) < 0 ||
+        strcmp(of_second.group_member, "second") != 0)
+        return false;
+    if (ttf_manifest_load(w->io, first, &of_first, NULL) == 0)
+        return strcmp(of_second.group_uuid, of_first.uuid) == 0;
+    if (ttf_reader_open(w->io, second, &reader, NULL) < 0)
+        return false;
+    goes_on = ttf_reader_summary(reader)->n_segments > 0 && !ttf_reader_summary(reader)->sealed;
+    ttf_reader_close(reader);
+    return goes_on;
+}
+
+/* It was found there before, is watched and goes on. */
+static bool is_watched(const struct watch *w, const char *name, const char *path)
+{
+    return !w->ended && strcmp(w->name, name) == 0 && strcmp(w->path, path) == 0 &&
+           is_there(w, path);
+}
+
 /* The one that is to be captured; where nobody wants one, the newest: it may be captured without the daemon. */
 static bool find(const struct watch *w, char ret_name[65], char ret_path[1200])
 {
     const struct wanted *wanted = &w->wanted;
+    char first[1200];
 
     if (wanted->wants != WANTS_NOTHING && *wanted->dataset)
         memcpy(ret_name, wanted->dataset, 65);
     else if (ttf_growth_newest(w->io, w->config->data, ret_name) < 0)
         return false;
+    (void)snprintf(first, sizeof first, "%s/%s", w->config->data, ret_name);
     (void)snprintf(ret_path, 1200, "%s/%s", wanted->second, ret_name);
-    if (!*wanted->second || !is_there(w, ret_path))
-        (void)snprintf(ret_path, 1200, "%s/%s", w->config->data, ret_name);
+    if (!*wanted->second || (!is_watched(w, ret_name, ret_path) &&
+                             (!is_there(w, ret_path) || !went_on_in(w, ret_path, first))))
+        memcpy(ret_path, first, sizeof first);
     return true;
 }
 

@@ -69,6 +69,8 @@ int cmd_usb_token(struct cli *cli)
         ttf_json_kstring(&cli->out, "token", token);
         if (fd >= 0)
             r = keep(cli, fd, token);
+        if (r < 0) /* it is shown once, and what --json would have said is not said */
+            (void)fprintf(stderr, "ttfbox usb token: %s\n", token);
     } else if (fd >= 0) {
         (void)unlink(cli->opt.token_file);
     }

@@ -187,11 +187,23 @@ static void make_head(struct video *v, uint32_t movi_bytes, uint32_t largest)
     (void)put_tag(put_chunk(at + 16, "LIST", movi_bytes), "movi");
 }
 
+/* Its length, as far as the frames make it: a RIFF's lengths have 32 bits, and players take them as signed. */
+static int check_length(const struct video *v)
+{
+    int64_t bytes = HEAD + CHUNK;
+
+    for (unsigned i = 0; i < v->n; i++)
+        bytes += CHUNK + (int64_t)padded(v->frame[i].bytes) + INDEX_ENTRY;
+    return bytes > INT32_MAX ? -EINVAL : 0;
+}
+
 static int lay_out(struct video *v)
 {
     uint32_t movi = 4, largest = 0;
     uint8_t *at;
 
+    if (check_length(v) < 0)
+        return -EINVAL;
     v->index = malloc(CHUNK + (size_t)v->n * INDEX_ENTRY);
     if (!v->index)
         return -ENOMEM;
@@ -236,6 +248,8 @@ static ssize_t from_frame(struct video *v, unsigned i, int64_t offset, void *buf
         return from_memory(head, CHUNK, offset, buf, n);
     }
     offset -= CHUNK;
+    if (offset > f->bytes)
+        return -EIO;
     if (offset == f->bytes) { /* the next chunk begins at an even place */
         *(uint8_t *)buf = 0;
         return 1;

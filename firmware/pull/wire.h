@@ -47,7 +47,7 @@ TTF_MUST_USE int pull_wire_get_text(struct wire *wire, const char *path, int64_t
                                     int64_t last, size_t max, char **ret_text, size_t *ret_bytes,
                                     struct ttf_err *err);
 
-/* POST: json NULL: without a body. The answer (any of 2xx) as above, at most 64 KiB. -EEXIST and -EPERM by what the box says (409, 403), else as above. */
+/* POST: json NULL: without a body. The answer (a 200; other 2xx are errors) as above, at most 64 KiB. -EEXIST and -EPERM by what the box says (409, 403), else as above. */
 TTF_MUST_USE int pull_wire_post_text(struct wire *wire, const char *path, const char *json,
                                      char **ret_text, size_t *ret_bytes, struct ttf_err *err);
 

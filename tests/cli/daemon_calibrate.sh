@@ -40,6 +40,13 @@ state() { # WORD
     done
     fail "it is $(json state), not $1: $(cat log)"
 }
+ended() { # DATASET: it is sealed, and the box rests (it may do so still just after a run was asked for)
+    for _ in $(seq 1200); do
+        [ -e "data/$1/SHA256SUMS" ] && break
+        sleep 0.05
+    done
+    state idle
+}
 plan() { # NAME: of 3 slots, 100 ms
     printf 'interval: 500ms\ncount: 3\nlamps: {mode: continuous, settle: 500ms}\nshot: {lamps: {left: 100%%, right: 100%%}, exposure: 20ms}\nkeep: both\nreserve: 0B\n' >"$1.yaml"
     get "$URL/plans/$1" 200 "${ME[0]}" "${ME[1]}" -H 'Content-Type: application/yaml' -X PUT --data-binary "@$1.yaml"
@@ -86,12 +93,12 @@ step refused
 
 # ---- used from the next run on ----
 send POST run 202 '{"plan":"three","dataset":"before"}'
-state idle
+ended before
 [ "$(quantity before)" = radiance ] || fail "a run had a calibration that nobody chose"
 send PUT calibration 404 '{"name":"none-such"}'
 send PUT calibration 200 '{"name":"first"}'
 send POST run 202 '{"plan":"three","dataset":"after"}'
-state idle
+ended after
 [ "$(quantity after)" = reflectance ] || fail "the calibration that was chosen is not used: $(cat log)"
 expect 0 "$TTFBOX" verify data/after
 

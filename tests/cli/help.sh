@@ -45,6 +45,11 @@ while read -r command; do
         grep -q "damaged data" text || fail "$command: the page is empty"
     fi
 done <<<"$commands"
+# Each has its page among those that are installed.
+while read -r command; do
+    grep -A 6 '^set(TTFBOX_PAGES' "$SOURCE/firmware/cli/CMakeLists.txt" | sed '/)/q' | tr -s ' ()' '\n' |
+        grep -qx -- "${command// /-}" || fail "no page of '$command' is installed"
+done <<<"$commands"
 expect 0 "$TTFBOX" help --man
 command -v groff >/dev/null || echo "groff is not installed: the pages' troff was not checked"
 echo "help: all commands explain themselves"

@@ -14,7 +14,11 @@ grep -q '^listen: \["127.0.0.1:8417", "unix:/run/ttfbox/http.sock", "usb0:8417"\
 grep -q 'listen=/^listen:/d' "$image/build.sh" || fail "the builder leaves it in"
 
 # --- a token of one's own: as the card's file system and a PC's editor leave it
-sed -i 's/^# token_file:/token_file:/' stage/ttfboxd.yaml
+# The # alone is taken away, as README.txt says; of each line that has one.
+for key in token_file dataset calibration; do
+    grep -q "^#$key:" stage/ttfboxd.yaml || fail "the settings that an image comes with do not name $key"
+done
+sed -i 's/^#token_file:/token_file:/; s/^#dataset:/dataset:/' stage/ttfboxd.yaml
 printf 'too-short\r\n' >stage/token
 mkdir -p stage/boards/mine
 touch stage/boards/mine/board.yaml

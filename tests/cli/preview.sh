@@ -96,6 +96,24 @@ if ffprobe:
 CHECK
 get "$URL/datasets/none-such/preview.avi" 404
 
+# as many and as large as frames may be: no AVI has room for that, and none is begun
+mv data/.preview/grass/state.json state.json
+truncate -s 16M data/.preview/grass/large.jpg
+"$PYTHON" - "$URL/datasets/grass/preview.avi" <<'LARGE' || fail "a video of 4 GiB was begun"
+import json, sys, urllib.request
+state = json.load(open("state.json"))
+state["frames"] = [dict(state["frames"][0], path="large.jpg")] * 256
+with open("data/.preview/grass/state.json", "w") as file:
+    json.dump(state, file)
+try:
+    urllib.request.urlopen(urllib.request.Request(sys.argv[1], headers={"Range": "bytes=0-9"}))
+    sys.exit(1)
+except urllib.error.HTTPError as error:
+    assert error.code == 400, error
+LARGE
+rm data/.preview/grass/large.jpg
+mv state.json data/.preview/grass/state.json
+
 [ "$(cd data/grass && find . -type f -exec sha256sum {} + | sort)" = "$before" ] || fail "the dataset was touched"
 expect 0 "$TTFBOX" verify data/grass
 

@@ -9,6 +9,7 @@
 #include "sim_run.h"
 #include "ttf/capture/guided_calibration.h"
 #include "ttf/hal/camera_backend.h"
+#include "ttf/hal/lamps_backend.h"
 
 static const struct ttf_camera_ops *good;
 static struct ttf_camera_ops bad;
@@ -266,7 +267,7 @@ struct guided {
     struct ttf_err err;
 };
 
-static void guide(struct guided *g)
+static void guide_with(struct guided *g, const struct ttf_fault *fault)
 {
     struct ttf_scene white;
 
@@ -274,6 +275,8 @@ static void guide(struct guided *g)
     ttf_sim_config_defaults(&g->config);
     g->config.width = 48;
     g->config.height = 32;
+    if (fault)
+        g->config.faults[g->config.n_faults++] = *fault;
     ttf_plan_defaults(&g->plan);
     g->plan.shots[0].n_levels = 1;
     strcpy(g->plan.shots[0].levels[0].lamp, "left");
@@ -288,6 +291,11 @@ static void guide(struct guided *g)
     error = -EIO;
     error_times = 100000;
     wander_ns = grain_ns = 0;
+}
+
+static void guide(struct guided *g)
+{
+    guide_with(g, NULL);
 }
 
 static void end(struct guided *g)
@@ -408,6 +416,108 @@ static void a_camera_that_does_not_keep_its_exposure_is_not_calibrated(void **st
     refused(&g, -EIO, "no good frame: corrupt");
 }
 
+/* Under lamps; each part of a calibration takes its frames alike. */
+static void refused_lit(struct guided *g, int code, const char *what)
+{
+    assert_int_equal(ttf_guided_flat(&g->guided, &g->calibration, &g->err), code);
+    if (!strstr(g->err.what, what))
+        print_error("'%s', not '%s'\n", g->err.what, what);
+    assert_non_null(strstr(g->err.what, what));
+    assert_false(g->calibration.has_flat);
+    end(g);
+}
+
+static void a_calibration_with_an_open_door_is_refused_and_a_look_inside_is_not(void **state)
+{
+    const struct ttf_fault open = {.kind = TTF_FAULT_DOOR_OPEN, .duration_ns = TTF_NS_PER_H};
+    struct ttf_raw_sum sum = {0};
+    struct guided g;
+
+    (void)state;
+    guide_with(&g, &open);
+    refused(&g, -EIO, "the door was open");
+    guide_with(&g, &open);
+    refused_lit(&g, -EIO, "the door was open");
+    guide_with(&g, &open);
+    assert_int_equal(ttf_guided_frames(&g.guided, true, &sum, &g.err), 0);
+    assert_int_equal(sum.n, 4);
+    ttf_raw_sum_free(&sum);
+    end(&g);
+}
+
+static int not_lit(struct ttf_lamps *lamps, unsigned lamp, unsigned permille, struct ttf_err *err)
+{
+    (void)lamps;
+    (void)lamp;
+    (void)permille;
+    (void)err;
+    return -EIO;
+}
+
+static void a_calibration_by_lamps_that_are_off_is_refused(void **state)
+{
+    struct ttf_lamps_ops refusing;
+    struct guided g;
+
+    (void)state;
+    guide(&g);
+    refusing = *g.box.lamps->ops;
+    refusing.set = not_lit;
+    g.box.lamps->ops = &refusing;
+    refused_lit(&g, -EIO, "a lamp was off");
+}
+
+static void a_calibration_by_a_lamp_that_a_door_put_out_before_is_refused(void **state)
+{
+    /* of the five minutes that it takes to warm up */
+    const struct ttf_fault open = {
+        .kind = TTF_FAULT_DOOR_OPEN, .at_ns = 3 * TTF_NS_PER_MIN, .duration_ns = TTF_NS_PER_S};
+    struct guided g;
+
+    (void)state;
+    guide_with(&g, &open);
+    refused_lit(&g, -EIO, "had not settled");
+}
+
+static int nobody_knows(struct ttf_lamps *lamps, unsigned lamp, struct ttf_lamp_state *ret)
+{
+    (void)lamps;
+    (void)lamp;
+    (void)ret;
+    return -EIO;
+}
+
+static void a_calibration_by_lamps_that_nobody_knows_of_is_refused(void **state)
+{
+    struct ttf_lamps_ops mute;
+    struct guided g;
+
+    (void)state;
+    guide(&g);
+    mute = *g.box.lamps->ops;
+    mute.state = nobody_knows;
+    g.box.lamps->ops = &mute;
+    refused_lit(&g, -EIO, "nobody says what a lamp did");
+}
+
+static void a_calibration_is_of_one_camera(void **state)
+{
+    struct ttf_chart_view view = {0};
+    struct ttf_chart chart;
+    struct guided g;
+
+    (void)state;
+    guide(&g);
+    ttf_chart_classic(&chart);
+    strcpy(g.calibration.camera, "side");
+    assert_int_equal(ttf_guided_flat(&g.guided, &g.calibration, &g.err), -EINVAL);
+    assert_int_equal(ttf_guided_chart(&g.guided, &view, &chart, &g.calibration, &g.err), -EINVAL);
+    assert_non_null(strstr(g.err.what, "is of camera 'side'"));
+    assert_int_equal(ttf_guided_geometry(&g.guided, 5, &g.calibration, &g.err), -EINVAL);
+    assert_non_null(strstr(g.err.what, "is of camera 'side'"));
+    refused(&g, -EINVAL, "is of camera 'side'");
+}
+
 static int no_temperature(struct ttf_sensors *sensors, struct ttf_reading ret[TTF_SENSORS_MAX],
                           struct ttf_err *err)
 {
@@ -452,6 +562,11 @@ int main(void)
         cmocka_unit_test(a_calibration_names_the_lamp_that_it_lacks),
         cmocka_unit_test(a_camera_that_gives_nothing_is_not_calibrated),
         cmocka_unit_test(a_camera_that_does_not_keep_its_exposure_is_not_calibrated),
+        cmocka_unit_test(a_calibration_with_an_open_door_is_refused_and_a_look_inside_is_not),
+        cmocka_unit_test(a_calibration_by_lamps_that_are_off_is_refused),
+        cmocka_unit_test(a_calibration_by_a_lamp_that_a_door_put_out_before_is_refused),
+        cmocka_unit_test(a_calibration_by_lamps_that_nobody_knows_of_is_refused),
+        cmocka_unit_test(a_calibration_is_of_one_camera),
         cmocka_unit_test(dark_frames_without_a_thermometer_say_no_temperature),
     };
 

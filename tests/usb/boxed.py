@@ -152,13 +152,14 @@ def restarts(world):
         raise Failed("the cable's service did not outlive the box's")
     # Stopped, and nobody holds the gadget: it is gone.
     manager.end(signal.SIGTERM)
-    manager.forget()
-    world.wait(lambda: away() > before, "a stopped box is at the bus still")
     # What was handed to another process is not taken for one's own.
     manager.begin(pid="1")
     world.wait(lambda: answers(world), "no status")
     if world.log("usbd").count("goes on with the gadget") != 6:
         raise Failed("what was another's was taken")
+    manager.end(signal.SIGTERM)
+    manager.forget()
+    world.wait(lambda: away() > before, "a stopped box is at the bus still")
     say(f"restarts: 6 of the service by stop, kill and abort, and no PC saw the box go; the status was right {max(took) * 1e3:.0f} ms later at most")
 
 

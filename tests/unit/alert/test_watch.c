@@ -127,11 +127,10 @@ static bool told(const struct fixture *f, unsigned i, const char *kind, const ch
     return i < f->n && strcmp(f->told[i].kind, kind) == 0 && strstr(f->told[i].text, words);
 }
 
-/* A dataset whose first slot is due then. */
-static struct ttf_writer *create(const char *path, int64_t origin_ns, int64_t interval_ns)
+static struct ttf_writer *create_as(const struct ttf_manifest *manifest, const char *path,
+                                    int64_t origin_ns, int64_t interval_ns)
 {
     struct ttf_writer *writer = NULL;
-    struct ttf_manifest manifest;
     struct ttf_segment segment = {.boot_id = BOOT,
                                   .trust = "rtc",
                                   .zone = "UTC",
@@ -140,12 +139,31 @@ static struct ttf_writer *create(const char *path, int64_t origin_ns, int64_t in
                                   .uncertainty_ns = SECOND,
                                   .interval_ns = interval_ns};
 
-    small_manifest(&manifest);
     assert_int_equal(
-        ttf_writer_create(ttf_io_posix(), path, &manifest, "interval: 1s\n", "{}\n", &writer, NULL),
+        ttf_writer_create(ttf_io_posix(), path, manifest, "interval: 1s\n", "{}\n", &writer, NULL),
         0);
     assert_int_equal(ttf_writer_segment(writer, &segment, NULL), 0);
     return writer;
+}
+
+/* A dataset whose first slot is due then. */
+static struct ttf_writer *create(const char *path, int64_t origin_ns, int64_t interval_ns)
+{
+    struct ttf_manifest manifest;
+
+    small_manifest(&manifest);
+    return create_as(&manifest, path, origin_ns, interval_ns);
+}
+
+/* What a run goes on in that began in another one, of that uuid. */
+static struct ttf_writer *create_second(const char *uuid, const char *path, int64_t origin_ns)
+{
+    struct ttf_manifest manifest;
+
+    small_manifest(&manifest);
+    (void)snprintf(manifest.group_uuid, sizeof manifest.group_uuid, "%s", uuid);
+    (void)snprintf(manifest.group_member, sizeof manifest.group_member, "second");
+    return create_as(&manifest, path, origin_ns, 10 * SECOND);
 }
 
 static void a_run_that_does_not_begin_is_told_with_why(void **state)
@@ -326,21 +344,33 @@ static void a_disk_that_goes_with_all_that_was_decided_is_an_alarm(void **state)
     free(f);
 }
 
-static void a_run_that_goes_on_in_its_second_storage_has_not_stopped(void **state)
+/* Another box, whose plan has a second storage: ret. */
+static struct fixture *begin_with_second(const char *folder, const char **ret)
 {
-    struct fixture *f = begin(*state);
-    const char *second = in(*state, "second");
-    struct ttf_writer *first, *writer;
+    struct fixture *f = begin(folder);
     char plan[300];
 
-    (void)snprintf(plan, sizeof plan, "interval: 10s\ncount: 9\nstorage: {second: %s}\n", second);
+    *ret = in(folder, "second");
+    (void)snprintf(plan, sizeof plan, "interval: 10s\ncount: 9\nstorage: {second: %s}\n", *ret);
     write_text(f->config.plan, plan, strlen(plan));
-    assert_int_equal(run("mkdir %s", second), 0);
+    assert_int_equal(run("mkdir %s", *ret), 0);
+    return f;
+}
+
+static void a_run_that_goes_on_in_its_second_storage_has_not_stopped(void **state)
+{
+    const char *second;
+    struct fixture *f = begin_with_second(*state, &second);
+    struct ttf_writer *first, *writer;
+    struct ttf_manifest of_first;
+
     first = small_create(ttf_io_posix(), in(*state, "data/grass"));
+    assert_int_equal(ttf_manifest_load(ttf_io_posix(), in(*state, "data/grass"), &of_first, NULL),
+                     0);
     pass(f, 5);
     assert_int_equal(small_slot(first, 0), 0);
     pass(f, 5);
-    writer = create(in(second, "grass"), f->clock.now_ns + 5 * SECOND, 10 * SECOND);
+    writer = create_second(of_first.uuid, in(second, "grass"), f->clock.now_ns + 5 * SECOND);
     for (int64_t i = 0; i < 6; i++) {
         pass(f, 10);
         assert_int_equal(small_slot(writer, i), 0);
@@ -349,6 +379,75 @@ static void a_run_that_goes_on_in_its_second_storage_has_not_stopped(void **stat
     pass(f, 20);
     assert_true(told(f, 0, "stopped", "the capture has stopped"));
     ttf_writer_abandon(first);
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
+/* What an ended run left in the second storage is not the one that is wanted. */
+static void expect_no_beginning(struct fixture *f)
+{
+    pass(f, 70);
+    assert_int_equal(f->n, 1);
+    assert_true(told(f, 0, "not-begun", "the capture has not begun"));
+    free(f);
+}
+
+static void an_older_dataset_of_this_name_in_the_second_storage_hides_no_alarm(void **state)
+{
+    const char *second;
+    struct fixture *f = begin_with_second(*state, &second);
+    char digest[65];
+    struct ttf_writer *old = create(in(second, "grass"), 0, 10 * SECOND);
+
+    assert_int_equal(ttf_writer_seal(old, "count", digest, NULL), 0);
+    ttf_writer_abandon(old);
+    expect_no_beginning(f);
+}
+
+static void the_second_part_of_a_run_that_ended_hides_no_alarm(void **state)
+{
+    const char *second;
+    struct fixture *f = begin_with_second(*state, &second);
+    char digest[65];
+    struct ttf_writer *old =
+        create_second("0a0b0c0d-0000-4000-8000-00000000000f", in(second, "grass"), 0);
+
+    assert_int_equal(ttf_writer_seal(old, "count", digest, NULL), 0);
+    ttf_writer_abandon(old);
+    expect_no_beginning(f);
+}
+
+static void the_second_part_of_another_run_is_not_watched(void **state)
+{
+    const char *second;
+    struct fixture *f = begin_with_second(*state, &second);
+    struct ttf_writer *other =
+        create_second("0a0b0c0d-0000-4000-8000-00000000000f", in(second, "grass"), 0);
+    struct ttf_writer *first = small_create(ttf_io_posix(), in(*state, "data/grass"));
+
+    for (int64_t i = 0; i < 9; i++) {
+        pass(f, 10);
+        assert_int_equal(small_slot(first, i), 0);
+    }
+    assert_int_equal(f->n, 0);
+    ttf_writer_abandon(first);
+    ttf_writer_abandon(other);
+    free(f);
+}
+
+/* The first one's disk is gone: all that is known is that it went on. */
+static void a_second_part_without_its_first_is_watched(void **state)
+{
+    const char *second;
+    struct fixture *f = begin_with_second(*state, &second);
+    struct ttf_writer *writer =
+        create_second("0a0b0c0d-0000-4000-8000-00000000000f", in(second, "grass"), f->clock.now_ns);
+
+    for (int64_t i = 0; i < 9; i++) {
+        pass(f, 10);
+        assert_int_equal(small_slot(writer, i), 0);
+    }
+    assert_int_equal(f->n, 0);
     ttf_writer_abandon(writer);
     free(f);
 }
@@ -368,6 +467,10 @@ int main(void)
         TEST(orders_that_nobody_understands_are_an_alarm_until_something_runs),
         TEST(a_disk_that_goes_with_all_that_was_decided_is_an_alarm),
         TEST(a_run_that_goes_on_in_its_second_storage_has_not_stopped),
+        TEST(an_older_dataset_of_this_name_in_the_second_storage_hides_no_alarm),
+        TEST(the_second_part_of_a_run_that_ended_hides_no_alarm),
+        TEST(the_second_part_of_another_run_is_not_watched),
+        TEST(a_second_part_without_its_first_is_watched),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

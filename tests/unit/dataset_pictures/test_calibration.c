@@ -317,6 +317,35 @@ static void a_calibration_comes_back_from_its_folder(void **state)
     ttf_calibration_free(&back);
 }
 
+static const char *fails; /* the operation that does */
+
+static int fail_there(void *ctx, const char *op, const char *path)
+{
+    (void)ctx;
+    (void)path;
+    return strcmp(op, fails) == 0 ? -ENOSPC : 0;
+}
+
+static void a_save_that_is_refused_leaves_no_half_picture(void **state)
+{
+    static const char *const OPS[] = {"append", "pwrite", "sync", "rename"};
+    struct ttf_io *io = ttf_io_faulty_create(ttf_io_posix(), fail_there, NULL);
+    struct ttf_calibration calibration;
+    struct ttf_io_stat st;
+
+    fit_both(&calibration);
+    assert_int_equal(ttf_calibration_name(&calibration, NULL), 0);
+    assert_non_null(io);
+    for (unsigned i = 0; i < sizeof(OPS) / sizeof(*OPS); i++) {
+        fails = OPS[i];
+        if (ttf_calibration_save(&calibration, io, scratch_path(state, "cal"), NULL) == 0)
+            print_message("%s is not used\n", fails);
+        assert_int_equal(io->ops->stat(io, scratch_path(state, "cal/.dark.tif.tmp"), &st), -ENOENT);
+    }
+    ttf_io_faulty_destroy(io);
+    ttf_calibration_free(&calibration);
+}
+
 static void a_changed_picture_is_damage(void **state)
 {
     struct ttf_calibration calibration, back;
@@ -448,6 +477,8 @@ int main(void)
         cmocka_unit_test(useless_flats_are_refused_with_the_reason),
         cmocka_unit_test(frames_that_do_not_fit_are_refused),
         cmocka_unit_test_setup_teardown(a_calibration_comes_back_from_its_folder, scratch_make,
+                                        scratch_remove),
+        cmocka_unit_test_setup_teardown(a_save_that_is_refused_leaves_no_half_picture, scratch_make,
                                         scratch_remove),
         cmocka_unit_test_setup_teardown(a_changed_picture_is_damage, scratch_make, scratch_remove),
         cmocka_unit_test_setup_teardown(broken_folders_do_not_crash, scratch_make, scratch_remove),

@@ -76,8 +76,9 @@ static double pixel(const struct shown *s, unsigned x, unsigned y)
     const double light = 1 - s->uneven * 2 * (u * u + v * v);
     double sum = 0;
 
-    for (int i = 0; i < FINE * FINE; i++)
-        sum += seen_at(s, x + (i % FINE + 0.5) / FINE, y + ((double)(i / FINE) + 0.5) / FINE);
+    for (int i = 0; i < FINE; i++)
+        for (int k = 0; k < FINE; k++)
+            sum += seen_at(s, x + (k + 0.5) / FINE, y + (i + 0.5) / FINE);
     return sum / (FINE * FINE) * light *
            (s->cfa == TTF_CFA_NONE ? 1 : colours[x % 2 + (1 - y % 2)]);
 }
@@ -217,7 +218,7 @@ static void what_is_no_even_grid_is_refused_with_the_reason(void **state)
     s = plain;
     s.pitch_px = 16;
     s.reach = 0.3;
-    refused(&s, "less than half of the frame");
+    refused(&s, "less than two fifths of the frame");
     s = plain;
     s.jitter = 0.25;
     refused(&s, "pixels off a flat, even grid");

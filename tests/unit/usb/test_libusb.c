@@ -44,15 +44,15 @@ int usb_find_endpoints(libusb_device_handle *handle, struct usb_endpoints *ret)
     return 0;
 }
 
-int libusb_init(libusb_context **ret)
+int libusb_init(libusb_context **ctx)
 {
-    *ret = NULL;
+    *ctx = NULL;
     return 0;
 }
 
-void libusb_exit(libusb_context *context)
+void libusb_exit(libusb_context *ctx)
 {
-    (void)context;
+    (void)ctx;
 }
 
 struct libusb_transfer *libusb_alloc_transfer(int iso_packets)
@@ -86,13 +86,13 @@ static void give_back(struct libusb_transfer *transfer)
     transfer->callback(transfer);
 }
 
-int libusb_handle_events_timeout_completed(libusb_context *context, struct timeval *wait,
-                                           int *completed)
+/* NOLINTNEXTLINE(readability-non-const-parameter): libusb's own */
+int libusb_handle_events_timeout_completed(libusb_context *ctx, struct timeval *tv, int *completed)
 {
     unsigned kept = n_kept;
 
-    (void)context;
-    (void)wait;
+    (void)ctx;
+    (void)tv;
     (void)completed;
     for (unsigned i = kept; i < n_out; i++)
         if (keeps || out[i]->status != LIBUSB_TRANSFER_CANCELLED)
@@ -123,20 +123,20 @@ void libusb_close(libusb_device_handle *handle)
     n_kept = n_out;
 }
 
-const struct libusb_pollfd **libusb_get_pollfds(libusb_context *context)
+const struct libusb_pollfd **libusb_get_pollfds(libusb_context *ctx)
 {
-    (void)context;
+    (void)ctx;
     return NULL;
 }
 
-void libusb_free_pollfds(const struct libusb_pollfd **fds)
+void libusb_free_pollfds(const struct libusb_pollfd **pollfds)
 {
-    (void)fds;
+    (void)pollfds;
 }
 
-const char *libusb_strerror(int error)
+const char *libusb_strerror(int errcode)
 {
-    (void)error;
+    (void)errcode;
     return "";
 }
 

@@ -23,10 +23,15 @@ struct ttf_guided_config {
 
 /*
  * Frames as a calibration takes them, and nothing more: averaged into *ret, which is zeroed before and to be freed, also on failure. lit: under the
- * shot's lamps, settled; else all are off.
+ * shot's lamps, settled; else all are off. What lamps and door do meanwhile is not looked at: a person may be at work inside.
  */
 TTF_MUST_USE int ttf_guided_frames(const struct ttf_guided_config *config, bool lit,
                                    struct ttf_raw_sum *ret, struct ttf_err *err);
+
+/*
+ * Parts of a calibration. -EIO: the door was open while frames were taken, or, where lamps are to be lit, one was off, had not settled or
+ * could not be known. -EINVAL: what the calibration has is of another camera.
+ */
 
 /* All lamps off, `frames` frames at the shot's exposure, fitted into *calibration. */
 TTF_MUST_USE int ttf_guided_dark(const struct ttf_guided_config *config,

@@ -44,9 +44,9 @@ TTF_MUST_USE int ttf_http_server_listen(struct ttf_http_server *server, int fd, 
                                         struct ttf_err *err);
 
 /*
- * The listening socket of this number is to be listened on no more: nothing new is taken, event streams end, what is being answered
- * is, and then its connections end and it is closed: here, if nothing waits, or when tidied up later. Other sockets
- * notice nothing. As listening: one thread.
+ * The listening socket of this number is to be listened on no more: nothing new is taken, event streams end, a request that waits
+ * for its turn (a picture, a chart) is answered, and then its connections end and it is closed: here, if nothing waits, or when tidied up
+ * later. A file, an archive or a live picture that is being sent is cut off where it is. Other sockets notice nothing. As listening: one thread.
  */
 void ttf_http_server_leave(struct ttf_http_server *server, int fd);
 
