@@ -69,16 +69,33 @@ static int choose_shot(struct step *s, struct ttf_err *err)
     return r;
 }
 
+static bool has(const struct ttf_calibration *calibration, const char *part)
+{
+    return (strcmp(part, "dark") == 0 && calibration->has_dark) ||
+           (strcmp(part, "flat") == 0 && calibration->has_flat) ||
+           (strcmp(part, "chart") == 0 && calibration->has_chart) ||
+           (strcmp(part, "geometry") == 0 && calibration->has_geometry) ||
+           (strcmp(part, "flicker") == 0 && calibration->has_flicker);
+}
+
 static int open_calibration(struct step *s, struct ttf_err *err)
 {
     char path[CALIBRATION_PATH + 32];
     struct ttf_io_stat st;
+    int r;
 
     calibrations_path(s->d->calibrations, s->what.name, s->folder);
     (void)snprintf(path, sizeof path, "%s/calibration.json", s->folder);
-    return s->d->io->ops->stat(s->d->io, path, &st) < 0
-               ? 0
-               : ttf_calibration_load(s->d->io, s->folder, &s->calibration, err);
+    r = s->d->io->ops->stat(s->d->io, path, &st);
+    if (r == -ENOENT)
+        return 0; /* a new one */
+    if (r < 0)
+        return ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
+    r = ttf_calibration_load(s->d->io, s->folder, &s->calibration, err);
+    /* It was not there when it was asked for, but may be since. */
+    return r == 0 && has(&s->calibration, s->what.part)
+               ? calibrations_refuse_twice(s->what.name, s->what.part, err)
+               : r;
 }
 
 static int take_flat(struct step *s, struct ttf_guided_config *config, struct ttf_err *err)
@@ -151,7 +168,7 @@ static int acquire(struct step *s, struct ttf_watchdog *watchdog, struct ttf_err
 
     calibrations_at_most(s->d->calibrations, at_most_ns);
     if (watchdog)
-        (void)!ttf_watchdog_arm(watchdog, at_most_ns);
+        manager_wait(&s->d->manager, at_most_ns);
     r = take(s, &config, err);
     if (r < 0)
         return r;
@@ -162,8 +179,12 @@ static int acquire(struct step *s, struct ttf_watchdog *watchdog, struct ttf_err
 
 static int do_step(struct step *s, struct ttf_watchdog *watchdog, struct ttf_err *err)
 {
-    int r = view_open(s->d, err);
+    int r;
 
+    /* Devices that are opened, and pictures of a large sensor that are read. */
+    if (watchdog)
+        manager_wait(&s->d->manager, BESIDE_NS);
+    r = view_open(s->d, err);
     if (r == 0)
         r = open_calibration(s, err);
     if (r == 0)

@@ -27,6 +27,7 @@ struct calibrations {
     struct ttf_clock *clock;
     const char *state, *configured;
     pthread_mutex_t lock; /* over all below */
+    bool open;            /* nothing runs, nor is anything to run: steps are done */
     enum step step;
     struct ttf_http_calibrate what;
     int64_t begun_ns, ended_ns, at_most_ns;
@@ -77,29 +78,31 @@ static int read_json(struct calibrations *c, const char *folder, json_t **ret)
     return r;
 }
 
-static bool is_there(struct calibrations *c, const char *folder)
+/* 0: it is; -ENOENT; other errors of the disk. */
+static int is_there(struct calibrations *c, const char *folder)
 {
     char path[CALIBRATION_PATH + 32];
     struct ttf_io_stat st;
 
     (void)snprintf(path, sizeof path, "%s/calibration.json", folder);
-    return c->io->ops->stat(c->io, path, &st) == 0;
+    return c->io->ops->stat(c->io, path, &st);
 }
 
-/* The name of the one that a person chose; false: none. */
-static bool chosen(struct calibrations *c, char ret[65])
+/* The name of the one that a person chose: 1; 0: none. */
+static int chosen(struct calibrations *c, char ret[65], struct ttf_err *err)
 {
     char path[CALIBRATION_PATH], *text = NULL;
     size_t bytes;
-    bool is = false;
+    int r;
 
     (void)snprintf(path, sizeof path, "%s/" USED, c->state);
-    if (ttf_io_slurp(c->io, path, 128, &text, &bytes, NULL) == 0) {
+    r = ttf_io_slurp(c->io, path, 128, &text, &bytes, err);
+    if (r == 0) {
         (void)snprintf(ret, 65, "%.*s", (int)strcspn(text, "\n/"), text);
-        is = *ret && *ret != '.';
+        r = *ret && *ret != '.' ? 1 : ttf_err_set(err, -EINVAL, path, "names no calibration");
     }
     free(text);
-    return is;
+    return r == -ENOENT ? 0 : r;
 }
 
 int calibrations_use(struct calibrations *c, const char *name, struct ttf_err *err)
@@ -115,56 +118,45 @@ int calibrations_use(struct calibrations *c, const char *name, struct ttf_err *e
         return r == 0 || r == -ENOENT ? 0 : ttf_err_set(err, r, NULL, "%s", strerrordesc_np(-r));
     }
     calibrations_path(c, name, folder);
-    if (!is_there(c, folder))
-        return ttf_err_set(err, -ENOENT, "name", "there is no calibration of this name");
+    r = is_there(c, folder);
+    if (r < 0)
+        return ttf_err_set(err, r, "name", "%s",
+                           r == -ENOENT ? "there is no calibration of this name"
+                                        : strerrordesc_np(-r));
     (void)snprintf(text, sizeof text, "%s\n", name);
     return ttf_io_write_file(c->io, path, text, strlen(text), err);
 }
 
-bool calibrations_folder(struct calibrations *c, char ret[CALIBRATION_PATH])
+int calibrations_in_use(struct calibrations *c, char ret[CALIBRATION_PATH], struct ttf_err *err)
 {
     char name[65];
+    int r = chosen(c, name, err);
 
-    if (chosen(c, name)) {
-        calibrations_path(c, name, ret);
-        if (is_there(c, ret))
-            return true;
+    if (r == 0) {
+        (void)snprintf(ret, CALIBRATION_PATH, "%s", c->configured);
+        return *ret != '\0';
     }
-    (void)snprintf(ret, CALIBRATION_PATH, "%s", c->configured);
-    return *ret;
-}
-
-struct own {
-    unsigned n;
-    char id[65];
-};
-
-static int take_own(void *ctx, const char *name, bool is_dir)
-{
-    struct own *own = ctx;
-
-    if (is_dir && *name != '.' && strlen(name) < sizeof own->id) {
-        own->n++;
-        memcpy(own->id, name, strlen(name) + 1);
-    }
-    return 0;
-}
-
-bool calibrations_of_run(struct calibrations *c, const char *dataset, bool exists,
-                         char ret[CALIBRATION_PATH])
-{
-    struct own own = {0};
-    char folder[CALIBRATION_PATH];
-
-    (void)snprintf(folder, sizeof folder, "%.600s/calibration", dataset);
-    if (exists && c->io->ops->list(c->io, folder, take_own, &own) == 0 && own.n == 1) {
-        (void)snprintf(ret, CALIBRATION_PATH, "%.600s/calibration/%s", dataset, own.id);
-        return true;
-    }
-    return calibrations_folder(c, ret);
+    if (r < 0)
+        return r;
+    calibrations_path(c, name, ret);
+    r = is_there(c, ret);
+    if (r == 0)
+        return 1;
+    ttf_err_set(err, r, name, "the calibration that was chosen cannot be read: %s",
+                strerrordesc_np(-r));
+    ttf_err_hint(err, "choose another one, or none");
+    return r;
 }
 
 /* ---- a step ---- */
+
+int calibrations_refuse_twice(const char *name, const char *part, struct ttf_err *err)
+{
+    int r = ttf_err_set(err, -EEXIST, name, "holds a %s already", part);
+
+    ttf_err_hint(err, "nothing is overwritten: begin a calibration of another name");
+    return r;
+}
 
 /* A part that is there already, or one without what it is measured by. */
 static int refuse_part(struct calibrations *c, const struct ttf_http_calibrate *what,
@@ -177,8 +169,7 @@ static int refuse_part(struct calibrations *c, const struct ttf_http_calibrate *
 
     calibrations_path(c, what->name, folder);
     if (read_json(c, folder, &json) == 0 && json_object_get(json, what->part)) {
-        r = ttf_err_set(err, -EEXIST, what->name, "holds a %s already", what->part);
-        ttf_err_hint(err, "nothing is overwritten: begin a calibration of another name");
+        r = calibrations_refuse_twice(what->name, what->part, err);
     } else if (strcmp(what->part, "chart") == 0 && !json_object_get(json, "flat")) {
         r = ttf_err_set(err, -EINVAL, what->name, "has no flat yet: a chart is measured by it");
     } else if (!first && !json_object_get(json, "dark") && !json_object_get(json, "flat")) {
@@ -196,7 +187,10 @@ int calibrations_ask(struct calibrations *c, const struct ttf_http_calibrate *wh
     if (r < 0)
         return r;
     (void)pthread_mutex_lock(&c->lock);
-    if (c->step == STEP_WAITING || c->step == STEP_UNDER_WAY) {
+    if (!c->open) {
+        r = ttf_err_set(err, -EBUSY, NULL, "a run has the devices, or is to have them");
+        ttf_err_hint(err, "calibrate before a run, or when it is stopped");
+    } else if (c->step == STEP_WAITING || c->step == STEP_UNDER_WAY) {
         r = ttf_err_set(err, -EBUSY, NULL, "a step of a calibration is under way");
     } else {
         c->step = STEP_WAITING;
@@ -246,12 +240,20 @@ void calibrations_end(struct calibrations *c, int r, const struct ttf_err *err)
     (void)pthread_mutex_unlock(&c->lock);
 }
 
+void calibrations_open(struct calibrations *c)
+{
+    (void)pthread_mutex_lock(&c->lock);
+    c->open = true;
+    (void)pthread_mutex_unlock(&c->lock);
+}
+
 void calibrations_give_up(struct calibrations *c)
 {
     struct ttf_err err = {0};
 
     ttf_err_set(&err, -EBUSY, NULL, "a run took the devices before it was begun");
     (void)pthread_mutex_lock(&c->lock);
+    c->open = false;
     if (c->step == STEP_WAITING)
         end(c, -EBUSY, &err);
     (void)pthread_mutex_unlock(&c->lock);
@@ -350,7 +352,7 @@ int calibrations_show(struct calibrations *c, char **ret_json, struct ttf_err *e
     ttf_json_object(&j);
     if (*c->configured)
         ttf_json_kstring(&j, "configured", c->configured);
-    if (chosen(c, name))
+    if (chosen(c, name, NULL) == 1)
         ttf_json_kstring(&j, "used", name);
     put_step(c, &j);
     ttf_json_key(&j, "calibrations");

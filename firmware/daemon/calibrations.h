@@ -23,7 +23,7 @@ void calibrations_destroy(struct calibrations *calibrations); /* NULL allowed */
 
 /* ---- whoever asks; any thread ---- */
 
-/* -EBUSY: a step is waited for, or under way; -EEXIST: it is there, nothing is overwritten; -EINVAL. */
+/* -EBUSY: something runs, or is to run; a step is waited for, or under way; -EEXIST: it is there, nothing is overwritten; -EINVAL. */
 TTF_MUST_USE int calibrations_ask(struct calibrations *calibrations,
                                   const struct ttf_http_calibrate *what, struct ttf_err *err);
 
@@ -37,15 +37,12 @@ TTF_MUST_USE int calibrations_use(struct calibrations *calibrations, const char 
 
 /* ---- the owner of the devices ---- */
 
-/* The one in use; false: there is none. */
-bool calibrations_folder(struct calibrations *calibrations, char ret[CALIBRATION_PATH]);
+/* The one in use: 1; 0: none. Errors of the disk, -ENOENT too: one was chosen, and it is not left out without a word. */
+TTF_MUST_USE int calibrations_in_use(struct calibrations *calibrations, char ret[CALIBRATION_PATH],
+                                     struct ttf_err *err);
 
-/*
- * What a run into this dataset is developed with: of one that is gone on with its own, whatever is in use now; of a new one that
- * in use. false: none.
- */
-bool calibrations_of_run(struct calibrations *calibrations, const char *dataset, bool exists,
-                         char ret[CALIBRATION_PATH]);
+/* From now on steps may be asked for, until calibrations_give_up; at first they may not. */
+void calibrations_open(struct calibrations *calibrations);
 
 /* The step that waits, which is under way from now on. false: none does. */
 bool calibrations_begin(struct calibrations *calibrations, struct ttf_http_calibrate *ret);
@@ -56,8 +53,11 @@ void calibrations_at_most(struct calibrations *calibrations, int64_t ns);
 /* It is over: r 0, or why it was refused. */
 void calibrations_end(struct calibrations *calibrations, int r, const struct ttf_err *err);
 
-/* A run takes the devices: a step that still waits is not done any more. */
+/* A run takes the devices, or is to: a step that still waits is not done any more, and none may be asked for. */
 void calibrations_give_up(struct calibrations *calibrations);
+
+/* Says that the calibration has the part already. -EEXIST. */
+int calibrations_refuse_twice(const char *name, const char *part, struct ttf_err *err);
 
 /* Where a calibration of this name lies. */
 void calibrations_path(const struct calibrations *calibrations, const char *name,

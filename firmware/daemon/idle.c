@@ -66,7 +66,7 @@ static int work(void *ctx, struct workshop_job *job, struct ttf_err *err)
             d, working->generation)) /* decided before this, it has set nothing that is seen now */
         return ttf_err_set(err, -EBUSY, NULL, "a run has the devices");
     if (working->watchdog)
-        (void)!ttf_watchdog_arm(working->watchdog, WORK_NS);
+        manager_wait(&d->manager, WORK_NS);
     r = view_work(d, job, err);
     if (working->watchdog)
         (void)!ttf_watchdog_arm(working->watchdog, d->manager.watchdog_ns);

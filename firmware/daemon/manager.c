@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "manager.h"
 
+#include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ttf/base/time.h"
 #include "ttf/hal/systemd.h"
 
 void manager_find(struct manager *manager)
@@ -35,6 +37,18 @@ void manager_status(struct manager *manager, const char *fmt, ...)
         return;
     memcpy(manager->said, text, sizeof text);
     (void)snprintf(state, sizeof state, "STATUS=%s", text);
+    manager_tell(manager, state);
+}
+
+void manager_wait(struct manager *manager, int64_t ns)
+{
+    int64_t most_ns = ns > manager->watchdog_ns ? ns : manager->watchdog_ns;
+    char state[80];
+
+    if (manager->watchdog_ns <= 0)
+        return;
+    (void)snprintf(state, sizeof state, "WATCHDOG_USEC=%" PRId64 "\nWATCHDOG=1",
+                   most_ns / TTF_NS_PER_US);
     manager_tell(manager, state);
 }
 

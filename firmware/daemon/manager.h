@@ -23,6 +23,10 @@ void manager_tell(struct manager *manager, const char *state);
 /* In words; the same twice is said once. */
 void manager_status(struct manager *manager, const char *fmt, ...) TTF_PRINTF(2, 3);
 
+/* What comes now may take so long, and nobody feeds meanwhile: more than WATCHDOG_USEC too, which a watchdog is never armed for.
+ * Whoever arms one again ends it. */
+void manager_wait(struct manager *manager, int64_t ns);
+
 /* A watchdog for while nothing runs, armed; NULL: nobody watches. */
 struct ttf_watchdog *manager_watchdog(const struct manager *manager);
 

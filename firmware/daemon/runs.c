@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "calibration_of_run.h"
 #include "idle.h"
 #include "log.h"
 #include "ttf/dataset/reader.h"
@@ -187,12 +188,12 @@ static int run_it(struct daemon *d, const struct order *order, const char *path,
     d->run.session.path = path;
     if (r == 0)
         r = run_look(&d->run, err);
+    if (r == 0)
+        r = calibration_of_run(d->calibrations, d->io, d->run.dataset, d->run.exists,
+                               d->calibration, err);
     if (r < 0)
         return r;
-    d->run.session.calibration_folder =
-        calibrations_of_run(d->calibrations, d->run.dataset, d->run.exists, d->calibration)
-            ? d->calibration
-            : NULL;
+    d->run.session.calibration_folder = r == 1 ? d->calibration : NULL;
     manager_status(&d->manager, "%s %s", d->run.exists ? "going on with" : "beginning", path);
     if (d->wait_ns == d->config.retry_ns) /* not each time that it is tried again */
         log_line(LOG_LEVEL_NOTICE, d->run.exists ? "resuming" : "beginning",
@@ -279,7 +280,6 @@ static void one_run(struct daemon *d, const struct order *order)
         return;
     if (r == 0) {
         workshop_open(d->workshop, false);
-        calibrations_give_up(d->calibrations);
         view_close(d, true);
         daemon_does(d, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
         r = run_it(d, order, path, &err);
@@ -328,8 +328,11 @@ static void rest(struct daemon *d, const struct order *order)
         daemon_does(d, DOING_IDLE, NULL, TTF_NS_UNKNOWN);
     }
     workshop_open(d->workshop, true);
+    /* Nothing is to run: what is, and waits for its plan's file or a clock, is not held up by minutes of a calibration. */
+    calibrations_open(d->calibrations);
     idle(d, order->generation, TTF_NS_NEVER,
          order->state == ORDER_STOPPED ? TTF_LED_STOPPED : TTF_LED_IDLE);
+    calibrations_give_up(d->calibrations);
     if (order->state == ORDER_STOPPED && !*order->why)
         absence_rested(&d->absence, order->dataset, from_ns, ttf_clock_now_ns(d->clock));
 }

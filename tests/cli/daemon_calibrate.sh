@@ -102,9 +102,32 @@ ended after
 [ "$(quantity after)" = reflectance ] || fail "the calibration that was chosen is not used: $(cat log)"
 expect 0 "$TTFBOX" verify data/after
 
-# ---- a run has the devices; one that is gone on with keeps its own; a run ends a step ----
+# ---- one that is chosen and cannot be read is not left out without a word ----
+mv data/.ttfbox/calibrations/first moved
+send POST run 202 '{"plan":"three","dataset":"later"}'
+state retrying
+grep -q "first: the calibration that was chosen cannot be read" out || fail "it does not say which: $(cat out)"
+mv moved data/.ttfbox/calibrations/first
+ended later
+[ "$(quantity later)" = reflectance ] || fail "the calibration that came back is not used: $(cat log)"
+
+# ---- a run that was begun without one stays without, whatever is chosen meanwhile ----
 sed 's/count: 3/count: 2000/' three.yaml >long.yaml
 get "$URL/plans/long" 200 "${ME[0]}" "${ME[1]}" -H 'Content-Type: application/yaml' -X PUT --data-binary @long.yaml
+send PUT calibration 200 '{"name":""}'
+send POST run 202 '{"plan":"long","dataset":"bare"}'
+state capturing
+send PUT calibration 200 '{"name":"first"}'
+kill -9 "$daemon"
+wait "$daemon"
+start
+state capturing
+[ "$(quantity bare)" = radiance ] || fail "a run without a calibration is $(quantity bare)"
+[ ! -e data/bare/calibration ] || fail "a run that was gone on with got a calibration"
+send POST run/stop 202 ''
+state stopped
+
+# ---- a run has the devices; one that is gone on with keeps its own; a run ends a step ----
 send POST run 202 '{"plan":"long"}'
 state capturing
 send POST calibrations/second 409 '{"part":"dark","plan":"three"}'
@@ -130,3 +153,11 @@ kill -TERM "$daemon"
 timeout 30 tail --pid="$daemon" -f /dev/null || fail "it does not end: $(cat log)"
 wait "$daemon" || fail "it ended with $?: $(cat log)"
 [ ! -e data/.ttfbox/calibrations/second ] || fail "a step that was not done left something"
+
+# ---- nor is a run that waits for something held up by a step ----
+printf 'plan: late.yaml\ndataset: late\n' >>ttfboxd.yaml
+start
+state waiting
+send POST calibrations/second 409 '{"part":"dark","exposure_ns":400000000,"frames":1000}'
+cp three.yaml late.yaml
+ended late

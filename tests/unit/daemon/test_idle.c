@@ -12,6 +12,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include "idle.h"
@@ -217,6 +220,184 @@ static void a_picture_that_takes_its_time_ends_when_a_run_is_asked_for(void **st
     end(&f);
 }
 
+/* ---- steps of a calibration ---- */
+
+static void at(const struct fixture *f, const char *name, char ret[128])
+{
+    (void)snprintf(ret, 128, "%.60s/%.60s", f->folder, name);
+}
+
+static int ask_for_dark(struct fixture *f, const char *name, struct ttf_err *err)
+{
+    struct ttf_http_calibrate what = {.part = "dark", .frames = 2, .exposure_ns = TTF_NS_PER_MS};
+
+    (void)snprintf(what.name, sizeof what.name, "%s", name);
+    return calibrations_ask(f->d.calibrations, &what, err);
+}
+
+/* One look of the owner, which takes as long as what it does. */
+static void look_once(struct fixture *f)
+{
+    ttf_gate_open(f->d.wake);
+    idle(&f->d, orders_generation(f->d.orders), 200 * TTF_NS_PER_MS, TTF_LED_IDLE);
+}
+
+static void says(struct fixture *f, const char *text)
+{
+    char *json = NULL;
+
+    assert_int_equal(calibrations_show(f->d.calibrations, &json, NULL), 0);
+    if (!strstr(json, text))
+        fail_msg("no %s in %s", text, json);
+    free(json);
+}
+
+static void forget_calibration(struct fixture *f, const char *name)
+{
+    static const char *const FILES[] = {"/calibration.json", "/dark.tif", ""};
+    char file[64], path[128];
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(FILES); i++) {
+        (void)snprintf(file, sizeof file, "calibrations/%s%s", name, FILES[i]);
+        at(f, file, path);
+        (void)remove(path);
+    }
+    at(f, "calibrations", path);
+    (void)rmdir(path);
+}
+
+static int hear_manager(struct fixture *f, char path[128])
+{
+    struct sockaddr_un here = {.sun_family = AF_UNIX};
+    int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+
+    at(f, "notify", path);
+    memcpy(here.sun_path, path, strlen(path) + 1);
+    assert_true(fd >= 0);
+    assert_int_equal(bind(fd, (const struct sockaddr *)&here, sizeof here), 0);
+    f->d.manager = (struct manager){.socket = path, .watchdog_ns = 20 * TTF_NS_PER_S};
+    return fd;
+}
+
+/* The longest time that it was told of, of those before it was back at its own; -1: it is not back. */
+static int64_t longest_heard(int fd)
+{
+    int64_t longest = 0;
+    char text[128];
+    ssize_t n;
+
+    while ((n = recv(fd, text, sizeof text - 1, MSG_DONTWAIT)) > 0) {
+        int64_t usec;
+
+        text[n] = '\0';
+        if (strncmp(text, "WATCHDOG_USEC=", 14) != 0)
+            continue;
+        usec = strtoll(text + 14, NULL, 10);
+        if (usec == 20000000 && longest > usec)
+            return longest;
+        if (usec > 20000000)
+            assert_non_null(strstr(text, "\nWATCHDOG=1")); /* it counts from now on */
+        longest = usec > longest ? usec : longest;
+    }
+    return -1;
+}
+
+static void the_manager_hears_how_long_a_step_of_a_calibration_may_take(void **state)
+{
+    struct fixture f;
+    char path[128];
+    int fd;
+
+    (void)state;
+    begin(&f);
+    fd = hear_manager(&f, path);
+    calibrations_open(f.d.calibrations);
+    assert_int_equal(ask_for_dark(&f, "one", NULL), 0);
+    look_once(&f);
+    says(&f, "\"state\":\"done\"");
+    assert_true(longest_heard(fd) > 120000000);
+    (void)close(fd);
+    (void)unlink(path);
+    forget_calibration(&f, "one");
+    end(&f);
+}
+
+static void the_manager_hears_how_long_a_picture_may_take(void **state)
+{
+    struct fixture f;
+    pthread_t viewer;
+    char path[128];
+    int fd;
+
+    (void)state;
+    begin(&f);
+    fd = hear_manager(&f, path);
+    assert_int_equal(pthread_create(&viewer, NULL, look, &f), 0);
+    assert_int_equal(ttf_gate_wait(f.d.wake, TTF_NS_NEVER), 0); /* it has asked */
+    look_once(&f);
+    __atomic_store_n(&f.enough, 1, __ATOMIC_RELAXED);
+    workshop_open(f.d.workshop, false);
+    (void)pthread_join(viewer, NULL);
+    assert_true(longest_heard(fd) >= 120000000);
+    (void)close(fd);
+    (void)unlink(path);
+    end(&f);
+}
+
+static void no_step_waits_while_a_run_has_the_devices_or_is_to_have_them(void **state)
+{
+    struct ttf_err err = {0};
+    struct fixture f;
+
+    (void)state;
+    begin(&f);
+    calibrations_open(f.d.calibrations);
+    assert_int_equal(ask_for_dark(&f, "one", NULL), 0);
+    calibrations_give_up(f.d.calibrations);
+    says(&f, "\"state\":\"refused\"");
+    assert_int_equal(ask_for_dark(&f, "one", &err), -EBUSY);
+    assert_non_null(strstr(err.what, "a run has the devices"));
+    calibrations_open(f.d.calibrations);
+    look_once(&f); /* nothing is left over, to be done later with all lamps lit */
+    says(&f, "\"state\":\"refused\"");
+    end(&f);
+}
+
+/* Both are asked for while there is nothing of the name; before they are begun there is. */
+static void what_is_there_when_a_step_begins_is_not_overwritten(void **state)
+{
+    char from[128], to[128];
+    struct fixture f;
+    struct stat st;
+
+    (void)state;
+    begin(&f);
+    calibrations_open(f.d.calibrations);
+    assert_int_equal(ask_for_dark(&f, "one", NULL), 0);
+    look_once(&f);
+    assert_int_equal(ask_for_dark(&f, "two", NULL), 0);
+    at(&f, "calibrations/one", from);
+    at(&f, "calibrations/two", to);
+    assert_int_equal(rename(from, to), 0);
+    look_once(&f);
+    says(&f, "holds a dark already");
+    forget_calibration(&f, "two");
+
+    at(&f, "calibrations", to);
+    assert_int_equal(mkdir(to, 0700), 0);
+    at(&f, "calibrations/odd", to);
+    assert_int_equal(mkdir(to, 0700), 0);
+    at(&f, "calibrations/odd/calibration.json", to);
+    assert_int_equal(symlink(to, to), 0); /* it is there, and nobody can say what it is */
+    assert_int_equal(ask_for_dark(&f, "odd", NULL), 0);
+    look_once(&f);
+    says(&f, "\"state\":\"refused\"");
+    assert_int_equal(lstat(to, &st), 0);
+    assert_true(S_ISLNK(st.st_mode));
+    forget_calibration(&f, "odd");
+    end(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -224,6 +405,10 @@ int main(void)
         cmocka_unit_test(a_wait_ends_on_time_while_others_look_through_the_camera),
         cmocka_unit_test(what_was_decided_before_the_wait_began_is_not_slept_through),
         cmocka_unit_test(a_picture_that_takes_its_time_ends_when_a_run_is_asked_for),
+        cmocka_unit_test(the_manager_hears_how_long_a_step_of_a_calibration_may_take),
+        cmocka_unit_test(the_manager_hears_how_long_a_picture_may_take),
+        cmocka_unit_test(no_step_waits_while_a_run_has_the_devices_or_is_to_have_them),
+        cmocka_unit_test(what_is_there_when_a_step_begins_is_not_overwritten),
     };
 
     (void)alarm(100); /* what waits for ever fails */
