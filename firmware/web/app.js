@@ -66,15 +66,22 @@ function first_form(shown) {
   const said = h("div", { role: "status" });
   const button = h("button", { type: "button", onclick: async () => {
     button.disabled = true;
+    let token;
     try {
-      const { token } = await post("session/token");
-      fill(said, h("p", {}, "The box's token: ", h("code", {}, token)),
-        h("p", {}, "It is shown this once. Keep it: other browsers and programs are asked for it. This browser knows it now."));
-      await post("session", { token });
-      await box.renew();
-      shown();
+      ({ token } = await post("session/token"));
     } catch (error) {
       fill(said, h("p", { class: "bad" }, error.text || error.message));
+      return;
+    }
+    fill(said, h("p", {}, "The box's token: ", h("code", {}, token)),
+      h("p", {}, "It is shown this once. Keep it: other browsers and programs are asked for it."));
+    try { /* whatever becomes of this, the token stays where it can be read */
+      await post("session", { token });
+      await box.renew();
+      said.append(h("p", {}, "This browser knows it now."));
+      shown();
+    } catch (error) {
+      said.append(h("p", { class: "bad" }, `This browser does not know it yet, enter it below: ${error.text || error.message}`));
     }
   } }, "Show the token");
   return h("div", { class: "stack" }, h("p", {}, "You are at the box's cable, and nobody has seen its token yet."), button, said);

@@ -17,7 +17,7 @@ function partWords(name, part) {
 }
 
 export function calibrate(main, box) {
-  let ended = false, timer = 0, step = null;
+  let ended = false, timer = 0, step = null, listed = null, look_said = "";
   const marks = picked(), text = pickedText(marks), seen = marks.seen;
   const said = h("p", { role: "status" }), wrong = h("p", { class: "bad", role: "alert" }), list = h("div"), busy_said = h("p", { class: "finding-warning" });
   const name = h("input", { required: true, pattern: "[A-Za-z0-9_\\-][A-Za-z0-9._\\-]{0,63}", maxlength: 64, size: 22, value: `${nameOf(box.status?.board || "box")}-${new Date().toISOString().slice(0, 10)}` });
@@ -61,23 +61,50 @@ export function calibrate(main, box) {
     clearTimeout(timer);
     try {
       const got = await get("calibrations");
-      if (!ended)
-        show(got);
+      if (ended)
+        return;
+      if (wrong.textContent === look_said) /* what somebody else was told stays */
+        say(wrong, "");
+      show(got);
     } catch (error) {
-      say(wrong, error.text || error.message);
+      look_said = error.text || error.message;
+      say(wrong, look_said);
+      look_again();
     }
+  }
+
+  const working = () => step && ["waiting", "under-way"].includes(step.state);
+
+  /* A step goes on whether or not one look at it succeeds. */
+  function look_again() {
+    clearTimeout(timer);
+    if (!ended && working())
+      timer = setTimeout(look, LOOK_MS);
   }
 
   /* ---- what it says ---- */
 
   function show({ used, configured, step: now, calibrations }) {
     step = now;
+    show_step(now);
+    const all = JSON.stringify([calibrations, used, configured, box.session.change]);
+    if (all !== listed) /* a button in somebody's fingers stays where it is */
+      show_list(calibrations, used, configured);
+    listed = all;
+    enable();
+    look_again();
+  }
+
+  function show_step(now) {
     if (now) {
       const { part, calibration, state } = now, most = now.at_most_ns ? `, ${span(now.at_most_ns)} at the most` : "";
       say(said, { waiting: `The ${part} is about to be taken.`, "under-way": `The ${part} is being taken, for ${span(now.for_ns)} by now${most}. Leave the box alone.`,
         done: `The ${part} of ${calibration} is there.`, refused: `The ${part} was refused: ${now.where ? `${now.where}: ` : ""}${now.error}${now.hint ? ` (${now.hint})` : ""}` }[state]);
       said.className = { done: "good", refused: "bad" }[state] || "";
     }
+  }
+
+  function show_list(calibrations, used, configured) {
     fill(list, calibrations.length === 0 ? h("p", {}, "None yet.") : h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Calibrations on this box" }, h("table", {},
       h("thead", {}, h("tr", {}, ["Calibration", "Holds", ""].map((t) => h("th", { scope: "col" }, t || h("span", { class: "visually-hidden" }, "What to do"))))),
       h("tbody", {}, calibrations.map((c) => h("tr", {}, h("td", {}, c.name, c.simulated && h("div", { class: "quiet" }, "SIMULATED")),
@@ -85,20 +112,17 @@ export function calibrate(main, box) {
         h("td", {}, c.name === used ? h("strong", {}, "in use") : h("button", { disabled: !box.session.change, onclick: () => use(c.name) }, "Use it"))))))),
       used && h("div", { class: "row end" }, h("button", { disabled: !box.session.change, onclick: () => use("") }, configured ? "Use the configured one" : "Use none")),
       configured && h("p", { class: "quiet" }, `The box's configuration names ${configured}${used ? "; what is chosen here holds instead" : ""}.`));
-    enable();
-    clearTimeout(timer);
-    if (!ended && now && ["waiting", "under-way"].includes(now.state))
-      timer = setTimeout(look, LOOK_MS);
   }
 
   const buttons = Object.entries({ dark: "Take the dark", flat: "Take the flat", chart: "Take the chart", geometry: "Take the grid", flicker: "Measure the light" })
     .reduce((all, [part, words]) => ({ ...all, [part]: h("button", { type: "button", disabled: true, onclick: () => take(part) }, words) }), {});
 
   function enable() {
-    const busy = BUSY.includes(box.status?.state), working = step && ["waiting", "under-way"].includes(step.state);
-    say(busy_said, busy ? "A run is under way: the camera belongs to it. Calibrate before a run, or when it is stopped." : box.session.change ? "" : "To calibrate, enter the token.");
+    const { state, run } = box.status || {}, starts = state === "waiting" && run?.next; /* for its plan's start: armed. One that waits for a plan or a clock is not. */
+    const busy = starts || BUSY.includes(state);
+    say(busy_said, busy ? `A run ${starts ? "waits for its start" : "is under way"}: the camera belongs to it. Calibrate before a run, or when it is stopped.` : box.session.change ? "" : "To calibrate, enter the token.");
     for (const [part, button] of Object.entries(buttons))
-      button.disabled = busy || working || !box.session.change || (part === "chart" && marks.corners.length !== 4);
+      button.disabled = busy || working() || !box.session.change || (part === "chart" && marks.corners.length !== 4);
   }
 
   /* ---- the commands ---- */

@@ -40,11 +40,11 @@ function settings_form(about, again) {
 }
 
 export function live(main, box) {
-  let ended = false, running = false, timer = 0, pixels = null, settings = null, picker = null, loupe_at = null, best = 0, about = null;
+  let ended = false, running = false, timer = 0, pixels = null, settings = null, picker = null, loupe_at = null, best = 0, about = null, seen = null;
   const view = h("canvas", { role: "img", "aria-label": "Live view: no picture yet" });
   const overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   overlay.setAttribute("role", "img");
-  const viewer = h("div", { class: "viewer" }, view), said = h("p", { role: "status" }, "…"), exposure_said = h("p", { role: "status" }), by = h("p", { hidden: true });
+  const viewer = h("div", { class: "viewer" }, view), said = h("p", { role: "status" }, "…"), exposure_said = h("p", { role: "status" }), by_said = h("span"), by_keep = h("button", { onclick: keep_seen }, "Keep this exposure"), by = h("p", { hidden: true }, by_said, " ", by_keep);
   const bars = h("canvas", { class: "histogram", role: "img", "aria-label": "Histogram" });
   const meter = h("p", { class: "meter" }, "–"), meter_best = h("p", { class: "quiet" }, ""), loupe = h("canvas", { class: "loupe", role: "img", "aria-label": "Loupe" });
   const clipping = check("Mark what is clipped or black", true), peaking = check("Mark sharp edges", false);
@@ -94,19 +94,23 @@ export function live(main, box) {
       timer = setTimeout(shoot, box.status?.run?.next ? 2000 : 150);
   }
 
-  /* With what it was taken; the plan's wizard is told, too. */
+  /* With what it was taken; the plan's wizard is told, too. The button stays the same: pictures come faster than a click is done. */
   function show_exposure({ live: from, exposure_ms, gain: g }) {
-    const seen = from === "camera" && exposure_ms > 0 ? { exposure_ms: +exposure_ms.toPrecision(4), gain: g, lamps: settings.lamps(), fine: !spoiled(histogram(pixels)) } : null;
+    seen = from === "camera" && exposure_ms > 0 ? { exposure_ms: +exposure_ms.toPrecision(4), gain: g, lamps: settings.lamps(), fine: !spoiled(histogram(pixels)) } : null;
     by.hidden = !seen;
     if (!seen)
       return;
     keep({ seen });
     const { exposure_ms: asked } = settings.chosen();
-    fill(by, h("span", {}, `Taken with ${exposureWords(seen)}${asked > 0 ? "" : ", by itself"}. `), !(asked > 0) && h("button", { onclick: () => {
-      settings.choose(seen);
-      keep(settings.chosen());
+    say(by_said, `Taken with ${exposureWords(seen)}${asked > 0 ? "" : ", by itself"}.`);
+    by_keep.hidden = asked > 0;
+  }
+
+  function keep_seen() {
+    settings.choose(seen);
+    keep(settings.chosen());
+    if (!running)
       shoot();
-    } }, "Keep this exposure"));
   }
 
   function scale() {

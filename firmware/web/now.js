@@ -167,6 +167,7 @@ export function now(main, box) {
       if (error.status === 404) {
         img.hidden = true;
         none.hidden = false;
+        warn("");
       } else if (error.status) {
         say(caption, error.text);
       }
@@ -180,7 +181,14 @@ export function now(main, box) {
 
   /* A run goes on whatever its frames are like: who looks at it is to see on the first that a week of these is no use. */
   async function look_at(blob) {
-    const what = spoiled(histogram(await pixelsOf(blob, 256)));
+    warn(spoiled(histogram(await pixelsOf(blob, 256))));
+  }
+
+  let warned = "";
+  function warn(what) {
+    if (what === warned)
+      return; /* said once, not at each slot */
+    warned = what;
     exposure.hidden = !what;
     fill(exposure, what && [`This picture is ${what}. `, h("a", { href: "#/live" }, "Live view"), " finds an exposure that suits, when the run is stopped; a new ", h("a", { href: "#/plan" }, "plan"), " takes it over."]);
   }

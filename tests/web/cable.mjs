@@ -13,6 +13,18 @@ try {
   await page.locator("#login").click();
   await page.getByText("nobody has seen its token yet").waitFor();
   await browser.accessible("the token waits");
+  /* One that the box refuses: a token is shown once, and what fails afterwards does not take it away. */
+  browser.expected = /Failed to load resource/;
+  await page.route("**/session/token", (route) => route.fulfill({ json: { token: "made-up-0123456789" } }));
+  await page.getByRole("button", { name: "Show the token" }).click();
+  await page.getByText("This browser does not know it yet").waitFor();
+  assert.equal(await page.locator("dialog code").textContent(), "made-up-0123456789");
+  await page.getByRole("textbox", { name: "Token" }).waitFor();
+  await browser.accessible("the token is shown, and was not taken over");
+  await page.unroute("**/session/token");
+  browser.expected = null;
+  await page.getByRole("button", { name: "Close" }).click();
+  await page.locator("#login").click();
   await page.getByRole("button", { name: "Show the token" }).click();
   await page.getByText("It is shown this once").waitFor();
   assert.equal(await page.locator("dialog code").textContent(), readFileSync(token_file, "utf8").trim());
