@@ -159,13 +159,3 @@ void workshop_open(struct workshop *w, bool open)
     }
     (void)pthread_mutex_unlock(&w->lock);
 }
-
-bool workshop_is_open(struct workshop *w)
-{
-    bool open;
-
-    (void)pthread_mutex_lock(&w->lock);
-    open = w->open;
-    (void)pthread_mutex_unlock(&w->lock);
-    return open;
-}

@@ -35,6 +35,5 @@ bool workshop_work(struct workshop *workshop, workshop_fn *fn, void *ctx);
 
 /* Who waits is told -EBUSY (a run takes the devices) until it is opened again. */
 void workshop_open(struct workshop *workshop, bool open);
-bool workshop_is_open(struct workshop *workshop);
 
 #endif
