@@ -186,9 +186,10 @@ export function now(main, box) {
 
   let warned = "";
   function warn(what) {
-    if (what === warned)
+    const kind = what.split(":")[0]; /* its figure changes with every picture's noise */
+    if (kind === warned)
       return; /* said once, not at each slot */
-    warned = what;
+    warned = kind;
     exposure.hidden = !what;
     fill(exposure, what && [`This picture is ${what}. `, h("a", { href: "#/live" }, "Live view"), " finds an exposure that suits, when the run is stopped; a new ", h("a", { href: "#/plan" }, "plan"), " takes it over."]);
   }
