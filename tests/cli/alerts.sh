@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # ttfbox-alertd: each part of a simulated box is killed in turn, and somebody is told: of a stopped capture within two slots.
 . "$(dirname "$0")/cli.bash"
+. "$(dirname "$0")/bench.bash"
 [ -n "${ALERTD:-}" ] || exit 77 # built without a box
 INTERVAL_S=2
 box='' guardian='' previewer='' alertd='' receiver=''
@@ -44,18 +45,7 @@ another() { # a slot is recorded
     fail "no slot comes: $(tail -3 log)"
 }
 
-cat >box.yaml <<END
-board: bench
-cameras: {main: {backend: sim}}
-clock: {backend: machine}
-lamps: {left: {backend: file, line: 0, max_on: 1h}}
-guardian: {socket: $WORK/guardian, file: wires}
-lock: box.lock
-sim:
-  daylight: 1
-  sensor: {width: 96px, height: 64px}
-  timing: {exposure_max: 100ms}
-END
+bench_box 'lamps: {left: {backend: file, line: 0, max_on: 1h}}' "guardian: {socket: $WORK/guardian, file: wires}"
 plan grass.yaml "interval: ${INTERVAL_S}s" 'count: 1000' 'keep: raw' 'reserve: 0B' 'lamps: {mode: capture-only}' \
     'shot: {exposure: 10ms, lamps: {left: 100%}}'
 "$PYTHON" "$HERE/alerts_receiver.py" received >port 2>&1 &

@@ -11,7 +11,7 @@ DATA=${TTFBOX_TEST_DATA:-$SOURCE/../shared/data}
 WORK=$(mktemp -d "${TMPDIR:-/tmp}/ttfbox-cli.XXXXXX")
 # What still runs in the background is ended, too: a test that failed would be waited for.
 # shellcheck disable=SC2046 # one word a process
-trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$WORK"' EXIT
+trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$WORK" ${MEMORY:+"$MEMORY"}' EXIT
 cd "$WORK" || exit 1
 
 fail() {

@@ -2,21 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # ttfboxd from boot to boot, in real time: a simulated camera, and where it says so a real guardian on wires in a file.
 . "$(dirname "$0")/cli.bash"
+. "$(dirname "$0")/bench.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
-# A sample's age must not come from the machine's: the disk would be full at once after a restart.
-cat >box.yaml <<'END'
-board: bench
-cameras: {main: {backend: sim}}
-clock: {backend: machine}
-watchdog: {backend: systemd}
-lock: box.lock
-sim:
-  daylight: 1
-  sensor: {width: 96px, height: 64px}
-  timing: {exposure_max: 100ms}
-  faults: [{kind: disk-full, at: 200s}]
-END
+# Its faults are of the sample's age: by the machine's clock the disk would be full at once after a restart.
+bench_box 'watchdog: {backend: systemd}'
+echo '  faults: [{kind: disk-full, at: 200s}]' >>box.yaml
 cat >ttfboxd.yaml <<'END'
 board: ./box.yaml
 plan: grass.yaml

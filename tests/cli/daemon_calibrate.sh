@@ -4,7 +4,6 @@
 . "$(dirname "$0")/cli.bash"
 . "$(dirname "$0")/server.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
-trap 'kill "${daemon:-}" 2>/dev/null; rm -rf "$WORK"' EXIT
 
 printf 'board: %s\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0"]\n' "$SOURCE/boards/sim-small/board.yaml" >ttfboxd.yaml
 lamps='lamps.left.warm_up: 500ms, lamps.right.warm_up: 500ms, lamps.left.interlock: none, lamps.right.interlock: none'

@@ -2,25 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # ttfboxd asked by HTTP, on a simulated camera in real time: started, watched, paused, noted on, stopped, started again; who may not; crowds.
 . "$(dirname "$0")/cli.bash"
+. "$(dirname "$0")/bench.bash"
 . "$(dirname "$0")/server.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
-cat >box.yaml <<'END'
-board: bench
-cameras: {main: {backend: sim}}
-clock: {backend: machine}
-lock: box.lock
-sim:
-  daylight: 1
-  sensor: {width: 96px, height: 64px}
-  timing: {exposure_max: 100ms}
-END
-# What is asked here is whether clients hold up a slot: a disk that is busy otherwise is not to answer it.
-if [ -w /dev/shm ]; then
-    memory=$(mktemp -d /dev/shm/ttfbox-http.XXXXXX)
-    trap 'kill "${daemon:-}" "${watcher:-}" 2>/dev/null; rm -rf "$WORK" "$memory"' EXIT
-    ln -s "$memory" data
-fi
+bench_box
+data_in_memory
 printf 'board: ./box.yaml\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0", "unix:cable"]\nnames: [one, two, three, four, five, greenhouse]\n' >ttfboxd.yaml
 
 start() {

@@ -9,24 +9,12 @@ if [ -z "${IN_NETWORK:-}" ]; then
     IN_NETWORK=1 exec unshare -rn bash "$0"
 fi
 . "$(dirname "$0")/cli.bash"
+. "$(dirname "$0")/bench.bash"
 . "$(dirname "$0")/server.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
-cat >box.yaml <<'END'
-board: bench
-cameras: {main: {backend: sim}}
-clock: {backend: machine}
-lock: box.lock
-sim:
-  daylight: 1
-  sensor: {width: 96px, height: 64px}
-  timing: {exposure_max: 100ms}
-END
-if [ -w /dev/shm ]; then # a disk that is busy otherwise is not to answer whether a slot was missed
-    memory=$(mktemp -d /dev/shm/ttfbox-listen.XXXXXX)
-    trap 'kill "${daemon:-}" "${listener:-}" 2>/dev/null; rm -rf "$WORK" "$memory"' EXIT
-    ln -s "$memory" data
-fi
+bench_box
+data_in_memory
 printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nlisten: ["127.0.0.1:8417", "usb0:8417"]\n' >ttfboxd.yaml
 plan grass.yaml 'interval: 500ms' 'count: 900' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B'
 

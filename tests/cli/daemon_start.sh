@@ -2,18 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # ttfboxd and a plan with a start: it waits for it and says so; a box that does not know what time it is says that, and waits for whoever knows.
 . "$(dirname "$0")/cli.bash"
+. "$(dirname "$0")/bench.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
-cat >box.yaml <<'END'
-board: bench
-cameras: {main: {backend: sim}}
-clock: {backend: machine}
-lock: box.lock
-sim:
-  daylight: 1
-  sensor: {width: 96px, height: 64px}
-  timing: {exposure_max: 100ms}
-END
+bench_box
 printf 'board: ./box.yaml\ndata: data\nretry: 300ms\nlisten: [unix:http]\n' >ttfboxd.yaml
 
 start() {

@@ -2,15 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # The page of a simulated box over its simulated cable, in a browser: how a person gets the token.
 . "$(dirname "$0")/../cli/cli.bash"
+. "$(dirname "$0")/../cli/bench.bash"
 : "${DAEMON:?}" "${USBD:?}" "${CABLE:?the simulated cable}"
 
-cat >box.yaml <<'END'
-board: bench
-cameras: {main: {backend: sim}}
-clock: {backend: machine}
-lock: box.lock
-sim: {daylight: 1, sensor: {width: 96px, height: 64px}, timing: {exposure_max: 100ms}}
-END
+bench_box
 printf 'board: ./box.yaml\ndata: data\nlisten: ["unix:http"]\n' >ttfboxd.yaml
 there() { # NAME: within 20 s
     for _ in $(seq 400); do
