@@ -34,6 +34,18 @@ struct guide {
     struct ttf_shot shots[TTF_SHOOT_TRIES * TTF_CAMERA_SET_MAX]; /* of one set */
 };
 
+void ttf_guided_plain_shot(const struct ttf_box *box, struct ttf_plan_shot *shot)
+{
+    snprintf(shot->camera, sizeof(shot->camera), "%s", box->cameras[0].name);
+    shot->n_levels = 0;
+    for (unsigned i = 0; box->lamps && i < ttf_lamps_count(box->lamps); i++) {
+        struct ttf_lamp_level *level = &shot->levels[shot->n_levels++];
+
+        memcpy(level->lamp, ttf_lamps_info(box->lamps, i)->name, sizeof(level->lamp));
+        level->permille = TTF_LAMP_FULL;
+    }
+}
+
 static int check(const struct ttf_guided_config *config, struct ttf_err *err)
 {
     if (config->frames < 1 || config->frames > 1000)

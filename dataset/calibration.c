@@ -7,7 +7,40 @@
 #include <string.h>
 
 #include "calibration_private.h"
+#include "ttf/base/attr.h"
 #include "ttf/dataset/hash.h"
+
+static const char *const PARTS[] = {"dark", "flat", "chart", "geometry", "flicker"};
+
+const char *ttf_calibration_part_name(enum ttf_calibration_part part)
+{
+    return PARTS[part];
+}
+
+int ttf_calibration_part_find(const char *name)
+{
+    for (unsigned i = 0; i < TTF_COUNT_OF(PARTS); i++)
+        if (strcmp(PARTS[i], name) == 0)
+            return (int)i;
+    return -ENOENT;
+}
+
+bool ttf_calibration_has(const struct ttf_calibration *calibration, enum ttf_calibration_part part)
+{
+    switch (part) {
+    case TTF_CALIBRATION_DARK:
+        return calibration->has_dark;
+    case TTF_CALIBRATION_FLAT:
+        return calibration->has_flat;
+    case TTF_CALIBRATION_CHART:
+        return calibration->has_chart;
+    case TTF_CALIBRATION_GEOMETRY:
+        return calibration->has_geometry;
+    case TTF_CALIBRATION_FLICKER:
+        break;
+    }
+    return calibration->has_flicker;
+}
 
 void ttf_calibration_init(struct ttf_calibration *calibration)
 {

@@ -17,34 +17,14 @@
 #define FRAMES_DEFAULT      64
 #define REFLECTANCE_DEFAULT 0.9
 
-enum part {
-    DARK,
-    FLAT,
-    CHART,
-    GEOMETRY,
-    FLICKER
-};
-
 /* One calibration being made. */
 struct guided {
-    enum part part;
+    enum ttf_calibration_part part;
     struct ttf_plan plan; /* whose shot it is for; a plain one without --plan */
     struct ttf_plan_shot shot;
     struct ttf_box box;
     struct ttf_calibration calibration;
 };
-
-/* Without a plan: all lamps on, at --exposure. */
-static void plain_shot(const struct ttf_box *box, struct ttf_plan_shot *shot)
-{
-    shot->n_levels = 0;
-    for (unsigned i = 0; box->lamps && i < ttf_lamps_count(box->lamps); i++) {
-        struct ttf_lamp_level *level = &shot->levels[shot->n_levels++];
-
-        memcpy(level->lamp, ttf_lamps_info(box->lamps, i)->name, sizeof level->lamp);
-        level->permille = TTF_LAMP_FULL;
-    }
-}
 
 static int choose_shot(struct cli *cli, struct guided *g)
 {
@@ -56,7 +36,7 @@ static int choose_shot(struct cli *cli, struct guided *g)
         if (stream)
             return ttf_err_set(&cli->err, -EINVAL, "--shot", "names a shot of no --plan");
         g->shot = g->plan.shots[0];
-        plain_shot(&g->box, &g->shot);
+        ttf_guided_plain_shot(&g->box, &g->shot);
     } else {
         unsigned i = 0;
         int r = ttf_plan_file_load(cli->opt.plan, &file, &cli->err);
@@ -79,7 +59,6 @@ static int choose_shot(struct cli *cli, struct guided *g)
 /* What there is in CAL already; -EEXIST if it has the very part that is to be made. */
 static int open_folder(struct cli *cli, struct guided *g)
 {
-    static const char *const names[] = {"dark", "flat", "chart", "geometry", "flicker"};
     const char *folder = cli->opt.output;
     char path[4096];
     struct ttf_io_stat st;
@@ -91,12 +70,9 @@ static int open_folder(struct cli *cli, struct guided *g)
     r = ttf_calibration_load(cli->io, folder, &g->calibration, &cli->err);
     if (r < 0)
         return r;
-    if ((g->part == DARK && g->calibration.has_dark) ||
-        (g->part == FLAT && g->calibration.has_flat) ||
-        (g->part == CHART && g->calibration.has_chart) ||
-        (g->part == GEOMETRY && g->calibration.has_geometry) ||
-        (g->part == FLICKER && g->calibration.has_flicker)) {
-        ttf_err_set(&cli->err, -EEXIST, folder, "holds a %s already", names[g->part]);
+    if (ttf_calibration_has(&g->calibration, g->part)) {
+        ttf_err_set(&cli->err, -EEXIST, folder, "holds a %s already",
+                    ttf_calibration_part_name(g->part));
         ttf_err_hint(&cli->err, "nothing is overwritten: make a new calibration with another -o");
         return -EEXIST;
     }
@@ -110,16 +86,16 @@ static int take(struct cli *cli, struct guided *g, struct ttf_guided_config *con
     struct ttf_chart chart;
     int r = 0;
 
-    if (g->part == DARK)
+    if (g->part == TTF_CALIBRATION_DARK)
         return ttf_guided_dark(config, &g->calibration, &cli->err);
-    if (g->part == FLAT) {
+    if (g->part == TTF_CALIBRATION_FLAT) {
         if (g->box.simulated && cli->opt.reflectance == 0)
             r = sim_target_reflectance(&g->box, &config->reflectance, &cli->err);
         return r < 0 ? r : ttf_guided_flat(config, &g->calibration, &cli->err);
     }
-    if (g->part == GEOMETRY)
+    if (g->part == TTF_CALIBRATION_GEOMETRY)
         return ttf_guided_geometry(config, cli->opt.pitch_mm, &g->calibration, &cli->err);
-    if (g->part == FLICKER) {
+    if (g->part == TTF_CALIBRATION_FLICKER) {
         r = ttf_guided_flicker(config, &g->calibration.flicker, &cli->err);
         g->calibration.has_flicker = r == 0;
         return r;
@@ -157,13 +133,13 @@ static int acquire(struct cli *cli, struct guided *g)
 }
 
 /* What must be said before anything is looked at. */
-static int check_options(struct cli *cli, enum part part)
+static int check_options(struct cli *cli, enum ttf_calibration_part part)
 {
-    int r = part == GEOMETRY && cli->opt.pitch_mm <= 0
+    int r = part == TTF_CALIBRATION_GEOMETRY && cli->opt.pitch_mm <= 0
                 ? cli_need(cli, NULL, "--pitch", "say how far the dots are apart, as --pitch 5")
                 : 0;
 
-    if (r < 0 || part == FLICKER || part == GEOMETRY)
+    if (r < 0 || part == TTF_CALIBRATION_FLICKER || part == TTF_CALIBRATION_GEOMETRY)
         return r;
     return cli_need(cli, cli->opt.output, "-o", "say where the calibration goes, as -o cal");
 }
@@ -173,15 +149,15 @@ static void say(struct cli *cli, const struct guided *g)
 {
     if (cli->opt.output)
         calibrate_say(cli, &g->calibration, cli->opt.output);
-    else if (g->part == GEOMETRY)
+    else if (g->part == TTF_CALIBRATION_GEOMETRY)
         calibrate_say_geometry(cli, &g->calibration);
     else
         calibrate_say_flicker(cli, &g->calibration);
-    if (g->part == FLICKER)
+    if (g->part == TTF_CALIBRATION_FLICKER)
         calibrate_advise(cli, &g->calibration.flicker, g->plan.mains_hz);
 }
 
-static int calibrate(struct cli *cli, enum part part)
+static int calibrate(struct cli *cli, enum ttf_calibration_part part)
 {
     struct guided *g = calloc(1, sizeof *g);
     struct ttf_board *board = calloc(1, sizeof *board);
@@ -225,25 +201,25 @@ out:
 
 int cmd_calibrate_dark(struct cli *cli)
 {
-    return calibrate(cli, DARK);
+    return calibrate(cli, TTF_CALIBRATION_DARK);
 }
 
 int cmd_calibrate_flat(struct cli *cli)
 {
-    return calibrate(cli, FLAT);
+    return calibrate(cli, TTF_CALIBRATION_FLAT);
 }
 
 int cmd_calibrate_chart(struct cli *cli)
 {
-    return calibrate(cli, CHART);
+    return calibrate(cli, TTF_CALIBRATION_CHART);
 }
 
 int cmd_calibrate_geometry(struct cli *cli)
 {
-    return calibrate(cli, GEOMETRY);
+    return calibrate(cli, TTF_CALIBRATION_GEOMETRY);
 }
 
 int cmd_calibrate_flicker(struct cli *cli)
 {
-    return calibrate(cli, FLICKER);
+    return calibrate(cli, TTF_CALIBRATION_FLICKER);
 }

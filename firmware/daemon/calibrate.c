@@ -27,18 +27,6 @@ struct step {
     char folder[CALIBRATION_PATH];
 };
 
-/* All lamps, fully lit. */
-static void light_all(const struct ttf_box *box, struct ttf_plan_shot *shot)
-{
-    shot->n_levels = 0;
-    for (unsigned i = 0; box->lamps && i < ttf_lamps_count(box->lamps); i++) {
-        struct ttf_lamp_level *level = &shot->levels[shot->n_levels++];
-
-        memcpy(level->lamp, ttf_lamps_info(box->lamps, i)->name, sizeof level->lamp);
-        level->permille = TTF_LAMP_FULL;
-    }
-}
-
 static int choose_shot(struct step *s, struct ttf_err *err)
 {
     const struct ttf_http_calibrate *what = &s->what;
@@ -47,7 +35,7 @@ static int choose_shot(struct step *s, struct ttf_err *err)
     int r = 0;
 
     ttf_plan_defaults(&s->plan);
-    light_all(&s->d->view, &s->plan.shots[0]);
+    ttf_guided_plain_shot(&s->d->view, &s->plan.shots[0]);
     if (*what->plan) {
         r = library_plan(s->d, what->plan, &yaml, err);
         if (r == 0)
@@ -57,9 +45,6 @@ static int choose_shot(struct step *s, struct ttf_err *err)
             ttf_plan_file_free(file);
         }
         free(yaml);
-    } else {
-        (void)snprintf(s->plan.shots[0].camera, sizeof s->plan.shots[0].camera, "%s",
-                       s->d->view.cameras[0].name);
     }
     s->shot = s->plan.shots[0];
     if (what->exposure_ns > 0)
@@ -67,15 +52,6 @@ static int choose_shot(struct step *s, struct ttf_err *err)
     if (what->gain_milli > 0)
         s->shot.exposure.gain_milli = (uint32_t)what->gain_milli;
     return r;
-}
-
-static bool has(const struct ttf_calibration *calibration, const char *part)
-{
-    return (strcmp(part, "dark") == 0 && calibration->has_dark) ||
-           (strcmp(part, "flat") == 0 && calibration->has_flat) ||
-           (strcmp(part, "chart") == 0 && calibration->has_chart) ||
-           (strcmp(part, "geometry") == 0 && calibration->has_geometry) ||
-           (strcmp(part, "flicker") == 0 && calibration->has_flicker);
 }
 
 static int open_calibration(struct step *s, struct ttf_err *err)
@@ -93,7 +69,7 @@ static int open_calibration(struct step *s, struct ttf_err *err)
         return ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
     r = ttf_calibration_load(s->d->io, s->folder, &s->calibration, err);
     /* It was not there when it was asked for, but may be since. */
-    return r == 0 && has(&s->calibration, s->what.part)
+    return r == 0 && ttf_calibration_has(&s->calibration, s->what.part)
                ? calibrations_refuse_twice(s->what.name, s->what.part, err)
                : r;
 }
@@ -119,17 +95,20 @@ static int take_chart(struct step *s, const struct ttf_guided_config *config, st
 
 static int take(struct step *s, struct ttf_guided_config *config, struct ttf_err *err)
 {
-    const char *part = s->what.part;
     int r;
 
-    if (strcmp(part, "dark") == 0)
+    switch (s->what.part) {
+    case TTF_CALIBRATION_DARK:
         return ttf_guided_dark(config, &s->calibration, err);
-    if (strcmp(part, "flat") == 0)
+    case TTF_CALIBRATION_FLAT:
         return take_flat(s, config, err);
-    if (strcmp(part, "chart") == 0)
+    case TTF_CALIBRATION_CHART:
         return take_chart(s, config, err);
-    if (strcmp(part, "geometry") == 0)
+    case TTF_CALIBRATION_GEOMETRY:
         return ttf_guided_geometry(config, s->what.pitch_mm, &s->calibration, err);
+    case TTF_CALIBRATION_FLICKER:
+        break;
+    }
     r = ttf_guided_flicker(config, &s->calibration.flicker, err);
     s->calibration.has_flicker = r == 0;
     return r;
@@ -140,7 +119,7 @@ static int64_t settling_ns(const struct step *s)
     const struct ttf_lamps *lamps = s->d->view.lamps;
     int64_t longest = 0;
 
-    if (strcmp(s->what.part, "dark") == 0)
+    if (s->what.part == TTF_CALIBRATION_DARK)
         return 0;
     if (s->plan.settle_ns > 0)
         return s->plan.settle_ns;
@@ -218,10 +197,11 @@ bool calibrate_work(struct daemon *d, struct ttf_watchdog *watchdog)
         (void)!ttf_watchdog_arm(watchdog, d->manager.watchdog_ns);
     if (r < 0)
         log_line(LOG_LEVEL_WARNING, "calibration", "name=\"%s\" refused=%s why=%s", s->what.name,
-                 s->what.part,
+                 ttf_calibration_part_name(s->what.part),
                  log_text(ttf_err_text(&err, text, sizeof text), quoted, sizeof quoted));
     else
-        log_line(LOG_LEVEL_NOTICE, "calibration", "name=\"%s\" has=%s", s->what.name, s->what.part);
+        log_line(LOG_LEVEL_NOTICE, "calibration", "name=\"%s\" has=%s", s->what.name,
+                 ttf_calibration_part_name(s->what.part));
     calibrations_end(d->calibrations, r, &err);
     ttf_calibration_free(&s->calibration);
     free(s);

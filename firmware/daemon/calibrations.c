@@ -150,9 +150,9 @@ int calibrations_in_use(struct calibrations *c, char ret[CALIBRATION_PATH], stru
 
 /* ---- a step ---- */
 
-int calibrations_refuse_twice(const char *name, const char *part, struct ttf_err *err)
+int calibrations_refuse_twice(const char *name, enum ttf_calibration_part part, struct ttf_err *err)
 {
-    int r = ttf_err_set(err, -EEXIST, name, "holds a %s already", part);
+    int r = ttf_err_set(err, -EEXIST, name, "holds a %s already", ttf_calibration_part_name(part));
 
     ttf_err_hint(err, "nothing is overwritten: begin a calibration of another name");
     return r;
@@ -162,15 +162,16 @@ int calibrations_refuse_twice(const char *name, const char *part, struct ttf_err
 static int refuse_part(struct calibrations *c, const struct ttf_http_calibrate *what,
                        struct ttf_err *err)
 {
-    bool first = strcmp(what->part, "dark") == 0 || strcmp(what->part, "flat") == 0;
+    bool first = what->part == TTF_CALIBRATION_DARK || what->part == TTF_CALIBRATION_FLAT;
     char folder[CALIBRATION_PATH];
     json_t *json = NULL;
     int r = 0;
 
     calibrations_path(c, what->name, folder);
-    if (read_json(c, folder, &json) == 0 && json_object_get(json, what->part)) {
+    if (read_json(c, folder, &json) == 0 &&
+        json_object_get(json, ttf_calibration_part_name(what->part))) {
         r = calibrations_refuse_twice(what->name, what->part, err);
-    } else if (strcmp(what->part, "chart") == 0 && !json_object_get(json, "flat")) {
+    } else if (what->part == TTF_CALIBRATION_CHART && !json_object_get(json, "flat")) {
         r = ttf_err_set(err, -EINVAL, what->name, "has no flat yet: a chart is measured by it");
     } else if (!first && !json_object_get(json, "dark") && !json_object_get(json, "flat")) {
         r = ttf_err_set(err, -EINVAL, what->name, "holds nothing yet: begin with dark and flat");
@@ -272,7 +273,7 @@ static void put_step(struct calibrations *c, struct ttf_json *j)
         ttf_json_key(j, "step");
         ttf_json_object(j);
         ttf_json_kstring(j, "calibration", c->what.name);
-        ttf_json_kstring(j, "part", c->what.part);
+        ttf_json_kstring(j, "part", ttf_calibration_part_name(c->what.part));
         ttf_json_kstring(j, "state", NAMES[c->step]);
         ttf_json_kint(j, "for_ns", (over ? c->ended_ns : ttf_clock_now_ns(c->clock)) - c->begun_ns);
         if (c->at_most_ns > 0)

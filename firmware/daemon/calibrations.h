@@ -57,7 +57,8 @@ void calibrations_end(struct calibrations *calibrations, int r, const struct ttf
 void calibrations_give_up(struct calibrations *calibrations);
 
 /* Says that the calibration has the part already. -EEXIST. */
-int calibrations_refuse_twice(const char *name, const char *part, struct ttf_err *err);
+int calibrations_refuse_twice(const char *name, enum ttf_calibration_part part,
+                              struct ttf_err *err);
 
 /* Where a calibration of this name lies. */
 void calibrations_path(const struct calibrations *calibrations, const char *name,

@@ -308,7 +308,8 @@ static int door_calibrate(struct ttf_http_box *box, const struct ttf_http_calibr
 
     if (r < 0)
         return r;
-    log_line(LOG_LEVEL_NOTICE, "asked", "for=%s calibration=\"%s\"", what->part, what->name);
+    log_line(LOG_LEVEL_NOTICE, "asked", "for=%s calibration=\"%s\"",
+             ttf_calibration_part_name(what->part), what->name);
     ttf_gate_open(d->wake);
     return calibrations_show(d->calibrations, ret_json, err);
 }

@@ -214,15 +214,15 @@ static int take_corners(json_t *object, struct ttf_http_calibrate *ret, struct t
 
 static int take_calibrate(json_t *object, struct ttf_http_calibrate *ret, struct ttf_err *err)
 {
-    static const char *const PARTS[] = {"dark", "flat", "chart", "geometry", "flicker"};
     int64_t frames = 0;
-    bool known = false;
-    int r = take_text(object, "part", ret->part, sizeof ret->part, err);
+    char part[16];
+    int r = take_text(object, "part", part, sizeof part, err);
+    int found = r == 0 ? ttf_calibration_part_find(part) : -ENOENT;
 
-    for (size_t i = 0; i < sizeof PARTS / sizeof *PARTS; i++)
-        known = known || strcmp(ret->part, PARTS[i]) == 0;
-    if (r == 0 && !known)
+    if (r == 0 && found < 0)
         r = not_meant(err, "part", "dark, flat, chart, geometry or flicker is meant");
+    else if (r == 0)
+        ret->part = (enum ttf_calibration_part)found;
     if (r == 0)
         r = take_name(object, "plan", ret->plan, err);
     if (r == 0)
@@ -236,9 +236,9 @@ static int take_calibrate(json_t *object, struct ttf_http_calibrate *ret, struct
     if (r == 0)
         r = take_real(object, "pitch_mm", 0.001, 1000, &ret->pitch_mm, err);
     ret->frames = (unsigned)frames;
-    if (r == 0 && strcmp(ret->part, "geometry") == 0 && ret->pitch_mm == 0)
+    if (r == 0 && ret->part == TTF_CALIBRATION_GEOMETRY && ret->pitch_mm == 0)
         r = not_meant(err, "pitch_mm", "how far the dots are apart is missing");
-    if (r == 0 && strcmp(ret->part, "chart") == 0)
+    if (r == 0 && ret->part == TTF_CALIBRATION_CHART)
         r = take_corners(object, ret, err);
     return r;
 }

@@ -62,7 +62,8 @@ static void check_body(const char *text, size_t bytes)
     if (body_pause(text, bytes, &ask, NULL) == 0 && strlen(ask.reason) >= sizeof ask.reason)
         abort();
     if (body_calibrate(text, bytes, &step, NULL) == 0 &&
-        (!*step.part || step.frames > 1000 || !(step.reflectance >= 0 && step.reflectance <= 1)))
+        ((unsigned)step.part > TTF_CALIBRATION_FLICKER || step.frames > 1000 ||
+         !(step.reflectance >= 0 && step.reflectance <= 1)))
         abort();
     if (body_change(text, bytes, &ask, NULL) == 0 && ask.value < 1)
         abort();

@@ -229,7 +229,8 @@ static void at(const struct fixture *f, const char *name, char ret[128])
 
 static int ask_for_dark(struct fixture *f, const char *name, struct ttf_err *err)
 {
-    struct ttf_http_calibrate what = {.part = "dark", .frames = 2, .exposure_ns = TTF_NS_PER_MS};
+    struct ttf_http_calibrate what = {
+        .part = TTF_CALIBRATION_DARK, .frames = 2, .exposure_ns = TTF_NS_PER_MS};
 
     (void)snprintf(what.name, sizeof what.name, "%s", name);
     return calibrations_ask(f->d.calibrations, &what, err);

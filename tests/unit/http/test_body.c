@@ -69,7 +69,7 @@ static void a_step_of_a_calibration_says_what_it_needs(void **state)
                                       "\"frames\":8,\"exposure_ns\":20000000}"),
                                     &what, &err),
                      0);
-    assert_string_equal(what.part, "flat");
+    assert_int_equal(what.part, TTF_CALIBRATION_FLAT);
     assert_string_equal(what.plan, "week");
     assert_true(what.reflectance == 0.9 && what.frames == 8 && what.exposure_ns == 20000000);
     assert_int_equal(

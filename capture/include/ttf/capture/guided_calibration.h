@@ -21,6 +21,9 @@ struct ttf_guided_config {
         patience_ns; /* for the frames, once the lamps have settled: -EIO after it; 0: as long as it takes */
 };
 
+/* For want of a plan's: the box's first camera under all its lamps, fully lit; the rest of the shot stays as it is. */
+void ttf_guided_plain_shot(const struct ttf_box *box, struct ttf_plan_shot *shot);
+
 /*
  * Frames as a calibration takes them, and nothing more: averaged into *ret, which is zeroed before and to be freed, also on failure. lit: under the
  * shot's lamps, settled; else all are off. What lamps and door do meanwhile is not looked at: a person may be at work inside.

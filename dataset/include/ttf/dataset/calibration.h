@@ -132,6 +132,20 @@ struct ttf_calibration {
     struct ttf_geometry geometry;
 };
 
+/* What a calibration may hold, in the order in which it is made. */
+enum ttf_calibration_part {
+    TTF_CALIBRATION_DARK = 0,
+    TTF_CALIBRATION_FLAT,
+    TTF_CALIBRATION_CHART,
+    TTF_CALIBRATION_GEOMETRY,
+    TTF_CALIBRATION_FLICKER
+};
+
+/* "dark", ..., "flicker": as a user writes them, and as calibration.json names them; and back, -ENOENT. */
+const char *ttf_calibration_part_name(enum ttf_calibration_part part);
+TTF_MUST_USE int ttf_calibration_part_find(const char *name);
+bool ttf_calibration_has(const struct ttf_calibration *calibration, enum ttf_calibration_part part);
+
 /* Nothing known: identity. */
 void ttf_calibration_init(struct ttf_calibration *calibration);
 void ttf_calibration_free(struct ttf_calibration *calibration);

@@ -16,6 +16,7 @@
 
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
+#include "ttf/dataset/calibration.h"
 #include "ttf/dataset/notes.h"
 
 struct ttf_http_box;
@@ -62,8 +63,8 @@ struct ttf_http_shown {
 
 /* A step of a calibration. */
 struct ttf_http_calibrate {
-    char name[65];        /* of the calibration that it goes into */
-    char part[16];        /* dark, flat, chart, geometry, flicker */
+    char name[65]; /* of the calibration that it goes into */
+    enum ttf_calibration_part part;
     char plan[65];        /* whose first shot it is for; empty: all lamps, fully lit */
     int64_t exposure_ns;  /* 0: the plan's */
     int64_t gain_milli;   /* 0: the plan's */
