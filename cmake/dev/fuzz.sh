@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs fuzz targets that are built: fuzz.sh TARGET SECONDS, or fuzz.sh all SECONDS. Called by ./dev fuzz
-# from the root. What a target learns stays in build-fuzz/corpus, an input that fails in build-fuzz/found.
+# Runs fuzz targets that are built: fuzz.sh TARGET SECONDS, fuzz.sh all SECONDS, or fuzz.sh until SECONDS. Called by
+# ./dev fuzz from the root. What a target learns stays in build-fuzz/corpus, an input that fails in build-fuzz/found.
 set -uo pipefail
 
 # TARGET SECONDS: the fuzzer itself, in place of this shell.
@@ -28,11 +28,12 @@ found() { # TARGET KIND...
     echo "$n"
 }
 
-# One target with a line for the summary; its whole output in build-fuzz/log.
+# One target with a line for the summary, and one in build-fuzz/spent; its whole output in build-fuzz/log.
 measured() {
     local log=build-fuzz/log/$1 cpu status executions edges
     TIMEFORMAT='%U %S'
     cpu=$({ time (run "$1" "$2") >"$log" 2>&1; } 2>&1) && status=0 || status=$?
+    echo "$1 $cpu" >>build-fuzz/spent
     executions=$(sed -n 's/^stat::number_of_executed_units: //p' "$log")
     edges=$(grep -ao 'cov: [0-9]*' "$log" | tail -n 1)
     printf '%-12s %10.0f %12s %8s %8d %6d %9d   %s\n' "$1" "$(awk '{ print $1 + $2 }' <<<"$cpu")" \
@@ -41,11 +42,31 @@ measured() {
     return "$status"
 }
 
-if [ "$1" != all ]; then run "$1" "$2"; fi
+# Every target, the one with the least CPU time first, that has not had SECONDS of it yet: "SPENT TARGET".
+lacking() { # SECONDS
+    for target in tests/fuzz/seeds/*/; do basename "$target"; done |
+        awk -v wanted="$1" 'FILENAME != "-" { spent[$1] += $2 + $3; next }
+            FILENAME == "-" && spent[$1] < wanted { printf "%d %s\n", spent[$1], $1 }' build-fuzz/spent - | sort -n
+}
+
+# Turns of five minutes, two targets at a time, until each has had its CPU time, this time and before together; a
+# failure ends it, as its target would only find the same again.
+until_spent() { # SECONDS
+    touch build-fuzz/spent
+    while [ -n "$(lacking "$1")" ]; do
+        lacking "$1" | head -n 2 | cut -d ' ' -f 2 | xargs -P 2 -I '{}' nice -n 19 bash -c "measured '{}' 300" || return 1
+    done
+}
+
+case $1 in all | until) ;; *) run "$1" "$2" ;; esac
 mkdir -p build-fuzz/log build-fuzz/found
 touch build-fuzz/campaign
 printf '%-12s %10s %12s %8s %8s %6s %9s\n' target 'cpu s' executions edges crashes leaks timeouts
 export -f run found measured
+if [ "$1" = until ]; then
+    until_spent "$2"
+    exit
+fi
 # Two at a time, below everything else that runs; xargs fails if any target did.
 for target in tests/fuzz/seeds/*/; do basename "$target"; done |
     xargs -P 2 -I '{}' nice -n 19 bash -c "measured '{}' '$2'" || exit 1
