@@ -21,6 +21,8 @@ wrong_plan() { # WHERE WORDS LINES...
     [ -e never ] && fail "a wrong plan made a dataset"
 }
 wrong_plan 1:11 "write 10s" "interval: 10" "count: 5"
+wrong_plan 3:22 "write 20s, 20ms or 20min" "interval: 10min" "count: 5" "shots: [{ exposure:  20 }]"
+wrong_plan 3:46 "write 80%, or 0.8% if" "interval: 10min" "count: 5" "lamps: {mode: continuous, day_levels: {left: 0.8}}"
 wrong_plan 3:1 "did you mean 'interval'" "interval: 10min" "count: 5" "intervall: 3min"
 wrong_plan 1:11 "out of its range" "interval: -10min" "count: 5"
 wrong_plan 1:11 "'nan' is not a time" "interval: nan" "count: 5"
@@ -32,7 +34,9 @@ plan wrong.yaml "interval: 10min" "count: 1008" "lamps: {mode: continuous}" \
 expect 2 "$TTFBOX" plan check wrong.yaml --set lamps.left.max_duty=10% --set lamps.left.duty_window=24h
 said err "wrong.yaml:"
 said err "'left'"
-said err "10.0 %"
+said err "of 24 h; the board allows 10.0 %"
+expect 2 "$TTFBOX" plan check wrong.yaml --set lamps.left.max_on=12h
+said err "at a stretch; the board allows 12 h"
 expect 2 "$TTFBOX" capture wrong.yaml -o never --set lamps.left.max_duty=10% --set lamps.left.duty_window=24h
 said err "wrong.yaml:"
 [ -e never ] && fail "a plan beyond a lamp's duty made a dataset"
