@@ -160,6 +160,38 @@ expect 0 "$TTFBOX" synth quilt d --block 16x16 --size 64x64 -o q
 expect 2 "$TTFBOX" capture ok.yaml "${TINY[@]}" -o q
 said err "no capture"
 
+# ---- a full disk: which, why, and what to do; nothing half done stays ----
+full() { # KIB COMMAND...: on a disk of that size at small/; its exit code, 7 if it fits, 8 if it fails and leaves something
+    # shellcheck disable=SC2016 # the inner shell's
+    unshare -rm sh -c 'mount -t tmpfs -o size=$1k tmpfs small || exit 9
+        shift
+        "$@"
+        r=$?
+        [ $r = 0 ] && exit 7
+        [ -z "$(ls -A small)" ] || { ls -AR small; exit 8; }
+        exit $r' sh "$@"
+}
+plan raw.yaml "interval: 10min" "count: 3" "keep: raw"
+expect 0 "$TTFBOX" capture raw.yaml "${TINY[@]}" -o r
+mkdir small
+if unshare -rm mount -t tmpfs tmpfs small 2>/dev/null; then
+    expect 0 "$TTFBOX" export d --to png -o pictures
+    for command in "export d --to png" "synth quilt d --block 16x16" "develop r" "import pictures/*.png --interval 1s"; do
+        for size in 8 20 40; do # in the middle of a frame, or before there is a dataset
+            # shellcheck disable=SC2086
+            full $size "$TTFBOX" $command -o small/it >out 2>err
+            code=$?
+            [ $code = 7 ] && continue # it fits
+            [ $code = 1 ] || fail "exit $code instead of 1: $command, $size KiB: $(cat err)"
+            said err "small/it"
+            said err "No space left on device"
+            grep -q part- err && fail "an internal name: $(cat err)"
+        done
+    done
+else
+    echo "no file system of one's own can be mounted here: a full disk was not tried"
+fi
+
 # ---- damage is named by file and slot, exit 3 ----
 cp -r d hurt
 frame=$(cd hurt && ls frames/main/000001*.tif)
