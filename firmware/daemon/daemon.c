@@ -32,17 +32,23 @@ const char *const *daemon_board_folders(void)
 
 /* ---- what is told ---- */
 
-void daemon_tell_state(struct daemon *d)
+void daemon_publish(struct daemon *d, const char *kind, struct ttf_json *json)
 {
-    struct ttf_json json;
     const char *text;
     size_t bytes;
 
+    if (ttf_json_finish(json, &text, &bytes) == 0)
+        ttf_http_events_publish(d->events, kind, text);
+    ttf_json_free(json);
+}
+
+void daemon_tell_state(struct daemon *d)
+{
+    struct ttf_json json;
+
     ttf_json_init(&json, false);
     situation_state_event(d->situation, &json);
-    if (ttf_json_finish(&json, &text, &bytes) == 0)
-        ttf_http_events_publish(d->events, "state", text);
-    ttf_json_free(&json);
+    daemon_publish(d, "state", &json);
 }
 
 int daemon_give(struct ttf_json *json, char **ret, struct ttf_err *err)

@@ -28,7 +28,7 @@ static int by_name(const void *a, const void *b)
 
 static bool is_name(const char *name)
 {
-    return *name != '.' && *name && strlen(name) < 65 &&
+    return *name != '.' && *name &&
            strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-") ==
                strlen(name);
 }
@@ -39,7 +39,7 @@ static int take(void *ctx, const char *name, bool is_dir)
     size_t n = strlen(name), end = sizeof SUFFIX - 1;
     char text[65];
 
-    if (is_dir != names->folders || names->n == names->max || n > 64 + end)
+    if (is_dir != names->folders || names->n == names->max)
         return 0;
     if (!names->folders) {
         if (n <= end || strcmp(name + n - end, SUFFIX) != 0 || strcmp(name, "board.yaml") == 0)

@@ -75,6 +75,9 @@ const char *const *daemon_board_folders(void);
 
 bool daemon_told_to_end(const struct daemon *d);
 
+/* The writer's text as an event, to whoever listens; json is freed. */
+void daemon_publish(struct daemon *d, const char *kind, struct ttf_json *json);
+
 /* Tells whoever listens what the box does now. */
 void daemon_tell_state(struct daemon *d);
 
