@@ -171,8 +171,6 @@ static void find_serial(struct daemon *d)
 
 static int make_parts(struct daemon *d, struct ttf_err *err)
 {
-    const char *name = strrchr(d->config.dataset, '/');
-    char configuration[1100];
     uint64_t random;
     int r;
 
@@ -189,10 +187,8 @@ static int make_parts(struct daemon *d, struct ttf_err *err)
     if (!d->mailbox || !d->situation || !d->asks || !d->shadow || !d->workshop || !d->calibrations)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     r = ttf_http_events_create(&d->events, err);
-    (void)snprintf(configuration, sizeof configuration, "%s into %s", d->config.plan,
-                   d->config.dataset);
     if (r == 0)
-        r = orders_create(d->io, d->config.state, name ? name + 1 : "", configuration, &d->orders,
+        r = orders_create(d->io, d->config.state, d->config.plan, d->config.dataset, &d->orders,
                           err);
     if (r == 0)
         orders_flag(d->orders, d->options->stop, DAEMON_STOP_RUN);
