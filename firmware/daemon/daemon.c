@@ -22,14 +22,6 @@ bool daemon_told_to_end(const struct daemon *d)
     return __atomic_load_n(d->options->stop, __ATOMIC_RELAXED) == DAEMON_STOP;
 }
 
-const char *const *daemon_board_folders(void)
-{
-    static const char *const FOLDERS[] = {"/etc/ttfbox/boards", "boards", TTFBOX_INSTALLED_BOARDS,
-                                          NULL};
-
-    return FOLDERS;
-}
-
 /* ---- what is told ---- */
 
 void daemon_publish(struct daemon *d, const char *kind, struct ttf_json *json)
@@ -109,7 +101,7 @@ static int load(struct daemon *d, struct ttf_err *err)
         return r;
     for (unsigned i = 0; i < d->config.n_sets; i++)
         d->sets[i] = (struct ttf_board_set){d->config.set[i].path, d->config.set[i].value};
-    r = ttf_board_locate(d->config.board, daemon_board_folders(), path, sizeof path, err);
+    r = ttf_board_locate(d->config.board, ttf_daemon_board_folders(), path, sizeof path, err);
     if (r == 0)
         r = ttf_board_load(path, d->sets, d->config.n_sets, &d->board, err);
     if (r == 0 && d->board.simulated && !d->board.sim.real_time) {

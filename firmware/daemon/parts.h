@@ -70,9 +70,6 @@ struct daemon {
     char token[65];
 };
 
-/* Where boards are looked for, NULL-ended. */
-const char *const *daemon_board_folders(void);
-
 bool daemon_told_to_end(const struct daemon *d);
 
 /* The writer's text as an event, to whoever listens; json is freed. */
