@@ -27,7 +27,7 @@ BOX, PC = "/run/http.sock", "unix:/run/pc"
 FILES = "/datasets/grass/files/"
 
 
-PROGRAMS = ["ttfbox", "ttfbox-usbd", "ttfbox-gadget", "rig_usb"]
+PROGRAMS = ["ttfbox", "ttfbox-usbd", "ttfbox-gadget", "rig_usb", "rig_uvc", "rig_camera"]
 
 
 class Board(Machine):
@@ -40,7 +40,7 @@ class Board(Machine):
 
     def meet(self):
         super().meet()
-        must(self, "mkdir /run/bin && cd /share && cp %s /run/bin/ && cat $(ldd ttfbox rig_usb | grep -o '/[^ :]*') >/dev/null" %
+        must(self, "mkdir /run/bin && cd /share && cp %s /run/bin/ && cat $(ldd ttfbox rig_usb rig_camera | grep -o '/[^ :]*') >/dev/null" %
              " ".join(PROGRAMS))
 
     def begin(self, command):
