@@ -141,7 +141,8 @@ void each_allocation_fails(const struct alloc_piece *piece, struct alloc_run run
     print_message("%-34s %6ld allocations: %ld told, %ld done without\n", piece->name, asked,
                   figures.told, figures.done_without);
     assert_int_equal(figures.wrong, 0);
-    assert_true(asked > 0 || run.whose == ALLOC_OURS);
+    /* A piece may leave all allocations to libraries: with a sanitizer they are not seen. */
+    assert_true(asked > 0 || run.whose == ALLOC_OURS || !alloc_hook_sees_all());
 }
 
 struct alloc_run alloc_run_of(int argc, char **argv)
