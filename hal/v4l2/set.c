@@ -13,19 +13,12 @@ enum verdict {
     VERDICT_OVER /* what is left of the set was lost */
 };
 
-static bool same(const struct ttf_exposure *a, const struct ttf_exposure *b)
-{
-    return a->exposure_ns == b->exposure_ns && a->gain_milli == b->gain_milli &&
-           a->wb_r_milli == b->wb_r_milli && a->wb_b_milli == b->wb_b_milli &&
-           a->lens_mdpt == b->lens_mdpt;
-}
-
 /* The next exposure's settings to the driver, if it has not got them; then its frames have to settle. */
 static int apply(struct v4l2_camera *camera, struct ttf_err *err)
 {
     struct v4l2_set *set = &camera->set;
     const struct ttf_exposure *wanted = &set->asked[set->next];
-    bool anew = same(wanted, &camera->asked);
+    bool anew = ttf_exposure_equal(wanted, &camera->asked);
     int r;
 
     if (camera->asked_any && anew)
@@ -72,7 +65,7 @@ static void compare(struct v4l2_camera *camera, const struct ttf_exposure *told)
     struct ttf_exposure meant;
 
     v4l2_controls_meant(&camera->controls, &camera->asked, &meant);
-    if (same(told, &meant))
+    if (ttf_exposure_equal(told, &meant))
         camera->held = true;
     else if (camera->held || !camera->asked_twice)
         camera->astray = true;
@@ -110,7 +103,7 @@ static enum verdict pass_over(struct v4l2_camera *camera, uint32_t lost)
     for (; lost > 0 && set->next < set->n; lost--) {
         set->next++;
         set->lost = true;
-        if (set->next < set->n && !same(&set->asked[set->next], &camera->asked)) {
+        if (set->next < set->n && !ttf_exposure_equal(&set->asked[set->next], &camera->asked)) {
             set->placed = false;
             return VERDICT_NOT_OURS;
         }
