@@ -269,14 +269,17 @@ static int make(struct ttf_http_request *request, const char *folder,
         return ttf_err_set(&request->err, -ENOENT, wanted->file.path, "this file is missing");
     (void)close(r);
     (void)snprintf(path, sizeof path, "%s/%s", folder, wanted->file.path);
+    r = 0;
     (void)pthread_mutex_lock(&thumbs->making);
-    jpeg = recall(thumbs, wanted->file.sha256, &n); /* somebody else's, by now */
-    r = jpeg ? 0
-             : ttf_thumbnail_of_file(request->io, path, stream, &size, &jpeg, &n, &request->err);
+    jpeg = recall(thumbs, wanted->file.sha256, &n); /* perhaps somebody else's, by now */
+    if (!jpeg) {
+        r = ttf_thumbnail_of_file(request->io, path, stream, &size, &jpeg, &n, &request->err);
+        if (r == 0)
+            remember(thumbs, wanted->file.sha256, jpeg, n);
+    }
     (void)pthread_mutex_unlock(&thumbs->making);
     if (r < 0)
         return r;
-    remember(thumbs, wanted->file.sha256, jpeg, n);
     answer_json(ret, jpeg, n);
     return 0;
 }
