@@ -246,10 +246,7 @@ static bool give_preview(struct ttf_http_request *request, int64_t index, const 
     }
     if (fd < 0)
         return false;
-    ret->fd = fd;
-    ret->bytes = st.st_size;
-    (void)snprintf(ret->etag, sizeof ret->etag, "%" PRIx64 "-%" PRIx64 "-%lx", (uint64_t)st.st_ino,
-                   (uint64_t)st.st_mtim.tv_sec, (unsigned long)st.st_mtim.tv_nsec);
+    answer_file(ret, fd, st.st_size, &st);
     return true;
 }
 
