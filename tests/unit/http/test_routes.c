@@ -58,10 +58,12 @@ static void what_no_pattern_has_is_not_there(void **state)
 /* A thread of connections that does would hold up all of its connections: half of the socket's. */
 static void no_thread_of_connections_reads_a_whole_dataset(void **state)
 {
-    static const char *const URLS[] = {"/api/v1/datasets", "/api/v1/datasets/grass",
+    static const char *const URLS[] = {"/api/v1/datasets",
+                                       "/api/v1/datasets/grass",
                                        "/api/v1/datasets/grass/tar",
                                        "/api/v1/datasets/grass/charts",
-                                       "/api/v1/datasets/grass/thumbs/1", NULL};
+                                       "/api/v1/datasets/grass/thumbs/1",
+                                       NULL};
     struct ttf_http_match m;
 
     (void)state;
