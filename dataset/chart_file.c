@@ -24,6 +24,21 @@ static bool separates(char c)
     return c == ' ' || c == '\t' || c == ',' || c == ';' || c == '\r';
 }
 
+/* "37,99;13,56;14,06" would read as six other numbers, and nothing would look wrong. */
+static bool decimal_commas(const char *line)
+{
+    const char *comma = line;
+
+    if (!strpbrk(line, ";\t"))
+        return false;
+    while ((comma = strchr(comma, ','))) {
+        if (comma > line && isdigit((unsigned char)comma[-1]) && isdigit((unsigned char)comma[1]))
+            return true;
+        comma++;
+    }
+    return false;
+}
+
 /* The last three words as numbers; false if they are none. *ret_first: where the first of them begins. */
 static bool last_three(char *line, double ret[3], const char **ret_first)
 {
@@ -106,9 +121,14 @@ static int take_lines(struct values *v, char *text, const char *path, struct ttf
             counts = strncmp(line, "BEGIN_DATA", 10) == 0 && line[10] != '_';
             continue;
         }
-        if (!counts || line[0] == '#' || !last_three(line, lab, &first))
+        if (!counts || line[0] == '#')
             continue;
         (void)snprintf(where, sizeof where, "%s:%u", path, number);
+        if (decimal_commas(line))
+            return ttf_err_set(err, -EINVAL, where,
+                               "has decimal commas: write numbers with a point");
+        if (!last_three(line, lab, &first))
+            continue;
         r = take(v, named_patch(line, first), lab, where, err);
     }
     return r;

@@ -262,31 +262,3 @@ int ttf_thumbnail_of_file(struct ttf_io *io, const char *path, const struct ttf_
         return of_dng(io, path, size, ret, ret_bytes, err);
     return of_tiff(io, path, stream, size, ret, ret_bytes, err);
 }
-
-/* ---- of a sequence ---- */
-
-struct frame_source {
-    struct source base; /* first */
-    struct ttf_sequence *sequence;
-    uint32_t t;
-};
-
-static int frame_row(struct source *source, uint32_t y, uint16_t *rgb, struct ttf_err *err)
-{
-    const struct frame_source *f = (const struct frame_source *)source;
-
-    return ttf_sequence_read_rows(f->sequence, f->t, y, 1, rgb, err);
-}
-
-int ttf_thumbnail_of_frame(struct ttf_sequence *sequence, uint32_t t,
-                           const struct ttf_thumbnail_size *size, void **ret, size_t *ret_bytes,
-                           struct ttf_err *err)
-{
-    struct frame_source f = {
-        .base = {sequence->width, sequence->height, sequence->encoding, frame_row},
-        .sequence = sequence,
-        .t = t,
-    };
-
-    return make(&f.base, size, ret, ret_bytes, err);
-}

@@ -168,6 +168,8 @@ int grown_cut(struct grown *grown, struct ttf_err *err)
 {
     int r = grown->io->ops->truncate(grown->io, grown->file, grown->bytes);
 
+    if (r == 0)
+        r = grown->io->ops->sync(grown->io, grown->file, true);
     if (r < 0)
         return complain(grown, r, "cannot be cut", err);
     grown->ends[0] = grown->bytes;

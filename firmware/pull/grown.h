@@ -52,7 +52,7 @@ bool grown_is_ahead(const struct grown *grown);
 TTF_MUST_USE int grown_each(struct grown *grown, int64_t from, grown_line_fn *fn, void *ctx,
                             struct ttf_err *err);
 
-/* Cuts the file at bytes. */
+/* Cuts the file at bytes, and syncs. */
 TTF_MUST_USE int grown_cut(struct grown *grown, struct ttf_err *err);
 
 /*

@@ -89,16 +89,38 @@ static int check_line(void *ctx, const char *line, size_t n, struct ttf_err *err
     return lines_take(&one->lines, line, n, false, err);
 }
 
-/* grown_line_fn: a line that the box lost before its disk had it; what it named is no part of the dataset. */
-static int take_back(void *ctx, const char *line, size_t n, struct ttf_err *err)
+/* Names, each with its end, of files that are no part of the dataset any more. */
+struct gone {
+    char *names;
+    size_t n_bytes, room;
+};
+
+static int note_gone(struct gone *gone, const char *name, struct ttf_err *err)
 {
-    struct one *one = ctx;
+    const size_t n = strlen(name) + 1;
+
+    if (gone->n_bytes + n > gone->room) {
+        size_t room = 2 * (gone->room + n);
+        char *more = realloc(gone->names, room);
+
+        if (!more)
+            return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+        gone->names = more;
+        gone->room = room;
+    }
+    memcpy(gone->names + gone->n_bytes, name, n);
+    gone->n_bytes += n;
+    return 0;
+}
+
+/* grown_line_fn: a line that the box lost before its disk had it. */
+static int note_line(void *ctx, const char *line, size_t n, struct ttf_err *err)
+{
     const json_t *image, *file;
-    char path[4600];
     json_t *json;
     size_t i, k;
+    int r = 0;
 
-    (void)err;
     if (ttf_json_parse(line, n, &json, NULL) < 0)
         return 0;
     json_array_foreach(json_object_get(json, "images"), i, image)
@@ -106,13 +128,35 @@ static int take_back(void *ctx, const char *line, size_t n, struct ttf_err *err)
     {
         const char *name = json_string_value(json_object_get(file, "path"));
 
-        if (!name || !landing_is_image(name))
-            continue;
-        (void)snprintf(path, sizeof path, "%s/%s", one->folder, name);
-        (void)one->config->io->ops->unlink(one->config->io, path);
+        if (r == 0 && name && landing_is_image(name))
+            r = note_gone(ctx, name, err);
     }
     json_decref(json);
-    return 0;
+    return r;
+}
+
+static void remove_gone(const struct one *one, const struct gone *gone)
+{
+    char path[4600];
+
+    for (size_t at = 0; at < gone->n_bytes; at += strlen(gone->names + at) + 1) {
+        (void)snprintf(path, sizeof path, "%s/%s", one->folder, gone->names + at);
+        (void)one->config->io->ops->unlink(one->config->io, path);
+    }
+}
+
+/* The lines go, on the disk too, and then their files: a file without a line is nobody's, a line without its file is damage. */
+static int take_back(struct one *one, struct ttf_err *err)
+{
+    struct gone gone = {0};
+    int r = grown_each(&one->records, one->records.bytes, note_line, &gone, err);
+
+    if (r == 0)
+        r = grown_cut(&one->records, err);
+    if (r == 0)
+        remove_gone(one, &gone);
+    free(gone.names);
+    return r;
 }
 
 /* First it is compared, then the list of hashes goes, then the lines: cut off between any two, it is a dataset. */
@@ -125,8 +169,7 @@ static int come_to_terms(struct one *one, const struct seal_state *state, struct
     if (r < 0 || !grown_is_ahead(&one->records))
         return r;
     one->taken_back = true;
-    r = grown_each(&one->records, one->records.bytes, take_back, one, err);
-    return r < 0 ? r : grown_cut(&one->records, err);
+    return take_back(one, err);
 }
 
 static int open_records(struct one *one, const struct seal_state *state, struct ttf_err *err)

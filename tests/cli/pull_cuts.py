@@ -117,11 +117,15 @@ class Campaign:
         host, port = json.loads(self.server.stdout.readline())["listening"].rsplit(":", 1)
         self.wire = Wire((host, int(port)), self.chance)
 
-    def end(self):
+    def end(self, keep):
+        """keep: what failed is looked at by a person."""
         if hasattr(self, "server"):
             self.server.kill()
             self.server.wait()
-        shutil.rmtree(self.folder, ignore_errors=True)
+        if keep:
+            print(f"kept: {self.folder} (phase {self.phase}, pull {self.pulls}, copy {self.copies})", flush=True)
+        else:
+            shutil.rmtree(self.folder, ignore_errors=True)
 
     def look(self, sealed):
         """What is there by its final name is the box's; a copy that is said to be whole is."""
@@ -131,8 +135,8 @@ class Campaign:
             self.left_over += any(name.endswith(".tmp") for _, _, names in os.walk(self.copy) for name in names)
             wrong = sorted(set(there.items()) ^ set(self.whole.items()))
             assert not wrong, f"a copy is said to be sealed, and differs: {wrong[:4]}"
-            r = self.run("verify", "-q", self.copy)
-            assert r.returncode == 0, r.stderr
+            r = self.run("verify", self.copy)
+            assert r.returncode == 0, f"a copy is sealed and the box's to the bit, and 'verify' refuses it: {r.returncode} {r.stdout}{r.stderr}"
             self.copies += 1
             return
         # Of a program that was killed a small file can be half of it, until the next pull: no line names it yet, and 'verify' looks at those.
@@ -211,14 +215,15 @@ def main():
     n = int(sys.argv[2]) if len(sys.argv) > 2 else 1000
     seed = int(sys.argv[3]) if len(sys.argv) > 3 else 20261126
     campaign = Campaign(sys.argv[1], n, seed)
+    keep = True
     try:
         campaign.go()
+        keep = False
     except AssertionError as wrong:
         print(f"FAILED (seed {seed}): {wrong}", flush=True)
-        return 1
     finally:
-        campaign.end()
-    return 0
+        campaign.end(keep)
+    return int(keep)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "faults.h"
 #include "pull_box.h"
@@ -320,6 +321,72 @@ static void a_power_cut_before_a_batch_is_synced_takes_that_batch_alone(void **s
     pull_box_end(&box);
 }
 
+/* The box's records without their last three lines, and without a seal: what a power cut left of them. */
+static void forget_last_lines(void)
+{
+    static char text[1 << 20];
+    FILE *file = fopen("data/d/records.jsonl", "r+");
+    size_t n;
+
+    assert_non_null(file);
+    n = fread(text, 1, sizeof text, file);
+    for (unsigned lines = 0; lines < 3; n--)
+        lines += n >= 2 && text[n - 2] == '\n';
+    assert_true(n > 0 && text[n - 1] == '\n');
+    assert_int_equal(ftruncate(fileno(file), (off_t)n), 0);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(unlink("data/d/SHA256SUMS"), 0);
+}
+
+/* A pull that ends at operation at of taking lines back, with or without the power. 0: it got through. */
+static int taken_back_until(struct pull_box *box, struct model_disk *whole, long at, bool dark)
+{
+    struct ttf_pull_result result;
+    struct model_disk disk;
+    struct ttf_err err = {0};
+    char text[SMALL_TEXT] = "";
+    int r;
+
+    model_disk_copy(&disk, whole);
+    model_disk_fail(&disk, (struct model_fault){.at = at, .error = EIO, .lasts = LONG_MAX});
+    r = pull_box_pull(box, &disk, &result, &err);
+    model_disk_fail(&disk, (struct model_fault){0});
+    if (dark)
+        model_disk_lose_power(&disk);
+    if (!pull_box_is_whole(&disk, text))
+        fail_msg("cut off at operation %ld%s: %s", at, dark ? " with the power" : "", text);
+    if (r == 0) {
+        if (!dark) /* else the disk may not have heard that files went: they are nobody's */
+            assert_int_equal(pictures_seen(&disk), slots_seen(&disk));
+        assert_true(slots_seen(&disk) < slots_seen(whole));
+    }
+    model_disk_free(&disk);
+    return r;
+}
+
+/* The box lost lines that were pulled: cut off anywhere while they are taken back, no line here is without its file. */
+static void lines_that_the_box_lost_go_before_their_files(void **state)
+{
+    static struct pull_box box;
+    struct ttf_pull_result result;
+    struct model_disk disk;
+    struct ttf_err err = {0};
+    long n = 0;
+
+    (void)state;
+    pull_box_begin(&box, 8);
+    model_disk_init(&disk);
+    assert_int_equal(pull_box_pull(&box, &disk, &result, &err), 0);
+    assert_int_equal(result.sealed, 1);
+    forget_last_lines();
+    for (int dark = 0; dark < 2; dark++)
+        for (n = 1; taken_back_until(&box, &disk, n, dark != 0) < 0; n++)
+            ;
+    assert_true(n > 20);
+    model_disk_free(&disk);
+    pull_box_end(&box);
+}
+
 /* "all": every operation fails in every way; else a share of it, in some seconds. */
 int main(int argc, char **argv)
 {
@@ -331,6 +398,8 @@ int main(int argc, char **argv)
                                         scratch_make, scratch_remove),
         cmocka_unit_test_setup_teardown(a_power_cut_before_a_batch_is_synced_takes_that_batch_alone,
                                         scratch_make, scratch_remove),
+        cmocka_unit_test_setup_teardown(lines_that_the_box_lost_go_before_their_files, scratch_make,
+                                        scratch_remove),
         cmocka_unit_test_setup_teardown(what_another_program_is_writing_is_left_alone, scratch_make,
                                         scratch_remove),
     };

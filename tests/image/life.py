@@ -71,7 +71,9 @@ def wrong_settings_are_told_and_the_former_stay_and_datasets_outlive_the_image(b
     # The image is written anew, as with a card writer, and the card is a larger one.
     fresh = image + ".fresh"
     booted.copy(board, fresh)
-    booted.put(fresh, "settings/ttfbox.yaml", capture.SETTINGS.replace("set:", "unknown: 1\nset:"))
+    wrong = capture.SETTINGS.replace("set:", "unknown: 1\nset:")
+    line = wrong[:wrong.index("unknown:")].count("\n") + 1
+    booted.put(fresh, "settings/ttfbox.yaml", wrong)
     subprocess.run(["dd", "if=" + fresh, "of=" + image, "bs=1M", "conv=notrunc", "status=none"], check=True)
     os.unlink(fresh)
     subprocess.run(["truncate", "-s", "+1G", image], check=True)
@@ -80,7 +82,7 @@ def wrong_settings_are_told_and_the_former_stay_and_datasets_outlive_the_image(b
         m.off()
     said = booted.get(image, "ttfbox-problem.txt")
     print("    a wrong key: " + " | ".join(said.split("\r\n")))
-    assert "settings/ttfbox.yaml:5:1" in said and "unknown" in said, said
+    assert f"settings/ttfbox.yaml:{line}:1" in said and "unknown" in said, said
     assert (third["id"], third["datasets"], third["owner"]) == (first["id"], "plan", "ttfbox"), third
     assert 950 <= first["mib"] <= 1024 and 1900 <= third["mib"] <= 2048, (first, third)
 

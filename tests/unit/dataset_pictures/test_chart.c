@@ -264,6 +264,31 @@ static void what_is_no_chart_is_refused_with_the_reason(void **state)
     ttf_calibration_free(&c);
 }
 
+static void charts_without_colours_are_refused(void **state)
+{
+    const struct ttf_chart_view view = view_of_all();
+    struct ttf_calibration c;
+    struct ttf_raw_sum sum;
+    struct ttf_chart grey;
+    struct ttf_err err = {0};
+    struct shown s;
+
+    (void)state;
+    begin(&c, &s);
+    for (unsigned i = 0; i < TTF_CHART_PATCHES; i++)
+        s.chart.lab[i][1] = s.chart.lab[i][2] = 0;
+    grey = s.chart;
+    shoot(&sum, &s);
+    assert_int_equal(ttf_calibration_fit_chart(&c, &sum, &view, &grey, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "all of one colour"));
+    /* nor is there a matrix for a camera that sees none */
+    ttf_raw_sum_free(&sum);
+    c.cfa = TTF_CFA_NONE;
+    assert_int_equal(fit(&c, &s, &view, &err), -EINVAL);
+    assert_false(c.has_chart);
+    ttf_calibration_free(&c);
+}
+
 static void a_chart_is_measured_after_the_flat(void **state)
 {
     const struct ttf_chart_view view = view_of_all();
@@ -393,6 +418,29 @@ static void values_are_read_as_makers_and_programs_write_them(void **state)
     (void)snprintf(text + strlen(text), sizeof(text) - strlen(text), "END_DATA\nA1 1 2 3\n");
     assert_int_equal(load(state, text, &chart, &err), 0);
     assert_in_order(&chart);
+    text[0] = '\0'; /* as spreadsheets elsewhere write it: quotes, semicolons, CR LF */
+    for (int row = 0, i = 0; row < 4; row++)
+        for (int column = 0; column < 6; column++, i++)
+            (void)snprintf(text + strlen(text), sizeof(text) - strlen(text),
+                           " \"%c%d\"; skin, dark; %d; %d; %d\r\n", 'a' + column, row + 1, 10 + i,
+                           i, -i);
+    assert_int_equal(load(state, text, &chart, &err), 0);
+    for (int i = 0; i < TTF_CHART_PATCHES; i++) {
+        assert_float_equal(chart.lab[i][0], 10 + i, 1e-9);
+        assert_float_equal(chart.lab[i][2], -i, 1e-9);
+    }
+}
+
+static void decimal_commas_are_refused_and_not_misread(void **state)
+{
+    struct ttf_chart chart;
+    struct ttf_err err;
+
+    assert_int_equal(load(state, "A1;37,99;13,56;14,06\n", &chart, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "with a point"));
+    assert_non_null(strstr(err.where, "values.txt:1"));
+    assert_int_equal(load(state, "37,99\t13,56\t14,06\n", &chart, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "with a point"));
 }
 
 static void values_that_do_not_make_a_chart_are_refused_with_their_line(void **state)
@@ -407,8 +455,17 @@ static void values_that_do_not_make_a_chart_are_refused_with_their_line(void **s
     assert_non_null(strstr(err.where, "values.txt:2"));
     assert_int_equal(load(state, "A1 37 13 14\n65 18 17\n", &chart, &err), -EINVAL);
     assert_non_null(strstr(err.what, "some do not"));
-    assert_int_equal(load(state, "337 13 14\n", &chart, &err), -EINVAL);
-    assert_non_null(strstr(err.what, "no L*"));
+    for (unsigned i = 0; i < 4; i++) {
+        static const char *const WRONG[4] = {"337 13 14\n", "-1 13 14\n", "37 213 14\n",
+                                             "37 13 -214\n"};
+
+        assert_int_equal(load(state, WRONG[i], &chart, &err), -EINVAL);
+        assert_non_null(strstr(err.what, "no L*"));
+    }
+    /* G1, A5, A11 and a word name no patch: these are lines without names, of which there are too few. */
+    assert_int_equal(
+        load(state, "G1 37 13 14\nA5 1 2 3\nA11 1 2 3\nx 1 2 3\n1 2 inf\n", &chart, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "of 4 patches"));
     put_lines(text, sizeof(text), false, " ");
     (void)snprintf(text + strlen(text), sizeof(text) - strlen(text), "50 0 0\n");
     assert_int_equal(load(state, text, &chart, &err), -EINVAL);
@@ -421,11 +478,13 @@ int main(void)
         cmocka_unit_test(a_chart_seen_at_a_slant_gives_the_matrix_back),
         cmocka_unit_test(an_exposure_unlike_the_flats_is_accounted_for),
         cmocka_unit_test(what_is_no_chart_is_refused_with_the_reason),
+        cmocka_unit_test(charts_without_colours_are_refused),
         cmocka_unit_test(a_chart_is_measured_after_the_flat),
         cmocka_unit_test(what_was_fitted_is_kept_in_the_folder),
         cmocka_unit_test(ciede2000_gives_its_authors_figures),
         cmocka_unit_test(lab_and_linear_light_are_two_names_of_one_colour),
         cmocka_unit_test(values_are_read_as_makers_and_programs_write_them),
+        cmocka_unit_test(decimal_commas_are_refused_and_not_misread),
         cmocka_unit_test(values_that_do_not_make_a_chart_are_refused_with_their_line),
     };
 

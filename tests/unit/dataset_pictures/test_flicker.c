@@ -171,6 +171,19 @@ static void more_frames_than_there_is_room_for_or_of_another_size_are_refused(vo
     assert_int_equal(ttf_flicker_init(&frames, &other, TTF_FLICKER_FRAMES_LEAST, &err), 0);
     assert_int_equal(ttf_flicker_add(&frames, &sum, 0), -EINVAL);
     ttf_flicker_free(&frames);
+    other = format;
+    other.width = W / 2;
+    assert_int_equal(ttf_flicker_init(&frames, &other, TTF_FLICKER_FRAMES_LEAST, &err), 0);
+    assert_int_equal(ttf_flicker_add(&frames, &sum, 0), -EINVAL);
+    ttf_flicker_free(&frames);
+    other = format;
+    other.packing = TTF_PACKING_RAW8;
+    assert_int_equal(ttf_flicker_init(&frames, &other, TTF_FLICKER_FRAMES_LEAST, &err), 0);
+    assert_int_equal(ttf_flicker_add(&frames, &sum, 0), -EINVAL);
+    ttf_flicker_free(&frames);
+    other.height = 3;
+    assert_int_equal(ttf_flicker_init(&frames, &other, TTF_FLICKER_FRAMES_LEAST, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "frames of 3 rows are too small"));
     ttf_raw_sum_free(&sum);
 }
 

@@ -33,6 +33,7 @@ struct shown {
     double uneven; /* light falls by that to the corner */
     double radius; /* of the dots, of the pitch */
     bool dirt;     /* blots beside the dots, and one dot gone */
+    bool litter;   /* dots without an order lie over a part of it */
     enum ttf_cfa cfa;
 };
 
@@ -58,8 +59,9 @@ static double seen_at(const struct shown *s, double x, double y)
     const double column = (px * cos(angle) + py * sin(angle)) / w / s->pitch_px;
     const double row = (-px * sin(angle) + py * cos(angle)) / w / s->pitch_px;
     const double own_column = floor(column + 0.5), own_row = floor(row + 0.5);
-    const double dx = s->jitter * noise_of((int)own_column, (int)own_row, 0);
-    const double dy = s->jitter * noise_of((int)own_column, (int)own_row, 1);
+    const double jitter = s->litter && fabs(py) > H / 4.0 ? 0.9 : s->jitter;
+    const double dx = jitter * noise_of((int)own_column, (int)own_row, 0);
+    const double dy = jitter * noise_of((int)own_column, (int)own_row, 1);
     const bool gone = s->dirt && own_column == 3 && own_row == -2;
 
     if (fabs(px) > s->reach * W / 2 || fabs(py) > s->reach * H / 2)
@@ -222,6 +224,13 @@ static void what_is_no_even_grid_is_refused_with_the_reason(void **state)
     s = plain;
     s.jitter = 0.25;
     refused(&s, "pixels off a flat, even grid");
+    s = plain;
+    s.litter = true;
+    refused(&s, "many dots are on no grid");
+    s = plain;
+    s.pitch_px = 5.2;
+    s.radius = 0.36;
+    refused(&s, "there are too many dots");
     ttf_calibration_init(&calibration);
     assert_int_equal(ttf_calibration_fit_geometry(&calibration, &none, 5.0, NULL), -EINVAL);
     assert_int_equal(ttf_calibration_fit_geometry(&calibration, &none, 0.0, NULL), -EINVAL);

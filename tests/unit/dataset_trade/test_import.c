@@ -364,6 +364,71 @@ static void a_float_stack_keeps_its_values(void **state)
     ttf_pixbuf_free(&pixels);
 }
 
+/* The scale of what a grey picture of floats between -2 and 2 is kept with, or of 3 everywhere. */
+static struct ttf_encoding encoding_of_floats(void **state, bool even, struct ttf_image_range range,
+                                              const char *output)
+{
+    const char *const inputs[] = {in_folder(state, "range.tif")};
+    struct ttf_import_config config = {.inputs = inputs,
+                                       .n_inputs = 1,
+                                       .output = in_folder(state, "%s", output),
+                                       .range = range,
+                                       .interval_ns = TTF_NS_PER_S};
+    struct ttf_pixbuf pixels = make_picture(W, H, 1, TTF_SAMPLE_F32, 9);
+    struct ttf_tiff_spec spec = {.times = {.start_utc_ns = TTF_NS_UNKNOWN}};
+    struct ttf_io *io = ttf_io_posix();
+    struct ttf_encoding encoding;
+    struct opened opened;
+    int file;
+
+    for (size_t i = 0; i < (size_t)W * H; i++)
+        ((float *)pixels.data)[i] = even ? 3 : (float)(i % 5) - 2;
+    (void)io->ops->unlink(io, inputs[0]);
+    file = io->ops->open(io, inputs[0], TTF_IO_CREATE_NEW);
+    assert_int_equal(ttf_tiff_write(io, file, &pixels, &spec, NULL), 0);
+    io->ops->close(io, file);
+    ttf_pixbuf_free(&pixels);
+    import_ok(&config);
+    opened = open_dataset(config.output);
+    encoding = opened.sequence->encoding;
+    close_dataset(&opened);
+    return encoding;
+}
+
+static void floats_are_kept_in_the_range_asked_for_or_their_own(void **state)
+{
+    struct ttf_encoding e = encoding_of_floats(state, false, (struct ttf_image_range){0}, "own");
+
+    assert_float_equal(e.scale, 65535.0 / 4, 1e-6);
+    assert_float_equal(e.pedestal, 65535.0 / 2, 1e-6);
+    e = encoding_of_floats(state, false, (struct ttf_image_range){-4, 4}, "asked");
+    assert_float_equal(e.scale, 65535.0 / 8, 1e-6);
+    assert_float_equal(e.pedestal, 65535.0 / 2, 1e-6);
+    /* One value has no range: from it to 1 above. */
+    e = encoding_of_floats(state, true, (struct ttf_image_range){0}, "even/");
+    assert_float_equal(e.scale, 65535, 1e-6);
+    assert_float_equal(e.pedestal, -3 * 65535.0, 1e-6);
+}
+
+static void an_origin_that_is_given_is_the_first_slots(void **state)
+{
+    const char *const inputs[] = {in_folder(state, "1.png")};
+    const struct ttf_import_config config = {.inputs = inputs,
+                                             .n_inputs = 1,
+                                             .output = in_folder(state, "data"),
+                                             .interval_ns = TTF_NS_PER_MIN,
+                                             .origin_utc_ns = 1700000000 * TTF_NS_PER_S};
+    struct ttf_segment segment;
+    struct opened opened;
+
+    picture_file(inputs[0], W, H, 1);
+    import_ok(&config);
+    opened = open_dataset(config.output);
+    assert_int_equal(ttf_reader_segment(opened.reader, 0, &segment), 0);
+    assert_true(segment.origin_utc_ns == config.origin_utc_ns);
+    close_dataset(&opened);
+}
+
 static void a_region_is_cut_out(void **state)
 {
     const char *const inputs[] = {in_folder(state, "1.png")};
@@ -516,6 +581,8 @@ int main(void)
         IN_FOLDER(missing_times_and_intervals_are_asked_for),
         IN_FOLDER(an_existing_dataset_is_left_alone),
         IN_FOLDER(a_float_stack_keeps_its_values),
+        IN_FOLDER(floats_are_kept_in_the_range_asked_for_or_their_own),
+        IN_FOLDER(an_origin_that_is_given_is_the_first_slots),
         IN_FOLDER(a_region_is_cut_out),
         IN_FOLDER(a_video_comes_in_through_ffmpeg),
         IN_FOLDER(a_stopped_import_leaves_nothing),

@@ -2,6 +2,8 @@
 /* test_thumbnail.c: small pictures of large images. */
 #include "trade_test.h"
 
+#include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,6 +35,25 @@ static void write_tiff(const char *path, uint32_t width, uint32_t height, uint16
     assert_int_equal(ttf_tiff_writer_close(writer, NULL), 0);
     (void)io->ops->close(io, file);
     free(row);
+}
+
+/* The same, of grey pixels in another format: `row` is one row of the file, as it is given to the writer. */
+static void write_grey(const char *path, enum ttf_sample format, const void *row, uint32_t width,
+                       uint32_t height)
+{
+    const struct ttf_tiff_spec spec = {
+        .width = width, .height = height, .samples = 1, .format = format};
+    struct ttf_io *io = ttf_io_posix();
+    struct ttf_tiff_writer *writer = NULL;
+    int file = io->ops->open(io, path, TTF_IO_CREATE_NEW);
+    size_t bytes = format == TTF_SAMPLE_U8 ? 1 : sizeof(float);
+
+    assert_true(file >= 0);
+    assert_int_equal(ttf_tiff_writer_open(io, file, &spec, &writer, NULL), 0);
+    for (uint32_t y = 0; y < height; y++)
+        assert_int_equal(ttf_tiff_writer_rows(writer, row, width * bytes, 1, NULL), 0);
+    assert_int_equal(ttf_tiff_writer_close(writer, NULL), 0);
+    (void)io->ops->close(io, file);
 }
 
 static struct ttf_pixbuf decoded(void **state, const void *jpeg, size_t n)
@@ -89,6 +110,60 @@ static void what_is_small_stays_as_large_as_it_is(void **state)
     assert_int_equal(small.height, 20);
     assert_in_range(*(const uint8_t *)ttf_pixbuf_row(&small, 5), 108, 112); /* sRGB of 0.153 */
     ttf_pixbuf_free(&small);
+}
+
+/* Black, a linear half, white, beyond white and below black, whatever their codes are. */
+static void bytes_and_floats_mean_what_their_stream_says(void **state)
+{
+    static const uint8_t bytes[5] = {10, 110, 210, 255, 0};
+    static const float floats[5] = {-1, 0, 1, 7, NAN};
+    static const uint8_t wanted[5] = {0, 188, 255, 255, 0}; /* sRGB of 0.5: 188 */
+    const struct ttf_thumbnail_size size = {.quality = 100};
+    const struct ttf_stream of_bytes = {.encoding = {10, 200}}, of_floats = {.encoding = {-1, 2}};
+    uint8_t byte_row[5 * 16];
+    float float_row[5 * 16];
+
+    for (unsigned i = 0; i < 5 * 16; i++) { /* patches of a JPEG's own size */
+        byte_row[i] = bytes[i / 16];
+        float_row[i] = floats[i / 16];
+    }
+    write_grey(in_folder(state, "bytes.tif"), TTF_SAMPLE_U8, byte_row, 5 * 16, 16);
+    write_grey(in_folder(state, "floats.tif"), TTF_SAMPLE_F32, float_row, 5 * 16, 16);
+    for (unsigned i = 0; i < 2; i++) {
+        struct ttf_pixbuf small;
+        void *jpeg = NULL;
+        size_t n = 0;
+
+        assert_int_equal(ttf_thumbnail_of_file(ttf_io_posix(),
+                                               in_folder(state, i ? "floats.tif" : "bytes.tif"),
+                                               i ? &of_floats : &of_bytes, &size, &jpeg, &n, NULL),
+                         0);
+        small = decoded(state, jpeg, n);
+        free(jpeg);
+        for (unsigned k = 0; k < 5; k++) {
+            const uint8_t *at =
+                (const uint8_t *)ttf_pixbuf_row(&small, 8) + (size_t)(k * 16 + 8) * small.samples;
+
+            assert_in_range(at[0], wanted[k] < 1 ? 0 : wanted[k] - 1, wanted[k] + 1);
+        }
+        ttf_pixbuf_free(&small);
+    }
+}
+
+static void a_stream_without_a_scale_is_not_shown(void **state)
+{
+    static const struct ttf_stream none;
+    const struct ttf_thumbnail_size size = {0};
+    struct ttf_err err = {0};
+    void *jpeg = NULL;
+    size_t n = 0;
+
+    write_tiff(in_folder(state, "none.tif"), 8, 8, 0, 1);
+    assert_int_equal(ttf_thumbnail_of_file(ttf_io_posix(), in_folder(state, "none.tif"), &none,
+                                           &size, &jpeg, &n, &err),
+                     -ENOTSUP);
+    assert_non_null(strstr(err.what, "no scale"));
+    assert_null(jpeg);
 }
 
 static void a_raw_file_is_shown_with_its_white_balance(void **state)
@@ -160,6 +235,10 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_large_image_becomes_a_small_picture_in_linear_light,
                                         folder_setup, folder_teardown),
         cmocka_unit_test_setup_teardown(what_is_small_stays_as_large_as_it_is, folder_setup,
+                                        folder_teardown),
+        cmocka_unit_test_setup_teardown(bytes_and_floats_mean_what_their_stream_says, folder_setup,
+                                        folder_teardown),
+        cmocka_unit_test_setup_teardown(a_stream_without_a_scale_is_not_shown, folder_setup,
                                         folder_teardown),
         cmocka_unit_test_setup_teardown(a_raw_file_is_shown_with_its_white_balance, folder_setup,
                                         folder_teardown),

@@ -166,7 +166,9 @@ static void imports_that_cannot_be_are_refused_and_make_nothing(void **state)
 
     picture_file(inputs[0], 8, 6, 1);
     picture_file(inputs[1], 8, 6, 2);
-    for (unsigned i = 0; i < 9; i++) {
+    for (unsigned i = 0; i < 14; i++) {
+        static const struct ttf_region OUTSIDE[5] = {
+            {4, 0, 5, 1}, {0, 2, 1, 5}, {8, 0, 1, 1}, {0, 6, 1, 1}, {0, 0, 1, 0}};
         struct ttf_import_config c = good;
         struct ttf_err err = {0};
 
@@ -195,8 +197,12 @@ static void imports_that_cannot_be_are_refused_and_make_nothing(void **state)
         case 7:
             c.order = TTF_IMPORT_NAME_TIME;
             break;
+        case 8: /* 65 characters, of which each would do */
+            c.output = in_folder(
+                state, "a123456789a123456789a123456789a123456789a123456789a123456789a1234");
+            break;
         default:
-            c.region = (struct ttf_region){4, 0, 5, 1};
+            c.region = OUTSIDE[i - 9];
             break;
         }
         assert_int_equal(ttf_import(ttf_io_posix(), &c, &result, &err), -EINVAL);

@@ -13,7 +13,6 @@
 #include "ttf/base/err.h"
 #include "ttf/dataset/io.h"
 #include "ttf/dataset/manifest.h"
-#include "ttf/dataset/sequence.h"
 
 struct ttf_thumbnail_size {
     uint32_t side; /* pixels of the longer side, at most; 0: as large as it is */
@@ -29,10 +28,5 @@ TTF_MUST_USE int ttf_thumbnail_of_file(struct ttf_io *io, const char *path,
                                        const struct ttf_stream *stream,
                                        const struct ttf_thumbnail_size *size, void **ret,
                                        size_t *ret_bytes, struct ttf_err *err);
-
-/* Of a sequence's frame t. */
-TTF_MUST_USE int ttf_thumbnail_of_frame(struct ttf_sequence *sequence, uint32_t t,
-                                        const struct ttf_thumbnail_size *size, void **ret,
-                                        size_t *ret_bytes, struct ttf_err *err);
 
 #endif
