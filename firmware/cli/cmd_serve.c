@@ -2,6 +2,7 @@
 /* cmd_serve.c: `ttfbox serve`: the HTTP interface over a folder of datasets. */
 #include <errno.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "commands.h"
@@ -25,8 +26,8 @@ static void stay(struct ttf_clock *clock, struct ttf_http_server *server)
 static void tell(struct cli *cli, const struct ttf_http_socket *socket, const char *token)
 {
     cli_say_listening(cli, socket->name, &socket->loopback);
-    cli_say(cli, "serving %s at %s%s", cli->opt.args[0], socket->loopback ? "" : "http://",
-            socket->name);
+    cli_say(cli, "serving %s at %s%s", cli->opt.args[0],
+            strncmp(socket->name, "unix:", 5) == 0 ? "" : "http://", socket->name);
     if (!socket->loopback)
         cli_say(cli, "readers need the token: %s",
                 cli->opt.token_file ? cli->opt.token_file : token);
