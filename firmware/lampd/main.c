@@ -222,6 +222,9 @@ int main(int argc, char **argv)
     catch_signals();
     learn_manager(&d);
     r = load(&d, &err);
+    /* That is all it has to do here: who ends before it was ready has failed, to the manager, whatever it ends with. */
+    if (r == -ENODATA)
+        (void)ttf_systemd_notify(d.notify, "READY=1\nSTATUS=no lamps to guard");
     if (r == 0)
         r = open_all(&d, &err);
     if (r == 0) {
