@@ -23,7 +23,9 @@ static struct ttf_writer *begin_of(const char *path, const char *quantity)
     small_manifest(&manifest);
     (void)snprintf(manifest.streams[0].quantity, sizeof manifest.streams[0].quantity, "%s",
                    quantity);
-    assert_int_equal(ttf_writer_create(ttf_io_posix(), path, &manifest, "interval: 10s\n", "{}", &writer, NULL), 0);
+    assert_int_equal(
+        ttf_writer_create(ttf_io_posix(), path, &manifest, "interval: 10s\n", "{}", &writer, NULL),
+        0);
     return writer;
 }
 
