@@ -281,6 +281,18 @@ static int64_t longest_on_ns(const struct ttf_plan *plan, const struct ttf_box *
     return f->slot_busy_ns;
 }
 
+/* As a person says it: lamps burn for hours. */
+static const char *span(int64_t ns, char *ret, size_t size)
+{
+    if (ns == TTF_NS_NEVER)
+        (void)snprintf(ret, size, "ever");
+    else if (ns < TTF_NS_PER_H)
+        (void)snprintf(ret, size, "%.4g s", (double)ns / 1e9);
+    else
+        (void)snprintf(ret, size, "%.4g h", (double)ns / TTF_NS_PER_H);
+    return ret;
+}
+
 static int check_lamps_on_box(const struct ttf_plan *plan, const struct ttf_box *box,
                               const struct ttf_plan_figures *f, struct ttf_err *err)
 {
@@ -293,18 +305,21 @@ static int check_lamps_on_box(const struct ttf_plan *plan, const struct ttf_box 
         const struct ttf_lamp_info *info = ttf_lamps_info(box->lamps, i);
         bool by_day = plan->lamps == TTF_LAMPS_PHOTOPERIOD && programme.day[i] > 0;
         int64_t on = longest_on_ns(plan, box, &programme, f, i);
+        char a[32], b[32];
 
         if (info->max_on_ns > 0 && on > info->max_on_ns)
             return ttf_err_set(err, -EINVAL, by_day ? "lamps.day" : "lamps.mode",
-                               "the lamp '%s' would be on for %.1f s at a stretch; the board "
-                               "allows %.1f s",
-                               info->name, (double)on / 1e9, (double)info->max_on_ns / 1e9);
+                               "the lamp '%s' would be on for %s at a stretch; the board "
+                               "allows %s",
+                               info->name, span(on, a, sizeof a),
+                               span(info->max_on_ns, b, sizeof b));
         if (info->max_duty_permille < 1000 && f->lamp_duty_permille[i] > info->max_duty_permille)
             return ttf_err_set(err, -EINVAL, by_day ? "lamps.day" : "lamps.mode",
-                               "the lamp '%s' would be on for %.1f %% of %.1f s; the board "
+                               "the lamp '%s' would be on for %.1f %% of %s; the board "
                                "allows %.1f %%",
                                info->name, f->lamp_duty_permille[i] / 10.0,
-                               (double)info->duty_window_ns / 1e9, info->max_duty_permille / 10.0);
+                               span(info->duty_window_ns, a, sizeof a),
+                               info->max_duty_permille / 10.0);
     }
     return 0;
 }

@@ -102,7 +102,8 @@ int ttf_session_resolve_phase(struct ttf_plan *plan, int64_t slot0_utc_ns, struc
     if (slot0_utc_ns == TTF_NS_UNKNOWN) {
         ttf_err_set(err, -EINVAL, "lamps.day_start",
                     "nobody vouches for this box's clock, so a local time means nothing");
-        ttf_err_hint(err, "use lamps.phase, or let the clock be set first");
+        ttf_err_hint(err, "let the clock be set (the box's page offers it this PC's time; a "
+                          "network or a battery-backed clock keeps it), or use lamps.phase");
         return -EINVAL;
     }
     plan->phase_ns = ttf_photoperiod_phase_ns(slot0_utc_ns, plan->zone_offset_s, plan->day_start_s);

@@ -2,6 +2,7 @@
 #include "export_staging.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -82,6 +83,17 @@ static void release(struct staging *staging)
     memset(staging, 0, sizeof(*staging));
 }
 
+void staging_name_final(const struct staging *staging, struct ttf_err *err)
+{
+    size_t n = staging->temp ? strlen(staging->temp) : 0;
+    char rest[sizeof err->where];
+
+    if (!err || n == 0 || strncmp(err->where, staging->temp, n) != 0)
+        return;
+    (void)snprintf(rest, sizeof rest, "%s", err->where + n);
+    (void)snprintf(err->where, sizeof err->where, "%s%s", staging->final, rest);
+}
+
 static int prepare(struct staging *staging, struct ttf_err *err)
 {
     char *parent = ttf_path_parent(staging->final);
@@ -108,7 +120,7 @@ static int prepare(struct staging *staging, struct ttf_err *err)
         return 0;
     code = staging->io->ops->mkdir(staging->io, staging->temp);
     if (code)
-        return ttf_err_set(err, code, staging->temp, "the folder cannot be made: %s",
+        return ttf_err_set(err, code, staging->final, "the folder cannot be made: %s",
                            strerrordesc_np(-code));
     return 0;
 }

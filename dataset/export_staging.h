@@ -29,6 +29,9 @@ TTF_MUST_USE int staging_begin(struct staging *staging, struct ttf_io *io, const
 /* Syncs and renames; a file that was there is replaced. On failure the temporary one is gone. Frees. */
 TTF_MUST_USE int staging_commit(struct staging *staging, struct ttf_err *err);
 
+/* An error at a path below the temporary one is told of the one that was named. */
+void staging_name_final(const struct staging *staging, struct ttf_err *err);
+
 /* Removes what there is and frees. A zeroed struct is fine. */
 void staging_discard(struct staging *staging);
 

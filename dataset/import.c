@@ -390,10 +390,12 @@ static int import_run(struct import_run *run, struct ttf_err *err)
     if (!code)
         code = ttf_writer_seal(run->writer, "count", run->result.digest, err);
     ttf_writer_close(run->writer);
-    if (code)
+    if (code) {
+        staging_name_final(&run->staging, err);
         staging_discard(&run->staging);
-    else
+    } else {
         code = staging_commit(&run->staging, err);
+    }
     return code;
 }
 

@@ -227,7 +227,8 @@ int ttf_png_write(struct ttf_io *io, int file, const struct ttf_pixbuf *pixels,
     error = encode(ctx, &target, pixels, transfer, level, comment);
     spng_ctx_free(ctx);
     if (target.error)
-        return ttf_err_set(err, target.error, NULL, "writing a PNG failed");
+        return ttf_err_set(err, target.error, NULL, "writing a PNG failed: %s",
+                           strerrordesc_np(-target.error));
     if (error)
         return ttf_err_set(err, error == SPNG_EMEM || errno == ENOMEM ? -ENOMEM : -EINVAL, NULL,
                            "writing a PNG failed: %s", spng_strerror(error));

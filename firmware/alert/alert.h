@@ -124,6 +124,9 @@ void parts_look(struct parts *parts);
 
 struct hook;
 
+/* One try in the caller's thread, whatever the hook wishes to hear. 0, or as below. */
+TTF_MUST_USE int hook_try(const struct ttf_alert_hook *config, struct ttf_clock *clock,
+                          const volatile int *stop, const struct alert *alert, struct ttf_err *err);
 /* Starts its thread. config must outlive it. */
 TTF_MUST_USE int hook_create(const struct ttf_alert_hook *config, struct ttf_clock *clock,
                              struct hook **ret, struct ttf_err *err);

@@ -6,10 +6,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "alert.h"
 #include "log.h"
 
+#define SENDMAIL "/usr/sbin/sendmail"
 #define QUEUE    64
 #define FIRST_NS (5 * TTF_NS_PER_S) /* before it is tried again; doubled */
 #define MOST_NS  (5 * TTF_NS_PER_MIN)
@@ -28,12 +30,12 @@ struct hook {
     int64_t dropped; /* since the last that was told */
 };
 
-static int try_once(struct hook *hook, const struct alert *alert, struct ttf_err *err)
+int hook_try(const struct ttf_alert_hook *c, struct ttf_clock *clock, const volatile int *stop,
+             const struct alert *alert, struct ttf_err *err)
 {
-    const struct ttf_alert_hook *c = hook->config;
     char text[ALERT_JSON_MAX];
     const char *const command[] = {c->target, NULL};
-    const char *const mail[] = {*c->program ? c->program : "/usr/sbin/sendmail", "-i", "-t", NULL};
+    const char *const mail[] = {*c->program ? c->program : SENDMAIL, "-i", "-t", NULL};
     const char *const mqtt[] = {*c->program ? c->program : "mosquitto_pub",
                                 "-h",
                                 c->host,
@@ -46,16 +48,14 @@ static int try_once(struct hook *hook, const struct alert *alert, struct ttf_err
 
     switch (c->kind) {
     case TTF_ALERT_WEBHOOK:
-        return send_web(c->target, alert_json(alert, text), c->timeout_ns, &hook->stop, err);
+        return send_web(c->target, alert_json(alert, text), c->timeout_ns, stop, err);
     case TTF_ALERT_MAIL:
-        return send_command(mail, alert_mail(alert, c->target, text), c->timeout_ns, hook->clock,
-                            &hook->stop, err);
-    case TTF_ALERT_MQTT:
-        return send_command(mqtt, alert_json(alert, text), c->timeout_ns, hook->clock, &hook->stop,
+        return send_command(mail, alert_mail(alert, c->target, text), c->timeout_ns, clock, stop,
                             err);
+    case TTF_ALERT_MQTT:
+        return send_command(mqtt, alert_json(alert, text), c->timeout_ns, clock, stop, err);
     default:
-        return send_command(command, alert_json(alert, text), c->timeout_ns, hook->clock,
-                            &hook->stop, err);
+        return send_command(command, alert_json(alert, text), c->timeout_ns, clock, stop, err);
     }
 }
 
@@ -74,7 +74,7 @@ static void tell(struct hook *hook, const struct alert *alert)
 
     while (!hook->stop) {
         struct ttf_err err = {0};
-        int r = try_once(hook, alert, &err);
+        int r = hook_try(hook->config, hook->clock, &hook->stop, alert, &err);
         bool over = ttf_clock_now_ns(hook->clock) - begun_ns > TRIED_NS;
 
         if (r == 0) {
@@ -126,6 +126,21 @@ static void *work(void *ctx)
     return NULL;
 }
 
+/* Said when it begins, not at the first alert of weeks. A name without a path is mosquitto_pub's. */
+static void warn_of_missing(const struct ttf_alert_hook *c)
+{
+    const char *program = c->kind == TTF_ALERT_COMMAND ? c->target
+                          : *c->program                ? c->program
+                          : c->kind == TTF_ALERT_MAIL  ? SENDMAIL
+                                                       : "";
+
+    if (*program == '/' && access(program, X_OK) < 0)
+        log_line(LOG_LEVEL_WARNING, "unreachable",
+                 "hook=%s why=\"its program cannot be run: %s%s\"", c->name, strerrordesc_np(errno),
+                 c->kind == TTF_ALERT_MAIL ? "; a package as msmtp-mta has /usr/sbin/sendmail"
+                                           : "");
+}
+
 int hook_create(const struct ttf_alert_hook *config, struct ttf_clock *clock, struct hook **ret,
                 struct ttf_err *err)
 {
@@ -143,6 +158,7 @@ int hook_create(const struct ttf_alert_hook *config, struct ttf_clock *clock, st
         free(hook);
         return ttf_err_set(err, r, config->name, "no thread for a hook");
     }
+    warn_of_missing(config);
     *ret = hook;
     return 0;
 }

@@ -40,13 +40,14 @@ struct alertd {
 
 static void usage(FILE *to)
 {
-    fputs("Usage: ttfbox-alertd --config FILE [--check]\n"
+    fputs("Usage: ttfbox-alertd --config FILE [--check | --try]\n"
           "Tells people by hooks what happens to a capture, and that it has stopped.\n\n"
           "  -c, --config FILE   ttfboxd's configuration: data and alerts\n"
           "      --check         reads it, and ends\n"
+          "      --try           sends a trial to each hook, says what came of it, and ends\n"
           "      --version       the program's version\n"
           "  -h, --help          this\n\n"
-          "Exit: 0 told to end, 1 failed, 2 the file is wrong.\n",
+          "Exit: 0 told to end, or the trial arrived everywhere; 1 failed, 2 the file is wrong.\n",
           to);
 }
 
@@ -104,6 +105,50 @@ static void *beat(void *ctx)
     return NULL;
 }
 
+/* ---- the trial: better today than in the third week ---- */
+
+static int say_tried(const char *what, int r, const struct ttf_err *err)
+{
+    char why[300];
+
+    if (r == 0)
+        printf("%-20s took it\n", what);
+    else
+        printf("%-20s FAILED: %s\n", what, ttf_err_text(err, why, sizeof why));
+    return r == 0 ? 0 : 1;
+}
+
+/* How many failed, at once and one after the other; nobody to tell is a failure, too. */
+static int try_all(const struct alertd *a)
+{
+    struct alert alert = {.kind = "trial", .severity = TTF_ALERT_NOTICE, .index = -1};
+    const struct ttf_alerts_config *c = &a->config;
+    struct ttf_utc now;
+    int failed = 0;
+
+    ttf_clock_utc(a->clock, &now);
+    alert.utc_ns = now.utc_ns;
+    (void)snprintf(alert.text, sizeof alert.text,
+                   "a trial: this is where alerts of the capture box come, and nothing is wrong");
+    for (unsigned i = 0; i < c->n_hooks && !stop_asked; i++) {
+        struct ttf_err err = {0};
+        int r = hook_try(&c->hooks[i], a->clock, &stop_asked, &alert, &err);
+
+        failed += say_tried(c->hooks[i].name, r, &err);
+    }
+    if (*c->heartbeat && !stop_asked) {
+        struct ttf_err err = {0};
+        int r = send_web(c->heartbeat, NULL, BEAT_TIMEOUT_NS, &stop_asked, &err);
+
+        failed += say_tried("heartbeat", r, &err);
+    }
+    if (c->n_hooks == 0 && !*c->heartbeat) {
+        puts("nobody would be told: alerts: names no hook and no heartbeat");
+        failed++;
+    }
+    return failed + stop_asked;
+}
+
 /* ---- */
 
 static int begin(struct alertd *a, struct ttf_err *err)
@@ -146,19 +191,26 @@ static void end(struct alertd *a)
         hook_destroy(a->hooks[i]);
 }
 
-static int run(const char *file, bool check, struct ttf_err *err)
+enum what {
+    LIVE = 0,
+    CHECK,
+    TRY
+};
+
+/* A positive result: so many were not reached. */
+static int run(const char *file, enum what what, struct ttf_err *err)
 {
     struct alertd *a = calloc(1, sizeof *a);
     int r = a ? ttf_alerts_file_load(file, &a->config, err) : -ENOMEM;
 
-    if (r == 0 && !check) {
+    if (r == 0 && what != CHECK) {
         a->clock = ttf_clock_real_create();
         r = a->clock ? 0 : ttf_err_set(err, -errno, "clock", "the machine's clock cannot be had");
         if (r == 0 && curl_global_init(CURL_GLOBAL_DEFAULT) != CURLE_OK)
             r = ttf_err_set(err, -ENOMEM, "alerts", "no memory to ask other machines");
         if (r == 0)
-            r = begin(a, err);
-        if (r == 0) {
+            r = what == TRY ? try_all(a) : begin(a, err);
+        if (r == 0 && what == LIVE) {
             log_line(LOG_LEVEL_NOTICE, "started", "version=%s hooks=%u parts=%u heartbeat=%s",
                      TTFBOX_VERSION, a->config.n_hooks, a->config.n_parts,
                      *a->config.heartbeat ? "yes" : "no");
@@ -175,17 +227,16 @@ static int run(const char *file, bool check, struct ttf_err *err)
 
 int main(int argc, char **argv)
 {
-    static const struct option LONG[] = {{"config", required_argument, NULL, 'c'},
-                                         {"check", no_argument, NULL, 'k'},
-                                         {"version", no_argument, NULL, 'v'},
-                                         {"help", no_argument, NULL, 'h'},
-                                         {NULL, 0, NULL, 0}};
+    static const struct option LONG[] = {
+        {"config", required_argument, NULL, 'c'}, {"check", no_argument, NULL, 'k'},
+        {"try", no_argument, NULL, 't'},          {"version", no_argument, NULL, 'v'},
+        {"help", no_argument, NULL, 'h'},         {NULL, 0, NULL, 0}};
     const struct sigaction action = {.sa_handler = on_stop};
     const struct sigaction ignore = {.sa_handler = SIG_IGN};
     const char *file = NULL;
     struct ttf_err err = {0};
     char why[700], quoted[800];
-    bool check = false;
+    enum what what = LIVE;
     int c, r;
 
     /* NOLINTNEXTLINE(concurrency-mt-unsafe): one thread runs yet */
@@ -193,7 +244,9 @@ int main(int argc, char **argv)
         if (c == 'c') {
             file = optarg;
         } else if (c == 'k') {
-            check = true;
+            what = CHECK;
+        } else if (c == 't') {
+            what = TRY;
         } else if (c == 'v') {
             puts("ttfbox-alertd " TTFBOX_VERSION);
             return 0;
@@ -210,7 +263,7 @@ int main(int argc, char **argv)
     (void)sigaction(SIGTERM, &action, NULL);
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGPIPE, &ignore, NULL);
-    r = run(file, check, &err);
+    r = run(file, what, &err);
     if (r < 0)
         log_line(LOG_LEVEL_ERROR, "failed", "why=%s",
                  log_text(ttf_err_text(&err, why, sizeof why), quoted, sizeof quoted));

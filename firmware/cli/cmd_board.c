@@ -149,7 +149,7 @@ static void probe_sensors(struct probe *p)
     ttf_json_array_end(j);
 }
 
-static void probe_rest(struct probe *p)
+static void probe_rest(struct probe *p, bool panel_silent)
 {
     struct ttf_json *j = &p->cli->out;
     struct ttf_utc utc;
@@ -159,9 +159,10 @@ static void probe_rest(struct probe *p)
     cli_say(p->cli, "clock             %s, UTC vouched for by %s",
             ttf_clock_is_virtual(p->box.clock) ? "virtual" : "real", ttf_trust_name(utc.trust));
     cli_say(p->cli, "door              %s",
-            door == 1   ? "open"
-            : door == 0 ? "closed"
-                        : "no switch");
+            door == 1      ? "open"
+            : door == 0    ? "closed"
+            : panel_silent ? "not known: the panel does not answer"
+                           : "no switch");
     cli_say(p->cli, "watchdog          %s", p->box.watchdog ? "there" : "none");
     ttf_json_kbool(j, "virtual_clock", ttf_clock_is_virtual(p->box.clock));
     ttf_json_kstring(j, "utc_trust", ttf_trust_name(utc.trust));
@@ -222,7 +223,7 @@ static int ask_devices(struct probe *p)
     }
     probe_lamps(p);
     probe_sensors(p);
-    probe_rest(p);
+    probe_rest(p, errs[TTF_DEVICE_PANEL].code != 0);
     ttf_json_kint(&p->cli->out, "silent", p->silent);
     return 0;
 }

@@ -292,7 +292,7 @@ static int create(struct darkroom *d)
         r = name_values(d, m);
     }
     if (r == 0)
-        r = ttf_writer_create(cli->io, cli->opt.output, m, yaml, json, &d->writer, &cli->err);
+        r = derive_create(cli, cli->opt.output, m, yaml, json, &d->writer);
     free(yaml);
     free(json);
     free(m);

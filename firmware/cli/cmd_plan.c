@@ -21,20 +21,30 @@ struct check {
     bool same_disk; /* the second storage lies on the first one's */
 };
 
-/* A duration for people: "7d 3h", "12min 30s". */
+/* A duration for people: "7 d 3 h", "12 min 30 s"; without the parts that are zero. */
 static const char *span(int64_t ns, char *buf, size_t size)
 {
-    int64_t s = ns / TTF_NS_PER_S;
+    static const struct {
+        const char *name;
+        int64_t s;
+        int64_t below_s; /* of longer ones it is left out */
+    } PARTS[] = {
+        {"d", 86400, INT64_MAX}, {"h", 3600, INT64_MAX}, {"min", 60, INT64_MAX}, {"s", 1, 3600}};
+    int64_t whole = ns / TTF_NS_PER_S, left = whole;
+    size_t n = 0;
 
-    if (ns < TTF_NS_PER_MIN)
+    if (ns < TTF_NS_PER_MIN) {
         (void)snprintf(buf, size, "%.3g s", (double)ns / 1e9);
-    else if (s < 3600)
-        (void)snprintf(buf, size, "%" PRId64 " min %" PRId64 " s", s / 60, s % 60);
-    else if (s < 86400)
-        (void)snprintf(buf, size, "%" PRId64 " h %" PRId64 " min", s / 3600, s / 60 % 60);
-    else
-        (void)snprintf(buf, size, "%" PRId64 " d %" PRId64 " h %" PRId64 " min", s / 86400,
-                       s / 3600 % 24, s / 60 % 60);
+        return buf;
+    }
+    for (unsigned i = 0; i < TTF_COUNT_OF(PARTS) && n < size; i++) {
+        int64_t part = left / PARTS[i].s;
+
+        left %= PARTS[i].s;
+        if (part > 0 && whole < PARTS[i].below_s)
+            n += (size_t)snprintf(buf + n, size - n, "%s%" PRId64 " %s", n ? " " : "", part,
+                                  PARTS[i].name);
+    }
     return buf;
 }
 
@@ -76,6 +86,26 @@ static void say_lamps(const struct cli *cli, const struct check *c)
                 f->lamp_switchings[i], f->lamp_duty_permille[i]);
 }
 
+/* When it is day: what a local time and a zone came to, before weeks rest on it. */
+static void say_light(const struct cli *cli, const struct ttf_plan *plan)
+{
+    int offset = plan->zone_offset_s < 0 ? -plan->zone_offset_s : plan->zone_offset_s;
+    char day[64], period[64], from[64];
+
+    if (plan->lamps != TTF_LAMPS_PHOTOPERIOD)
+        return;
+    (void)span(plan->day_ns, day, sizeof day);
+    (void)span(plan->period_ns, period, sizeof period);
+    if (plan->photoperiod_local)
+        cli_say(cli, "light             %s of every %s, from %02d:%02d in %s, UTC%c%02d:%02d", day,
+                period, plan->day_start_s / 3600, plan->day_start_s / 60 % 60, plan->zone,
+                plan->zone_offset_s < 0 ? '-' : '+', offset / 3600, offset / 60 % 60);
+    else
+        cli_say(cli, "light             %s of every %s, from %s%s", day, period,
+                plan->phase_ns ? span(plan->phase_ns, from, sizeof from) : "the first slot",
+                plan->phase_ns ? " after the first slot" : "");
+}
+
 /* A warning, not a refusal: whoever averages or does not mind rows may know better. */
 static void warn_of_flicker(const struct check *c)
 {
@@ -96,7 +126,7 @@ static void say(const struct cli *cli, const struct check *c)
     char a[64], b[64];
 
     if (c->box.simulated)
-        cli_say(cli, "SIMULATED         board '%s' photographs nothing", c->box.board);
+        cli_say(cli, "SIMULATED         board '%s': what it photographs is computed", c->box.board);
     if (*plan->title)
         cli_say(cli, "plan              %s", plan->title);
     cli_say(cli, "slots             %" PRId64 ", one every %s", f->slots,
@@ -104,9 +134,12 @@ static void say(const struct cli *cli, const struct check *c)
     cli_say(cli, "length            %s", span(f->duration_ns, a, sizeof a));
     cli_say(cli, "end               %s if it starts %s",
             ttf_utc_format(start + f->duration_ns, a, sizeof a),
-            plan->start_utc_ns ? ttf_utc_format(start, b, sizeof b) : "now");
+            plan->start_utc_ns                   ? ttf_utc_format(start, b, sizeof b)
+            : ttf_clock_is_virtual(c->box.clock) ? "now, by the simulated clock"
+                                                 : "now");
     cli_say(cli, "busy              %s of each interval", span(f->slot_busy_ns, a, sizeof a));
     say_shots(cli, c);
+    say_light(cli, plan);
     say_lamps(cli, c);
     cli_say(cli, "storage           %s, %s a slot", size_text(f->bytes, a, sizeof a),
             size_text(f->slot_bytes, b, sizeof b));
@@ -175,11 +208,14 @@ static int check(struct cli *cli, struct check *c, const struct ttf_board *board
     struct ttf_utc utc;
     int r = box_create(board, cli->io, NULL, &c->box, &cli->err);
 
-    if (r < 0)
+    if (r == 0)
+        r = box_configure(board, &c->box, &cli->err);
+    if (r < 0) {
+        if (!board->simulated)
+            ttf_err_hint(&cli->err, "a plan is checked by its box; on another machine take -b sim "
+                                    "with the lamps' limits by --set (boards/README.md)");
         return r;
-    r = box_configure(board, &c->box, &cli->err);
-    if (r < 0)
-        return r;
+    }
     ttf_clock_utc(c->box.clock, &utc);
     c->now_utc_ns = utc.utc_ns;
     r = ttf_plan_file_resolve(c->file, utc.utc_ns, &cli->err);

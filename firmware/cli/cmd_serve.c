@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "commands.h"
@@ -29,8 +30,8 @@ static void tell(struct cli *cli, const struct ttf_http_socket *socket, const ch
         printf("{\"listening\":\"%s\",\"free_to_read\":%s}\n", socket->name,
                socket->loopback ? "true" : "false");
     } else {
-        cli_say(cli, "serving %s at %s%s", cli->opt.args[0], socket->loopback ? "" : "http://",
-                socket->name);
+        cli_say(cli, "serving %s at %s%s", cli->opt.args[0],
+                strncmp(socket->name, "unix:", 5) == 0 ? "" : "http://", socket->name);
         if (!socket->loopback)
             cli_say(cli, "readers need the token: %s",
                     cli->opt.token_file ? cli->opt.token_file : token);

@@ -97,3 +97,14 @@ void derive_discard(struct ttf_io *io, const char *path)
     (void)io->ops->list(io, path, discard_entry, &d);
     (void)io->ops->unlink(io, path);
 }
+
+int derive_create(struct cli *cli, const char *path, const struct ttf_manifest *manifest,
+                  const char *plan_yaml, const char *plan_json, struct ttf_writer **ret)
+{
+    int r = ttf_writer_create(cli->io, path, manifest, plan_yaml, plan_json, ret, &cli->err);
+
+    /* What another made there meanwhile is theirs. */
+    if (r < 0 && r != -EEXIST && r != -ENOTEMPTY && r != -EBUSY)
+        derive_discard(cli->io, path);
+    return r;
+}

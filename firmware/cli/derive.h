@@ -15,6 +15,10 @@ const char *derive_command(const struct cli *cli, char *buf, size_t size);
 TTF_MUST_USE int derive_manifest(struct cli *cli, struct ttf_reader *parent,
                                  struct ttf_manifest *ret);
 
+/* As ttf_writer_create at a path that cli_refuse_existing has passed; what fails halfway is taken away. */
+TTF_MUST_USE int derive_create(struct cli *cli, const char *path,
+                               const struct ttf_manifest *manifest, const char *plan_yaml,
+                               const char *plan_json, struct ttf_writer **ret);
 /* Bytes of a whole dataset that could not be finished, taken away. */
 void derive_discard(struct ttf_io *io, const char *path);
 

@@ -28,7 +28,7 @@ void help_overview(FILE *out, const char *group)
                       "textures, synthesizes larger ones.\n\nCommands:\n");
     for (unsigned i = 0; (c = cli_command(i)); i++)
         if (!group || (strncmp(c->name, group, n) == 0 && c->name[n] == ' '))
-            (void)fprintf(out, "  %-17s %s\n", c->name, c->summary);
+            (void)fprintf(out, "  %-18s %s\n", c->name, c->summary);
     (void)fputs("\n'ttfbox COMMAND --help' explains one. Exit codes:", out);
     for (unsigned i = 0; i < TTF_COUNT_OF(EXITS); i++)
         (void)fprintf(out, "%s %s %.12s", i ? "," : "", EXITS[i][0],

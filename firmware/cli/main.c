@@ -114,11 +114,23 @@ static int parse_options(struct cli *cli, int argc, char **argv)
     return r ? cli->err.code : 0;
 }
 
+/* Of a disk that takes no more, whoever wrote a file's bytes has no path: it is the output's. */
+static void name_the_disk(struct cli *cli)
+{
+    int code = cli->err.code;
+
+    if (*cli->err.where || !cli->opt.output || (code != -ENOSPC && code != -EDQUOT))
+        return;
+    (void)snprintf(cli->err.where, sizeof cli->err.where, "%s", cli->opt.output);
+    ttf_err_hint(&cli->err, "make room there, or give another -o");
+}
+
 /* What went wrong: on standard error; and, where it was asked for, as the result. */
 static void report_error(struct cli *cli, int code)
 {
     char text[900];
 
+    name_the_disk(cli);
     cli_warn("ttfbox %s: %s", cli->command->name, ttf_err_text(&cli->err, text, sizeof text));
     ttf_json_free(&cli->out);
     ttf_json_init(&cli->out, false);

@@ -3,6 +3,7 @@
 #include "quilt_say.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 
 static void say_prepared(const struct quilt_job *job)
 {
@@ -32,6 +33,31 @@ static void say_prepared(const struct quilt_job *job)
                 p->feature.correlation_y_px);
 }
 
+#define OFTEN 10 /* times as often as evenly spread uses: nobody overlooks that */
+
+/* Coherence is as good where one spot is laid everywhere: what the eye sees first is said, too. */
+static void say_repetition(const struct quilt_job *job)
+{
+    const struct ttf_quilt_report *p = &job->report;
+    const struct ttf_repetition_figures *r = &p->repetition;
+    const struct cli *cli = job->cli;
+    double even = (double)job->config.width * job->config.height /
+                  ((double)p->source_width * p->source_height);
+    char avoid[32];
+
+    cli_say(cli,
+            "repetition        %.0f %% of the input is used, one pixel of it %u time%s at most",
+            100 * r->source_coverage, r->max_uses, r->max_uses == 1 ? "" : "s");
+    if (r->max_uses <= OFTEN * (even < 1 ? 1 : even) ||
+        (job->config.avoid_px && job->prepared.flattened))
+        return;
+    (void)snprintf(avoid, sizeof avoid, "--avoid %u", job->config.block_width);
+    cli_say(cli, "                  the same place again and again; try%s%s%s",
+            job->prepared.flattened ? "" : " --flatten (light that is uneven)",
+            !job->prepared.flattened && !job->config.avoid_px ? " and " : " ",
+            job->config.avoid_px ? "" : avoid);
+}
+
 static void say_figures(const struct quilt_job *job)
 {
     const struct ttf_quilt_report *p = &job->report;
@@ -48,6 +74,7 @@ static void say_figures(const struct quilt_job *job)
     if (p->measured) {
         cli_say(cli, "coherence         %.4f of the input's mean frame difference", p->coherence);
         cli_say(cli, "flicker           %.4f of the input's second difference", p->flicker);
+        say_repetition(job);
     }
     cli_say(cli, "time              %.2f s with %u threads", (double)p->total_ns / 1e9, p->threads);
     if (job->checked)

@@ -111,7 +111,7 @@ static int create_dataset(struct cli *cli, struct quilt_sink *s)
         /* A camera's own colours, or none, have no primaries that a profile could name. */
         s->icc =
             strcmp(m->streams[0].colour_space, "linear-srgb") == 0 ? TTF_ICC_LINEAR : TTF_ICC_NONE;
-        r = ttf_writer_create(s->io, s->path, m, NULL, NULL, &s->writer, &cli->err);
+        r = derive_create(cli, s->path, m, NULL, NULL, &s->writer);
     }
     if (r == 0)
         r = begin_segment(s, parent, &cli->err);

@@ -158,6 +158,24 @@ static int too_large(const char *text, struct ttf_err *err)
     return -ERANGE;
 }
 
+/* A hint is followed to the letter: where two units are as likely, both stand there. */
+static void hint_unit(enum ttf_unit_kind kind, const char *text, const struct decimal *d,
+                      struct ttf_err *err)
+{
+    const char *unit = KINDS[kind].units[KINDS[kind].typical].name;
+    double value = (double)d->digits / pow(10, d->decimals);
+
+    if (kind == TTF_UNIT_TIME)
+        ttf_err_hint(err, "%s is meant: write %.20s%s, %.20sms or %.20smin, one of %s",
+                     KINDS[kind].meant, text, unit, text, text, KINDS[kind].list);
+    else if (kind == TTF_UNIT_SHARE && d->decimals > 0 && value < 1)
+        ttf_err_hint(err, "%s is meant: write %.6g%s, or %.20s%s if it is that little, one of %s",
+                     KINDS[kind].meant, value * 100, unit, text, unit, KINDS[kind].list);
+    else
+        ttf_err_hint(err, "%s is meant: write %.40s%s, one of %s", KINDS[kind].meant, text, unit,
+                     KINDS[kind].list);
+}
+
 int ttf_unit_parse(enum ttf_unit_kind kind, const char *text, int64_t *ret, struct ttf_err *err)
 {
     struct decimal d;
@@ -173,8 +191,7 @@ int ttf_unit_parse(enum ttf_unit_kind kind, const char *text, int64_t *ret, stru
         rest++;
     if (!*rest) {
         ttf_err_set(err, -EINVAL, NULL, "'%.60s' has no unit", text);
-        ttf_err_hint(err, "%s is meant: write %.40s%s, one of %s", KINDS[kind].meant, text,
-                     KINDS[kind].units[KINDS[kind].typical].name, KINDS[kind].list);
+        hint_unit(kind, text, &d, err);
         return -EINVAL;
     }
     for (const struct unit *u = KINDS[kind].units; u->name; u++) {

@@ -214,6 +214,13 @@ static int wire_error(struct wire *wire, CURLcode code, const char *path, struct
         if (ended < 0)
             return ended;
     }
+    /* Where nobody is, what was asked for says nothing; of a box at USB the address is ours. */
+    if ((r == -ECONNREFUSED || r == -EHOSTUNREACH) && !wire->config->ended) {
+        ttf_err_set(err, r, wire->config->box, "the box does not answer: %s",
+                    curl_easy_strerror(code));
+        ttf_err_hint(err, "is the address right, and does ttfboxd or ttfbox serve run there?");
+        return r;
+    }
     return ttf_err_set(err, r, path, "the box does not answer: %s", curl_easy_strerror(code));
 }
 

@@ -85,6 +85,7 @@ export function dataset(main, box, name) {
       h("p", {}, h("a", { class: "button main", href: `/api/v1/datasets/${name}/tar`, download: `${name}.tar` }, "Download as a tar")),
       h("p", {}, "Or with the tool, which resumes, verifies every byte and follows a run:"),
       h("pre", { tabindex: 0, "aria-label": "Command" }, `ttfbox pull here --only ${name} --box ${location.origin}${about.sealed ? "" : " --follow"}`),
+      h("p", { class: "quiet" }, "Over a network the box wants its token for that, too: in a file that only you can read, and ", h("code", {}, "--token-file FILE"), " behind the command."),
       !about.sealed && h("p", { class: "quiet" }, "It is not sealed: a download of now holds what is there now."));
   }
 

@@ -42,6 +42,7 @@ export function plan(main, box) {
   const mode = select("Lamps burn", [["capture-only", "only for the pictures"], ["continuous", "all the time"], ["photoperiod", "as day and night"], ["none", "not at all"]], () => { shown(); changed(); });
   const settle = quantity("Settle before a picture", [20, "s"], ["s", "min"], changed);
   const day = quantity("Day of", [11.5, "h"], ["min", "h"], changed), period = quantity("in every", [24, "h"], ["min", "h", "d"], changed);
+  const dawn = h("input", { type: "time", onchange: changed }), dawn_field = h("label", { class: "field" }, "Day begins at (empty: with the run)", dawn);
   const exposure = h("input", { type: "number", min: 0.001, step: "any", value: 20, oninput: changed }), gain = h("input", { type: "number", min: 0.1, step: "any", value: 1, oninput: changed });
   const mains = select("Mains", [["50Hz", "50 Hz"], ["60Hz", "60 Hz"], ["none", "none"]], changed);
   const keep = select("Keep", [["default", "as the box thinks best"], ["developed", "developed pictures"], ["raw", "raw frames"], ["both", "both"]], changed);
@@ -62,6 +63,7 @@ export function plan(main, box) {
       settle.set(c.settle);
     day.set(c.day);
     period.set(c.period);
+    dawn.value = c.day_start || "";
     mains.e.value = c.mains;
     keep.e.value = c.keep;
     shown();
@@ -72,13 +74,14 @@ export function plan(main, box) {
     const lit = mode.e.value !== "none";
     lamps_box.hidden = !lit;
     settle.element.hidden = !lit || mode.e.value === "continuous";
-    day.element.hidden = period.element.hidden = mode.e.value !== "photoperiod";
+    day.element.hidden = period.element.hidden = dawn_field.hidden = mode.e.value !== "photoperiod";
   }
 
   function choice() {
     const p = PRESETS.find((x) => x.id === main.querySelector('[name="preset"]:checked')?.value), marks = picked();
     return { title: title.value, interval: interval.get(), duration: duration.get(), start: start.value ? new Date(start.value).toISOString().replace(/\.\d+Z/, "Z") : null,
-      mode: mode.e.value, settle: settle.element.hidden ? null : settle.get(), day: day.get(), period: period.get(), channel: p?.channel,
+      mode: mode.e.value, settle: settle.element.hidden ? null : settle.get(), day: day.get(), period: period.get(),
+      day_start: dawn.value || null, zone: Intl.DateTimeFormat().resolvedOptions().timeZone, channel: p?.channel,
       camera: camera?.value, lamps: Object.fromEntries(lamps.map(({ lamp, input }) => [lamp.name, Number(input.value)])),
       exposure_ms: Number(exposure.value), gain: Number(gain.value), mains: mains.e.value, keep: keep.e.value,
       region: region.checked ? marks.region : null, reference: reference.checked ? withinRegion(marks.reference, region.checked ? marks.region : null) : null };
@@ -222,7 +225,7 @@ export function plan(main, box) {
     step(1, "What is photographed?", preset),
     step(2, "How often, how long?", h("div", { class: "fields" }, interval.element, duration.element,
       h("label", { class: "field" }, "Begin (empty: at once)", start), h("label", { class: "field" }, "Title", title), h("label", { class: "field" }, "Name of plan and dataset", name))),
-    step(3, "Under which light?", h("div", { class: "stack" }, h("div", { class: "fields" }, mode.element, settle.element, day.element, period.element), lamps_box,
+    step(3, "Under which light?", h("div", { class: "stack" }, h("div", { class: "fields" }, mode.element, settle.element, day.element, period.element, dawn_field), lamps_box,
       h("div", { class: "fields" }, camera_box, h("label", { class: "field" }, "Exposure, ms", exposure), h("label", { class: "field" }, "Gain", gain), mains.element), suits)),
     step(4, "What is kept?", h("div", { class: "fields" }, keep.element, h("label", {}, region, "only the region"), h("label", {}, reference, "watch the reference patch")),
       h("p", { class: "quiet" }, "Region and patch are drawn in ", h("a", { href: "#/live" }, "live view"), ".")),

@@ -31,7 +31,7 @@ const quantity = ([n, unit]) => `${n}${unit}`;
 /* What the form holds once a preset is chosen, before anybody has changed it; lamps: names. */
 export function presetChoice(p, lamps) {
   return { title: p.id === "own" ? "Untitled" : p.title, interval: p.interval, duration: p.duration, start: null, mode: p.mode, settle: p.mode === "continuous" ? null : p.settle || [20, "s"],
-    day: p.day || [11.5, "h"], period: p.period || [24, "h"], channel: p.channel, camera: null, lamps: Object.fromEntries(lamps.map((name) => [name, 100])),
+    day: p.day || [11.5, "h"], period: p.period || [24, "h"], day_start: null, zone: null, channel: p.channel, camera: null, lamps: Object.fromEntries(lamps.map((name) => [name, 100])),
     exposure_ms: 20, gain: 1, mains: p.mains || "50Hz", keep: p.keep || "default", region: null, reference: null };
 }
 
@@ -41,11 +41,16 @@ export function planText(c) {
   const lines = [`title: ${quoted(c.title)}`, `interval: ${quantity(c.interval)}`, `count: ${slots(c)}`];
   if (c.start)
     lines.push(`start: ${c.start}`);
+  const local = c.mode === "photoperiod" && c.day_start; /* "06:00": of whoever plans, wherever the box thinks it is */
+  if (local && c.zone)
+    lines.push(`zone: ${c.zone}`);
   lines.push("lamps:", `  mode: ${c.mode}`);
   if (c.mode !== "none" && c.settle)
     lines.push(`  settle: ${quantity(c.settle)}`);
   if (c.mode === "photoperiod") {
     lines.push(`  day: ${quantity(c.day)}`, `  period: ${quantity(c.period)}`);
+    if (local)
+      lines.push(`  day_start: "${c.day_start}"`);
     if (lit.length)
       lines.push(`  day_levels: {${lit.map(([name, level]) => `${name}: ${level}%`).join(", ")}}`);
   }

@@ -93,6 +93,24 @@ grep -q SECRET err && fail "a secret in an error"
 expect 0 "$DAEMON" --config bad.yaml --check # it is no reason not to capture
 expect 0 "$ALERTD" --config ttfboxd.yaml --check
 
+# ---- a trial: who would be told, and who not, before the weeks begin; without a secret in what is said ----
+expect 1 "$ALERTD" --config ttfboxd.yaml --try
+for hook in hanging failing; do grep -Eq "^$hook +FAILED: " out || fail "the trial of $hook: $(cat out)"; done
+for hook in web command mail bus heartbeat; do grep -Eq "^$hook +took it$" out || fail "the trial of $hook: $(cat out)"; done
+grep -q SECRET out err && fail "a secret in what a trial says"
+grep -q '"kind":"trial"' command.said || fail "no trial came to the command"
+grep -q '^Subject: .*notice: a trial' mailer.said || fail "no trial came by mail"
+[ -n "$(told 0 '"kind":"trial"')" ] || fail "no trial was posted"
+rm -f ./*.said ./*.args
+printf '%s\n' 'data: data' 'alerts: {hooks: {me: {mail: me@example.org, program: /nowhere/sendmail}}}' >nowhere.yaml
+expect 1 "$ALERTD" --config nowhere.yaml --try
+said out "FAILED: the program cannot be started: No such file or directory"
+expect 124 timeout -k 5 2 "$ALERTD" --config nowhere.yaml # and so when it begins
+said err 'hook=me why="its program cannot be run: No such file or directory'
+echo 'data: data' >nobody.yaml
+expect 1 "$ALERTD" --config nobody.yaml --try
+said out "nobody would be told"
+
 start_daemon() { "$DAEMON" --config ttfboxd.yaml >>log 2>&1 & box=$!; }
 start_guardian() { "$LAMPD" --board box.yaml >>guarding 2>&1 & guardian=$!; }
 # By a sanitizer it needs more address space than it allows itself: then something else holds its lock.

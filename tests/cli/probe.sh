@@ -48,5 +48,7 @@ expect 1 "$TTFBOX" board probe --board ./box.yaml --set lock=none
 said out "camera            DOES NOT ANSWER"
 said out "lamps             DOES NOT ANSWER"
 said out "is ttfbox-lampd running?"
+"$TTFBOX" board probe --board "$SOURCE/boards/rpi4/board.yaml" --set lock=none >out 2>err
+grep -q "^panel  *DOES NOT ANSWER" out && said out "door              not known: the panel does not answer"
 expect 0 "$TTFBOX" board probe --board sim-small
 said out "SIMULATED"

@@ -57,6 +57,10 @@ grep -q mine here/grass/notes.jsonl || fail "a note is gone"
 cp -r data/grass data/meadow
 expect 0 "$TTFBOX" pull only --box "$BOX" --only meadow
 if [ ! -d only/meadow ] || [ -e only/grass ]; then fail "another was brought than asked for"; fi
+# Where nobody is, the address is named, not what was asked for.
+expect 1 "$TTFBOX" pull only --box http://127.0.0.1:1
+said err "http://127.0.0.1:1: the box does not answer"
+said err "does ttfboxd or ttfbox serve run there?"
 expect 2 "$TTFBOX" pull only --box "$BOX" --only nobody
 said err 'no dataset of this name'
 expect 2 "$TTFBOX" pull only --box "$BOX" --only ../grass

@@ -23,6 +23,13 @@ real() { # NAME SIZE: of the dataset NAME that lies here
 for name in copper clay; do
     expect 0 "$TTFBOX" import "$DATA/timelapse/$name"/*.png --interval 1min -o "$name"
     real "$name" 512x512
+    # Light that is uneven has one spot laid everywhere: said, with what helps; and not of what is even.
+    expect 0 "$TTFBOX" synth quilt "$name" --size 512x512 -o again
+    said out "the same place again and again; try --flatten (light that is uneven) and --avoid 64"
+    expect 0 "$TTFBOX" synth quilt "$name" --size 512x512 --flatten --avoid 64 -o even
+    grep -q "^repetition  .*% of the input is used" out || fail "nothing is said of repetition: $(cat out)"
+    grep -q "again and again" out && fail "a hint that was followed is given again: $(cat out)"
+    rm -rf again even
 done
 
 # Bananas are large: verified as they are, quilted a quarter as wide.

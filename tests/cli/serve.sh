@@ -177,3 +177,9 @@ expect 2 "$TTFBOX" serve data --listen here
 said err 'ADDRESS:PORT'
 expect 2 "$TTFBOX" serve nowhere
 said err 'nowhere'
+
+# --- what it says to a person is what a browser takes
+expect 124 timeout -k 5 1 "$TTFBOX" serve data --listen 127.0.0.1:0
+grep -Eq '^serving data at http://127\.0\.0\.1:[0-9]+$' out || fail "no address that a browser takes: $(cat out)"
+expect 124 timeout -k 5 1 "$TTFBOX" serve data --listen "unix:$WORK/said"
+said out "serving data at unix:$WORK/said"

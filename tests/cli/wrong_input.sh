@@ -21,6 +21,8 @@ wrong_plan() { # WHERE WORDS LINES...
     [ -e never ] && fail "a wrong plan made a dataset"
 }
 wrong_plan 1:11 "write 10s" "interval: 10" "count: 5"
+wrong_plan 3:22 "write 20s, 20ms or 20min" "interval: 10min" "count: 5" "shots: [{ exposure:  20 }]"
+wrong_plan 3:46 "write 80%, or 0.8% if" "interval: 10min" "count: 5" "lamps: {mode: continuous, day_levels: {left: 0.8}}"
 wrong_plan 3:1 "did you mean 'interval'" "interval: 10min" "count: 5" "intervall: 3min"
 wrong_plan 1:11 "out of its range" "interval: -10min" "count: 5"
 wrong_plan 1:11 "'nan' is not a time" "interval: nan" "count: 5"
@@ -32,7 +34,9 @@ plan wrong.yaml "interval: 10min" "count: 1008" "lamps: {mode: continuous}" \
 expect 2 "$TTFBOX" plan check wrong.yaml --set lamps.left.max_duty=10% --set lamps.left.duty_window=24h
 said err "wrong.yaml:"
 said err "'left'"
-said err "10.0 %"
+said err "of 24 h; the board allows 10.0 %"
+expect 2 "$TTFBOX" plan check wrong.yaml --set lamps.left.max_on=12h
+said err "at a stretch; the board allows 12 h"
 expect 2 "$TTFBOX" capture wrong.yaml -o never --set lamps.left.max_duty=10% --set lamps.left.duty_window=24h
 said err "wrong.yaml:"
 [ -e never ] && fail "a plan beyond a lamp's duty made a dataset"
@@ -155,6 +159,38 @@ done
 expect 0 "$TTFBOX" synth quilt d --block 16x16 --size 64x64 -o q
 expect 2 "$TTFBOX" capture ok.yaml "${TINY[@]}" -o q
 said err "no capture"
+
+# ---- a full disk: which, why, and what to do; nothing half done stays ----
+full() { # KIB COMMAND...: on a disk of that size at small/; its exit code, 7 if it fits, 8 if it fails and leaves something
+    # shellcheck disable=SC2016 # the inner shell's
+    unshare -rm sh -c 'mount -t tmpfs -o size=$1k tmpfs small || exit 9
+        shift
+        "$@"
+        r=$?
+        [ $r = 0 ] && exit 7
+        [ -z "$(ls -A small)" ] || { ls -AR small; exit 8; }
+        exit $r' sh "$@"
+}
+plan raw.yaml "interval: 10min" "count: 3" "keep: raw"
+expect 0 "$TTFBOX" capture raw.yaml "${TINY[@]}" -o r
+mkdir small
+if unshare -rm mount -t tmpfs tmpfs small 2>/dev/null; then
+    expect 0 "$TTFBOX" export d --to png -o pictures
+    for command in "export d --to png" "synth quilt d --block 16x16" "develop r" "import pictures/*.png --interval 1s"; do
+        for size in 8 20 40; do # in the middle of a frame, or before there is a dataset
+            # shellcheck disable=SC2086
+            full $size "$TTFBOX" $command -o small/it >out 2>err
+            code=$?
+            [ $code = 7 ] && continue # it fits
+            [ $code = 1 ] || fail "exit $code instead of 1: $command, $size KiB: $(cat err)"
+            said err "small/it"
+            said err "No space left on device"
+            grep -q part- err && fail "an internal name: $(cat err)"
+        done
+    done
+else
+    echo "no file system of one's own can be mounted here: a full disk was not tried"
+fi
 
 # ---- damage is named by file and slot, exit 3 ----
 cp -r d hurt

@@ -45,4 +45,11 @@ for (const board of boards) {
   for (const plan of PLANS)
     check(board, plan, `${source}/boards/sim/plans/${plan}.yaml`);
 }
+
+/* A day that begins by the clock on the wall: of whoever plans, whatever the box's zone is. */
+const grass = presetChoice(PRESETS[0], ["left", "right"]);
+writeFileSync("local.yaml", planText({ ...grass, day_start: "06:30", zone: "Europe/Berlin" }));
+assert.match(execFileSync(ttfbox, ["plan", "check", "local.yaml"], { encoding: "utf8" }), /^light +11 h 30 min of every 1 d, from 06:30 in Europe\/Berlin, UTC\+01:00$/m);
+writeFileSync("local.yaml", planText(grass));
+assert.match(execFileSync(ttfbox, ["plan", "check", "local.yaml"], { encoding: "utf8" }), /^light +11 h 30 min of every 1 d, from the first slot$/m);
 console.log(`${PRESETS.length} presets and ${PLANS.length} plans on ${boards.length} boards`);
