@@ -84,8 +84,7 @@ int calibration_folder_sweep(struct ttf_io *io, const char *above, struct ttf_er
     }
     if (r == 0 && some)
         r = io->ops->sync_dir(io, above);
-    return r < 0 && r != -ENOENT
-               ? ttf_err_set(err, r, above, "what was removed is still there: %s",
-                             strerrordesc_np(-r))
-               : 0;
+    return r < 0 && r != -ENOENT ? ttf_err_set(err, r, above, "what was removed is still there: %s",
+                                               strerrordesc_np(-r))
+                                 : 0;
 }

@@ -55,7 +55,8 @@ static void a_removal_that_is_cut_off_leaves_it_whole_or_gone(void **state)
         assert_true(exists(in(above, "moss/flat.tif")));
         assert_int_equal(run("rm -rf '%s/grass' '%s/moss'", above, above), 0);
     }
-    assert_int_equal(at - 1, 8); /* rename, sync, three files, the folder, sync: each was the last */
+    assert_int_equal(at - 1,
+                     8); /* rename, sync, three files, the folder, sync: each was the last */
 }
 
 /* The new name of what is away is on the disk before anything in it is lost: a power cut would bring back a folder of half of it. */
