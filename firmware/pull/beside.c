@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "grown.h"
+#include "sure.h"
 
 #define PEOPLE_MAX ((size_t)64 << 20)
 #define TEXT_BYTES ((size_t)1 << 20) /* of events, appended together */
@@ -111,26 +112,26 @@ int beside_events(struct beside *b, struct ttf_err *err)
 static int pull_people(struct beside *b, const char *file, struct ttf_err *err)
 {
     char url[300], path[4600], *theirs = NULL, *ours = NULL;
-    size_t n_theirs, n_ours = 0;
-    int r;
+    struct sure_known known = {0};
+    size_t n;
+    int there, r;
 
     (void)snprintf(url, sizeof url, "/datasets/%s/files/%s", b->landing->name, file);
     (void)snprintf(path, sizeof path, "%s/%s", b->landing->folder, file);
-    r = pull_wire_get_text(b->wire, url, 0, -1, PEOPLE_MAX, &theirs, &n_theirs, err);
-    if (r == -ENOENT)
-        return 0;
-    if (r < 0)
-        return r;
-    r = ttf_io_slurp(b->landing->io, path, PEOPLE_MAX, &ours, &n_ours, NULL);
-    if (r < 0 && r != -ENOENT) {
-        ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
-    } else if (r == 0 && (n_ours > n_theirs || memcmp(ours, theirs, n_ours) != 0)) {
+    there = ttf_io_slurp(b->landing->io, path, PEOPLE_MAX, &ours, &known.n, NULL);
+    known.bytes = ours;
+    r = sure_text(b->wire, url, 0, -1, PEOPLE_MAX, &known, &theirs, &n, err);
+    if (r == -ENOENT) {
+        r = 0;
+    } else if (r == 0 && there < 0 && there != -ENOENT) {
+        r = ttf_err_set(err, there, path, "cannot be read: %s", strerrordesc_np(-there));
+    } else if (r == 0 && there == 0 && (known.n > n || memcmp(ours, theirs, known.n) != 0)) {
         char text[160];
 
         (void)snprintf(text, sizeof text, "%s here is not the box's, and stays as it is", file);
         tell(b, text);
-    } else if (r == -ENOENT || n_ours < n_theirs || b->landing->doubtful) {
-        r = landing_put(b->landing, file, theirs, n_theirs, err);
+    } else if (r == 0 && (there == -ENOENT || known.n < n || b->landing->doubtful)) {
+        r = landing_put(b->landing, file, theirs, n, err);
     }
     free(ours);
     free(theirs);

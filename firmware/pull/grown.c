@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sure.h"
 #include "ttf/dataset/copy.h"
 
 #define PIECE          ((size_t)1 << 20)
@@ -120,14 +121,16 @@ static int same(struct grown *grown, int64_t first, int64_t end, struct ttf_err 
     int64_t before = first > 0 ? 1 : 0;
     size_t n = (size_t)(end - first + before), n_theirs = 0;
     char *ours = malloc(n), *theirs = NULL;
-    int r;
+    const struct sure_known known = {ours, n};
+    int r = 0;
 
     if (!ours)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
-    r = pull_wire_get_text(grown->wire, grown->url, first - before, end - 1, n, &theirs, &n_theirs,
-                           err);
-    if (r == 0 && ttf_io_pread_all(grown->io, grown->file, ours, n, first - before) != (int64_t)n)
+    if (ttf_io_pread_all(grown->io, grown->file, ours, n, first - before) != (int64_t)n)
         r = ttf_err_set(err, -EIO, grown->path, "cannot be read");
+    if (r == 0)
+        r = sure_text(grown->wire, grown->url, first - before, end - 1, n, &known, &theirs,
+                      &n_theirs, err);
     if (r == 0 && n_theirs == n && memcmp(ours, theirs, n) == 0)
         r = 1;
     else if (r == 0 && n_theirs > (size_t)before && (before == 0 || theirs[0] == '\n') &&

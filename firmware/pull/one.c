@@ -14,6 +14,7 @@
 #include "lines.h"
 #include "seal.h"
 #include "settle.h"
+#include "sure.h"
 #include "ttf/dataset/copy.h"
 #include "ttf/dataset/json_parse.h"
 
@@ -256,40 +257,46 @@ static int take_over(struct one *one, struct ttf_err *err)
     return r;
 }
 
+/* A folder that may become the dataset's, with its manifest. */
+static int begin_here(struct one *one, const char *manifest, size_t n, struct ttf_err *err)
+{
+    struct ttf_io *io = one->config->io;
+    bool any = false;
+    int r = io->ops->list(io, one->folder, not_empty, &any);
+
+    if (any) {
+        r = ttf_err_set(err, -EEXIST, one->folder, "is there, and no dataset");
+        ttf_err_hint(err, "move it away, or pull into another folder");
+        return r;
+    }
+    if (r < 0 && r != -ENOENT)
+        return ttf_err_set(err, r, one->folder, "cannot be listed: %s", strerrordesc_np(-r));
+    one->lines.is_new = r == -ENOENT; /* of the folder itself */
+    r = make_folder(one, err);
+    return r < 0 ? r : landing_put(&one->landing, "dataset.json", manifest, n, err);
+}
+
 /* The dataset's own manifest here, or a folder that may become it. */
 static int pull_manifest(struct one *one, struct ttf_err *err)
 {
-    struct ttf_io *io = one->config->io;
-    char url[300], path[4600], *theirs = NULL, *ours = NULL;
-    size_t n_theirs, n_ours;
-    bool any = false;
-    int r;
+    char url[300], path[4600], *theirs = NULL;
+    struct sure_known known = {0};
+    char *ours = NULL;
+    size_t n;
+    int there, r;
 
     (void)snprintf(url, sizeof url, "/datasets/%s/files/dataset.json", one->name);
     (void)snprintf(path, sizeof path, "%s/dataset.json", one->folder);
-    r = pull_wire_get_text(one->wire, url, 0, -1, MANIFEST_MAX, &theirs, &n_theirs, err);
-    if (r < 0)
-        return r;
-    r = ttf_io_slurp(io, path, MANIFEST_MAX, &ours, &n_ours, NULL);
-    if (r < 0 && r != -ENOENT)
-        ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
-    if (r == 0 && (n_ours != n_theirs || memcmp(ours, theirs, n_ours) != 0))
+    there = ttf_io_slurp(one->config->io, path, MANIFEST_MAX, &ours, &known.n, NULL);
+    known.bytes = ours;
+    r = sure_text(one->wire, url, 0, -1, MANIFEST_MAX, &known, &theirs, &n, err);
+    if (r == 0 && there < 0 && there != -ENOENT)
+        r = ttf_err_set(err, there, path, "cannot be read: %s", strerrordesc_np(-there));
+    else if (r == 0 && there == -ENOENT)
+        r = begin_here(one, theirs, n, err);
+    else if (r == 0 && (known.n != n || memcmp(ours, theirs, n) != 0)) {
         r = ttf_err_set(err, -EEXIST, one->folder, "is another dataset than the box's");
-    if (r == -EEXIST)
         ttf_err_hint(err, "move it away, or pull into another folder");
-    if (r == -ENOENT) {
-        r = io->ops->list(io, one->folder, not_empty, &any);
-        if (any) {
-            r = ttf_err_set(err, -EEXIST, one->folder, "is there, and no dataset");
-            ttf_err_hint(err, "move it away, or pull into another folder");
-        } else if (r < 0 && r != -ENOENT) {
-            ttf_err_set(err, r, one->folder, "cannot be listed: %s", strerrordesc_np(-r));
-        } else {
-            one->lines.is_new = r == -ENOENT; /* of the folder itself */
-            r = make_folder(one, err);
-            if (r == 0)
-                r = landing_put(&one->landing, "dataset.json", theirs, n_theirs, err);
-        }
     }
     free(ours);
     free(theirs);
@@ -327,6 +334,40 @@ static int ask_seal(struct one *one, struct seal_state *ret, struct ttf_err *err
     return 0;
 }
 
+/* How it stands there and here. A seal here that is another than the box's goes: not for a bit that turned over on the way. */
+static int compare_seals(struct one *one, struct seal_state *ret, struct ttf_err *err)
+{
+    int r = 0;
+
+    for (unsigned times = 0; r == 0 && times < 2; times++) {
+        r = ask_seal(one, ret, err);
+        if (r == 0)
+            r = seal_look(one->config->io, one->folder, ret, err);
+        if (r == 0 && !ret->other_here)
+            break;
+    }
+    if (r == 0 && one->landing.doubtful && ret->here) { /* its name may be all that there is */
+        ret->here = false;
+        ret->other_here = true;
+    }
+    return r;
+}
+
+static int close_seal(struct one *one, struct seal_state *state, struct ttf_err *err)
+{
+    char text[160];
+    int r =
+        seal_close(&one->landing, &one->settling, &one->records, state, &one->result->sealed, err);
+
+    if (state->aside > 0) {
+        (void)snprintf(text, sizeof text,
+                       "files here that the box's seal does not list (%lld) are NAME.tmp now",
+                       (long long)state->aside);
+        tell(one, one->result->slots, text);
+    }
+    return r;
+}
+
 static int pull_all(struct one *one, struct ttf_err *err)
 {
     struct beside beside = {.wire = one->wire,
@@ -343,15 +384,10 @@ static int pull_all(struct one *one, struct ttf_err *err)
     if (r == 0)
         r = take_over(one, err);
     if (r == 0)
-        r = ask_seal(one, &state, err);
+        r = compare_seals(one, &state, err);
     if (r == 0) {
         one->slots_there = state.slots;
         one->result->box_sealed = state.sealed;
-        r = seal_look(one->config->io, one->folder, &state, err);
-        if (one->landing.doubtful && state.here) { /* its name may be all that there is */
-            state.here = false;
-            state.other_here = true;
-        }
     }
     if (r == 0)
         r = open_records(one, &state, err);
@@ -362,8 +398,7 @@ static int pull_all(struct one *one, struct ttf_err *err)
     if (r == 0)
         r = beside_people(&beside, err);
     if (r == 0 && one->result->damaged == 0)
-        r = seal_close(&one->landing, &one->settling, &one->records, &state, &one->result->sealed,
-                       err);
+        r = close_seal(one, &state, err);
     if (r == 0 && !one->result->sealed &&
         (one->lines.changed || one->taken_back || state.other_here))
         r = ttf_sums_rebuild(one->config->io, one->folder, err);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "strays.h"
 #include "ttf/dataset/hash.h"
 #include "ttf/dataset/json_parse.h"
 #include "vouched.h"
@@ -60,6 +61,13 @@ static bool names_records(const char *text)
     return strstr(text, NAME) != NULL;
 }
 
+static bool names_manifest(const char *text)
+{
+    static const char NAME[] = "  dataset.json\n";
+
+    return strstr(text, NAME) != NULL;
+}
+
 int seal_look(struct ttf_io *io, const char *folder, struct seal_state *state, struct ttf_err *err)
 {
     char path[4600], digest[65], *text = NULL;
@@ -97,9 +105,8 @@ int seal_drop(struct ttf_io *io, const char *folder, struct ttf_err *err)
 }
 
 /* What its record vouches for in the same words was checked when it came; else it is looked at now. */
-static int check_one(struct landing *landing, struct settling *settling,
-                     const struct vouched *vouched, const char *path, const char *hex,
-                     struct ttf_err *err)
+static int check_one(struct landing *landing, struct settling *settling, struct vouched *vouched,
+                     const char *path, const char *hex, struct ttf_err *err)
 {
     enum vouched_as as = vouched_as(vouched, path, hex);
     struct landed landed;
@@ -113,19 +120,17 @@ static int check_one(struct landing *landing, struct settling *settling,
     return r == 0 && landed.unsettled ? settle_add(settling, path, err) : r;
 }
 
-/* Every file of the list. */
-static int check_all(struct landing *landing, struct settling *settling,
-                     const struct vouched *vouched, const char *text, size_t n, struct ttf_err *err)
+/* Every file of the list. only: that one alone; NULL: all. */
+static int check_listed(struct landing *landing, struct settling *settling, struct vouched *vouched,
+                        const char *text, size_t n, const char *only, struct ttf_err *err)
 {
     const char *end = text + n;
 
-    if (!names_records(text))
-        return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS", "the box's does not list the records");
     while (text < end) {
         const char *lf = memchr(text, '\n', (size_t)(end - text));
         size_t length = lf ? (size_t)(lf - text) : 0;
         char hex[65], path[192];
-        int r;
+        int r = 0;
 
         if (length <= PREFIX || length - PREFIX >= sizeof path)
             return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS", "a line of the box's is none");
@@ -135,7 +140,8 @@ static int check_all(struct landing *landing, struct settling *settling,
         path[length - PREFIX] = '\0';
         if (!ttf_sha256_is_hex(hex) || !landing_is_listed(path))
             return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS", "a line of the box's is none");
-        r = check_one(landing, settling, vouched, path, hex, err);
+        if (!only || strcmp(only, path) == 0)
+            r = check_one(landing, settling, vouched, path, hex, err);
         if (r < 0)
             return r;
         text = lf + 1;
@@ -143,11 +149,32 @@ static int check_all(struct landing *landing, struct settling *settling,
     return 0;
 }
 
+/* The records first: what they say of the others has to be said by those that are sealed. Then what 'verify' asks of a seal. */
+static int check_all(struct landing *landing, struct settling *settling, struct grown *records,
+                     const char *text, size_t n, struct ttf_err *err)
+{
+    struct vouched vouched = {0};
+    int r;
+
+    if (!names_records(text) || !names_manifest(text))
+        return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS",
+                           "the box's does not list the records and dataset.json");
+    r = check_listed(landing, settling, &vouched, text, n, "records.jsonl", err);
+    if (r == 0)
+        r = vouched_read(records, &vouched, err);
+    if (r == 0)
+        r = check_listed(landing, settling, &vouched, text, n, NULL, err);
+    if (r == 0 && !(vouched.ended && vouched_all_listed(&vouched)))
+        r = ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS",
+                        "the box's does not list all that its records name, or they have no end");
+    vouched_free(&vouched);
+    return r;
+}
+
 int seal_close(struct landing *landing, struct settling *settling, struct grown *records,
-               const struct seal_state *state, bool *ret_sealed, struct ttf_err *err)
+               struct seal_state *state, bool *ret_sealed, struct ttf_err *err)
 {
     char url[128], digest[65], *text = NULL;
-    struct vouched vouched = {0};
     struct ttf_sha256 hash;
     size_t n;
     int r;
@@ -164,16 +191,15 @@ int seal_close(struct landing *landing, struct settling *settling, struct grown 
     ttf_sha256_hex(&hash, digest);
     /* Gone on with since it was asked: its next state is for the next time. */
     if (strcmp(digest, state->digest) == 0) {
-        r = vouched_read(records, &vouched, err);
-        if (r == 0)
-            r = check_all(landing, settling, &vouched, text, n, err);
+        r = check_all(landing, settling, records, text, n, err);
         if (r == 0)
             r = settle_all(settling, err);
+        if (r == 0)
+            r = strays_put_aside(landing->io, landing->folder, text, &state->aside, err);
         if (r == 0)
             r = landing_put(landing, "SHA256SUMS", text, n, err);
         *ret_sealed = r == 0;
     }
-    vouched_free(&vouched);
     free(text);
     return r;
 }

@@ -20,6 +20,7 @@ struct seal_state {
     char digest[65]; /* of a sealed one */
     bool here;       /* sealed here, with this digest */
     bool other_here; /* sealed here, with another */
+    int64_t aside;   /* files here that it does not list, put aside: strays.h */
 };
 
 /* How the dataset stands on the box. */
@@ -38,7 +39,7 @@ TTF_MUST_USE int seal_drop(struct ttf_io *io, const char *folder, struct ttf_err
  * more). records: as they are here, open. -TTF_EDAMAGED: what is listed is not so on the box, or its records say otherwise.
  */
 TTF_MUST_USE int seal_close(struct landing *landing, struct settling *settling,
-                            struct grown *records, const struct seal_state *state, bool *ret_sealed,
+                            struct grown *records, struct seal_state *state, bool *ret_sealed,
                             struct ttf_err *err);
 
 #endif

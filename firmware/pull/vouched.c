@@ -2,7 +2,7 @@
 #include "vouched.h"
 
 #include <errno.h>
-#include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,7 +20,7 @@ static void bytes_of(const char *hex, uint8_t *ret, size_t n)
 
 static struct vouched_file file_of(const char *path, const char *hex)
 {
-    struct vouched_file file;
+    struct vouched_file file = {0};
     struct ttf_sha256 hash;
     char name[65];
 
@@ -64,6 +64,18 @@ static int add_files(struct vouched *v, const json_t *owner)
     return r;
 }
 
+/* Lines of a later version say nothing of the end. */
+static void note_end(struct vouched *v, const char *type)
+{
+    static const char *const OTHERS[] = {"slot", "segment", "plan", "calibration"};
+
+    if (!type)
+        return;
+    v->ended |= strcmp(type, "end") == 0;
+    for (unsigned i = 0; i < sizeof OTHERS / sizeof *OTHERS; i++)
+        v->ended &= strcmp(type, OTHERS[i]) != 0;
+}
+
 /* grown_line_fn */
 static int take_line(void *ctx, const char *line, size_t n, struct ttf_err *err)
 {
@@ -73,6 +85,7 @@ static int take_line(void *ctx, const char *line, size_t n, struct ttf_err *err)
     int r = ttf_json_parse(line, n, &json, NULL);
 
     if (r == 0) {
+        note_end(ctx, json_string_value(json_object_get(json, "type")));
         r = add_files(ctx, json);
         json_array_foreach(json_object_get(json, "images"), i, image) if (r == 0) r =
             add_files(ctx, image);
@@ -88,12 +101,19 @@ static int by_path(const void *a, const void *b)
     return memcmp(one->path, other->path, sizeof one->path);
 }
 
-int vouched_read(struct grown *records, struct vouched *ret, struct ttf_err *err)
+int vouched_read(const struct grown *records, struct vouched *ret, struct ttf_err *err)
 {
+    struct grown now = {.io = records->io};
     int r;
 
     *ret = (struct vouched){0};
-    r = grown_each(records, 0, take_line, ret, err);
+    (void)snprintf(now.path, sizeof now.path, "%s", records->path);
+    now.file = now.io->ops->open(now.io, now.path, TTF_IO_READ);
+    if (now.file < 0)
+        return ttf_err_set(err, now.file, now.path, "cannot be opened: %s",
+                           strerrordesc_np(-now.file));
+    r = grown_each(&now, 0, take_line, ret, err);
+    (void)now.io->ops->close(now.io, now.file);
     if (r == 0 && ret->n > 1)
         qsort(ret->files, ret->n, sizeof *ret->files, by_path);
     return r;
@@ -105,10 +125,10 @@ void vouched_free(struct vouched *vouched)
     *vouched = (struct vouched){0};
 }
 
-enum vouched_as vouched_as(const struct vouched *v, const char *path, const char *hex)
+enum vouched_as vouched_as(struct vouched *v, const char *path, const char *hex)
 {
     const struct vouched_file wanted = file_of(path, hex);
-    const struct vouched_file *found =
+    struct vouched_file *found =
         v->n ? bsearch(&wanted, v->files, v->n, sizeof *v->files, by_path) : NULL;
     bool so = found != NULL;
 
@@ -117,7 +137,17 @@ enum vouched_as vouched_as(const struct vouched *v, const char *path, const char
     /* One that is named twice is so only if it is in both. */
     while (found > v->files && by_path(found - 1, &wanted) == 0)
         found--;
-    for (; found < v->files + v->n && by_path(found, &wanted) == 0; found++)
+    for (; found < v->files + v->n && by_path(found, &wanted) == 0; found++) {
         so = so && memcmp(found->hash, wanted.hash, sizeof wanted.hash) == 0;
+        found->listed = true;
+    }
     return so ? VOUCHED_SO : VOUCHED_OTHERWISE;
+}
+
+bool vouched_all_listed(const struct vouched *v)
+{
+    for (size_t i = 0; i < v->n; i++)
+        if (!v->files[i].listed)
+            return false;
+    return true;
 }

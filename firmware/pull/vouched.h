@@ -3,6 +3,7 @@
 #ifndef PULL_VOUCHED_H
 #define PULL_VOUCHED_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -17,8 +18,10 @@ struct vouched {
     struct vouched_file {
         uint8_t path[VOUCHED_PATH];
         uint8_t hash[VOUCHED_HASH];
-    } * files; /* by path */
+        bool listed; /* it was asked for */
+    } * files;       /* by path */
     size_t n, room;
+    bool ended; /* the last record is one's end */
 };
 
 enum vouched_as {
@@ -27,10 +30,14 @@ enum vouched_as {
     VOUCHED_OTHERWISE
 };
 
-/* Reads all records here: 44 bytes are held for each file. *ret is to be freed, also on failure. -ENOMEM; errors of grown_each. */
-TTF_MUST_USE int vouched_read(struct grown *records, struct vouched *ret, struct ttf_err *err);
+/* Reads all records here, as the file lies there by its name now: 45 bytes are held for each file. *ret is to be freed, also on failure. -ENOMEM; errors of grown_each. */
+TTF_MUST_USE int vouched_read(const struct grown *records, struct vouched *ret,
+                              struct ttf_err *err);
 void vouched_free(struct vouched *vouched);
 
-enum vouched_as vouched_as(const struct vouched *vouched, const char *path, const char *hex);
+enum vouched_as vouched_as(struct vouched *vouched, const char *path, const char *hex);
+
+/* Has each file that a record names been asked for? */
+bool vouched_all_listed(const struct vouched *vouched);
 
 #endif

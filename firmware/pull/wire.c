@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define CONNECT_S 10L
 #define SILENCE_S 30L   /* without a byte */
@@ -23,6 +24,8 @@ struct wire {
     const struct wire_sink *sink;
     int64_t asked_first;
     bool begun;
+    bool headed;   /* the answer's head came to its end */
+    bool measured; /* it says where its body ends */
     int sink_error;
     char said[SAID_MAX];
     size_t n_said;
@@ -45,6 +48,7 @@ static int init_curl(struct wire *wire, const char *token)
     return 0;
 }
 
+static size_t on_header(char *line, size_t size, size_t n, void *ctx);
 static size_t on_data(char *data, size_t size, size_t n, void *ctx);
 static int on_progress(void *ctx, curl_off_t a, curl_off_t b, curl_off_t c, curl_off_t d);
 
@@ -54,6 +58,8 @@ static int set_options(struct wire *wire)
 
     return curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, on_data) ||
                    curl_easy_setopt(curl, CURLOPT_WRITEDATA, wire) ||
+                   curl_easy_setopt(curl, CURLOPT_HEADERFUNCTION, on_header) ||
+                   curl_easy_setopt(curl, CURLOPT_HEADERDATA, wire) ||
                    curl_easy_setopt(curl, CURLOPT_XFERINFOFUNCTION, on_progress) ||
                    curl_easy_setopt(curl, CURLOPT_XFERINFODATA, wire) ||
                    curl_easy_setopt(curl, CURLOPT_NOPROGRESS, 0L) ||
@@ -159,6 +165,26 @@ static long status_of(struct wire *wire)
     return status;
 }
 
+static bool starts(const char *line, size_t n, const char *with)
+{
+    return n >= strlen(with) && strncasecmp(line, with, strlen(with)) == 0;
+}
+
+/* libcurl calls an answer whole, and empty, whose connection ended within its head before a length was said. */
+static size_t on_header(char *line, size_t size, size_t n, void *ctx)
+{
+    struct wire *wire = ctx;
+
+    n *= size;
+    if (starts(line, n, "HTTP/")) { /* of several answers the last counts */
+        wire->headed = false;
+        wire->measured = !starts(line, n, "HTTP/1"); /* later ones have frames */
+    }
+    wire->measured |= starts(line, n, "Content-Length:") || starts(line, n, "Transfer-Encoding:");
+    wire->headed |= n > 0 && (line[0] == '\r' || line[0] == '\n');
+    return n;
+}
+
 static int begin(struct wire *wire)
 {
     int64_t first = status_of(wire) == 206 ? wire->asked_first : 0;
@@ -261,17 +287,20 @@ static int perform(struct wire *wire, const char *path, struct curl_slist *heade
     if ((size_t)snprintf(url, sizeof url, "%s%s", wire->base, path) >= sizeof url)
         return ttf_err_set(err, -EINVAL, path, "is too long");
     wire->sink = sink;
-    wire->begun = false;
+    wire->begun = wire->headed = wire->measured = false;
     wire->sink_error = 0;
     wire->n_said = 0;
     (void)curl_easy_setopt(wire->curl, CURLOPT_URL, url);
     (void)curl_easy_setopt(wire->curl, CURLOPT_HTTPHEADER, headers);
     code = curl_easy_perform(wire->curl);
     status = status_of(wire);
-    if (code != CURLE_OK)
-        return wire_error(wire, code, path, err);
+    if (code != CURLE_OK || !wire->headed)
+        return wire_error(wire, code != CURLE_OK ? code : CURLE_PARTIAL_FILE, path, err);
     if (status != 200 && status != 206)
         return box_error(wire, status, path, err);
+    if (!wire->measured)
+        return ttf_err_set(err, -EBADMSG, path,
+                           "comes without a length, so that nobody can tell whether it is whole");
     return begin(wire); /* an empty answer has begun too */
 }
 

@@ -36,7 +36,7 @@ void pull_wire_destroy(struct wire *wire); /* NULL allowed */
  * GET of a path below /api/v1. first > 0 or last >= 0: that part of it, both inclusive, if the entity is still if_tag (NULL:
  * whichever it is); the answer may be the whole all the same (begin is told). 0: it is there. -ERANGE: nothing begins at
  * first. -ENOENT, -EACCES and -EIO by what the box says, in its words; -EAGAIN: it is short of handles, archives or the like. -ECANCELED: told to stop. -ETIMEDOUT, -ECONNREFUSED, -ECONNRESET:
- * the wire; what config->ended says in place of these.
+ * the wire; what config->ended says in place of these. -EBADMSG: the answer has no length, and may be a part of itself.
  */
 TTF_MUST_USE int pull_wire_get(struct wire *wire, const char *path, int64_t first, int64_t last,
                                const char *if_tag, const struct wire_sink *sink,

@@ -23,7 +23,7 @@ def record(path, size):
 RECORDS = {
     "path": record("../../../escaped", 4), "absolute": record("/tmp/escaped", 4), "long": record("frames/main/000000.tif", 10),
     "garbage": b"not a line\n" * 100, "noend": b"x" * 100, "name": b"", "size": record("frames/main/000000.tif", -5), "notes": record("notes.jsonl", 4), "hidden": record(".envrc", 4),
-    "nomanifest": record("frames/main/000000.tif", 1000000), "endless": line({"type": "other", "seq": 0, "text": "x" * 9000}) * 100,
+    "nolength": b"", "nomanifest": record("frames/main/000000.tif", 1000000), "endless": line({"type": "other", "seq": 0, "text": "x" * 9000}) * 100,
 }
 
 
@@ -45,6 +45,11 @@ class Box(http.server.BaseHTTPRequestHandler):
             self.give(b'{"name":"grass","slots":1,"sealed":false}')
         elif path.endswith("/dataset.json") and CASE == "nomanifest":
             self.give(b'{"error":"it cannot be read"}', 500)
+        elif path.endswith("/dataset.json") and CASE == "nolength":
+            self.send_response(200)
+            self.end_headers()
+            self.wfile.write(b'{"format":{"name":"ttf","major":1,"minor":1}}')
+            self.close_connection = True
         elif path.endswith("/dataset.json"):
             self.give(b'{"format":{"name":"ttf","major":1,"minor":1}}')
         elif path.endswith("/records"):

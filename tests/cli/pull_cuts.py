@@ -98,7 +98,7 @@ class Campaign:
         self.folder = tempfile.mkdtemp(prefix="ttfbox-cuts-")
         self.data, self.here = os.path.join(self.folder, "data"), os.path.join(self.folder, "here")
         self.copy = os.path.join(self.here, "grass")
-        self.phase, self.pulls, self.copies, self.begun_anew = "", 0, 0, 0
+        self.phase, self.pulls, self.copies, self.begun_anew, self.said = "", 0, 0, 0, []
 
     def run(self, *arguments):
         return subprocess.run([self.ttfbox, *arguments], capture_output=True, text=True, timeout=120, check=False)
@@ -110,6 +110,8 @@ class Campaign:
                        "lamps: {left: 100%, right: 100%}, exposure: 20ms}\nkeep: both\nmains: 50Hz\n")
         r = self.run("capture", plan, "--board", "sim-small", "--set", "sim.sensor.width=96px", "--set", "sim.sensor.height=64px",
                      "-o", os.path.join(self.data, "grass"))
+        assert r.returncode == 0, r.stderr
+        r = self.run("note", os.path.join(self.data, "grass"), "watered", "--slots", "3")  # no list has its hash
         assert r.returncode == 0, r.stderr
         self.whole = sums(os.path.join(self.data, "grass"))
         self.server = subprocess.Popen([self.ttfbox, "serve", self.data, "--listen", "127.0.0.1:0", "--json"], stdout=subprocess.PIPE,
@@ -123,9 +125,20 @@ class Campaign:
             self.server.kill()
             self.server.wait()
         if keep:
-            print(f"kept: {self.folder} (phase {self.phase}, pull {self.pulls}, copy {self.copies})", flush=True)
+            print(f"kept: {self.folder} (phase {self.phase}, pull {self.pulls}, copy {self.copies + 1})", flush=True)
+            self.tell()
         else:
             shutil.rmtree(self.folder, ignore_errors=True)
+
+    def tell(self):
+        """How the copy came to be what it is: what its last pulls said, what lies there, what 'verify' says of it."""
+        for words in self.said:
+            print(words, flush=True)
+        for name, digest in sorted(sums(self.copy).items()):
+            mark = "" if self.whole.get(name) == digest else "  (not the box's)"
+            print(f"{os.path.getsize(os.path.join(self.copy, name)):9} {digest[:16]} {name}{mark}", flush=True)
+        r = self.run("verify", self.copy, "--json")
+        print(f"verify --json: {r.returncode} {r.stdout}{r.stderr}", flush=True)
 
     def look(self, sealed):
         """What is there by its final name is the box's; a copy that is said to be whole is."""
@@ -152,6 +165,8 @@ class Campaign:
             p.kill()
         out, err = p.communicate(timeout=120)
         self.pulls += 1
+        self.said = self.said[-FEW:] + [f"pull {self.pulls} ({self.phase}, {self.wire.cuts} cuts, {self.wire.flips} flips, "
+                                        f"killed after {kill_after} s): {p.returncode} {out}{err}"]
         assert p.returncode in (0, 1, 2, 3) or kill_after is not None, f"it ended with {p.returncode}: {err}"
         sealed = p.returncode == 0 and json.loads(out)["sealed"] == 1
         self.look(sealed)
@@ -180,6 +195,7 @@ class Campaign:
                     self.finish()
                 self.wire.kind, own, self.left_out = kind, 0, False
                 shutil.rmtree(self.here, ignore_errors=True)
+                self.said.clear()
         self.wire.kind = None
         if os.path.isdir(self.here):
             self.finish()
@@ -219,8 +235,8 @@ def main():
     try:
         campaign.go()
         keep = False
-    except AssertionError as wrong:
-        print(f"FAILED (seed {seed}): {wrong}", flush=True)
+    except (AssertionError, subprocess.TimeoutExpired) as wrong:
+        print(f"FAILED (seed {seed}): {wrong or repr(wrong)}", flush=True)
     finally:
         campaign.end(keep)
     return int(keep)

@@ -69,10 +69,10 @@ static bool goes_on(struct pull_box *box, struct model_disk *disk, char ret[SMAL
         WRONG("pulled again: %s: %s (%d)", err.where, err.what, r);
     if (result.sealed != 1 || result.damaged != 0)
         WRONG("pulled again, it is not sealed");
-    if (!pull_box_is_same(box, disk, ret))
+    if (!pull_box_is_whole(disk, ret) || !pull_box_is_same(box, disk, ret))
         return false;
     model_disk_lose_power(disk); /* what was said to be here is on the disk */
-    return pull_box_is_same(box, disk, ret);
+    return pull_box_is_whole(disk, ret) && pull_box_is_same(box, disk, ret);
 }
 
 struct figures {
