@@ -39,13 +39,6 @@ struct ttf_exposure ttf_shot_exposure(const struct ttf_plan_shot *shot, unsigned
     return e;
 }
 
-bool ttf_exposure_equal(const struct ttf_exposure *a, const struct ttf_exposure *b)
-{
-    return a->exposure_ns == b->exposure_ns && a->gain_milli == b->gain_milli &&
-           a->wb_r_milli == b->wb_r_milli && a->wb_b_milli == b->wb_b_milli &&
-           a->lens_mdpt == b->lens_mdpt;
-}
-
 int64_t ttf_exposures_span_ns(const struct ttf_camera_caps *caps, int64_t exposure_ns, unsigned n)
 {
     int64_t each = exposure_ns > caps->frame_period_ns ? exposure_ns : caps->frame_period_ns;

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * exposure.h: snapping exposures to the mains, and the settings of every image of
- * a plan. Pure; locking them on a camera is lock.h's.
+ * a plan. Pure; locking them on a camera is shoot.h's.
  */
 #ifndef TTF_CAPTURE_PRIVATE_EXPOSURE_H
 #define TTF_CAPTURE_PRIVATE_EXPOSURE_H
-
-#include <stdbool.h>
 
 #include "ttf/capture/plan.h"
 
@@ -23,9 +21,6 @@ unsigned ttf_shot_images(const struct ttf_plan_shot *shot);
 /* The settings to ask for image `image` of a shot, snapped. */
 struct ttf_exposure ttf_shot_exposure(const struct ttf_plan_shot *shot, unsigned image,
                                       double mains_hz, int64_t max_ns);
-
-/* True if all fields are equal. */
-bool ttf_exposure_equal(const struct ttf_exposure *a, const struct ttf_exposure *b);
 
 /* Time from the first to the last row of n exposures taken one after another. */
 int64_t ttf_exposures_span_ns(const struct ttf_camera_caps *caps, int64_t exposure_ns, unsigned n);

@@ -173,7 +173,7 @@ static int take_each(struct guide *g, struct ttf_locked *locked, unsigned frames
     int r = ttf_flicker_init(g->each, &g->camera.format, frames, err);
 
     while (r == 0 && g->each->n < frames) {
-        int64_t start_ns;
+        int64_t start_ns = 0;
 
         if (g->each->n > 0 && g->each->n % PHASE_FRAMES == 0)
             r = shift_phase(g, locked, err);
@@ -312,14 +312,14 @@ int ttf_guided_frames(const struct ttf_guided_config *config, bool lit, struct t
 /* The same for a part of a calibration, which is of one camera. */
 static int frames_for(const struct ttf_guided_config *config,
                       const struct ttf_calibration *calibration, bool lit, struct ttf_raw_sum *sum,
-                      struct ttf_err *err)
+                      struct ttf_flicker_frames *each, struct ttf_err *err)
 {
     const char *camera = config->shot->camera;
 
     if (calibration->camera[0] != '\0' && strcmp(calibration->camera, camera) != 0)
         return ttf_err_set(err, -EINVAL, camera, "the calibration is of camera '%s'",
                            calibration->camera);
-    return guided(config, (struct light){.lit = lit, .strict = true}, sum, NULL, err);
+    return guided(config, (struct light){.lit = lit, .strict = true}, sum, each, err);
 }
 
 /* What a calibration says of where it comes from. */
@@ -348,7 +348,7 @@ int ttf_guided_dark(const struct ttf_guided_config *config, struct ttf_calibrati
                     struct ttf_err *err)
 {
     struct ttf_raw_sum sum = {0};
-    int r = frames_for(config, calibration, false, &sum, err);
+    int r = frames_for(config, calibration, false, &sum, NULL, err);
 
     if (r == 0)
         r = ttf_calibration_fit_dark(calibration, &sum, err);
@@ -365,7 +365,7 @@ int ttf_guided_flat(const struct ttf_guided_config *config, struct ttf_calibrati
                     struct ttf_err *err)
 {
     struct ttf_raw_sum sum = {0};
-    int r = frames_for(config, calibration, true, &sum, err);
+    int r = frames_for(config, calibration, true, &sum, NULL, err);
 
     if (r == 0)
         r = ttf_calibration_fit_flat(calibration, &sum, config->reflectance, err);
@@ -382,12 +382,14 @@ int ttf_guided_chart(const struct ttf_guided_config *config, const struct ttf_ch
                      struct ttf_err *err)
 {
     struct ttf_raw_sum sum = {0};
-    int r = frames_for(config, calibration, true, &sum, err);
+    int r = frames_for(config, calibration, true, &sum, NULL, err);
 
     if (r == 0)
         r = ttf_calibration_fit_chart(calibration, &sum, view, chart, err);
-    if (r == 0)
+    if (r == 0) {
+        sign(config, calibration);
         r = ttf_calibration_name(calibration, err);
+    }
     ttf_raw_sum_free(&sum);
     return r;
 }
@@ -396,7 +398,7 @@ int ttf_guided_geometry(const struct ttf_guided_config *config, double pitch_mm,
                         struct ttf_calibration *calibration, struct ttf_err *err)
 {
     struct ttf_raw_sum sum = {0};
-    int r = frames_for(config, calibration, true, &sum, err);
+    int r = frames_for(config, calibration, true, &sum, NULL, err);
 
     if (r == 0)
         r = ttf_calibration_fit_geometry(calibration, &sum, pitch_mm, err);
@@ -406,15 +408,19 @@ int ttf_guided_geometry(const struct ttf_guided_config *config, double pitch_mm,
     return r;
 }
 
-int ttf_guided_flicker(const struct ttf_guided_config *config, struct ttf_flicker *ret,
+int ttf_guided_flicker(const struct ttf_guided_config *config, struct ttf_calibration *calibration,
                        struct ttf_err *err)
 {
     struct ttf_flicker_frames frames = {0};
     struct ttf_raw_sum sum = {0};
-    int r = guided(config, (struct light){.lit = true, .strict = true}, &sum, &frames, err);
+    int r = frames_for(config, calibration, true, &sum, &frames, err);
 
     if (r == 0)
-        r = ttf_flicker_measure(&frames, ret, err);
+        r = ttf_flicker_measure(&frames, &calibration->flicker, err);
+    if (r == 0) {
+        sign(config, calibration);
+        calibration->has_flicker = true;
+    }
     ttf_flicker_free(&frames);
     ttf_raw_sum_free(&sum);
     return r;

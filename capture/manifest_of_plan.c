@@ -51,6 +51,17 @@ static void add_channel(struct ttf_manifest *m, const struct ttf_plan_shot *shot
     channel_title(shot, c->title, sizeof(c->title));
 }
 
+bool ttf_plan_calibrates(const struct ttf_plan *plan, const struct ttf_calibration *calibration,
+                         const char *camera)
+{
+    bool alone = true;
+
+    for (unsigned i = 0; i < plan->n_shots; i++)
+        alone = alone && strcmp(plan->shots[i].camera, camera) == 0;
+    return calibration &&
+           (alone || calibration->camera[0] == '\0' || strcmp(calibration->camera, camera) == 0);
+}
+
 /* Developed pixels are the frame's: the region cuts, and scales nothing. */
 static double scale_of(const struct ttf_plan *plan, const struct ttf_plan_shot *shot,
                        const struct ttf_frame_format *format,
@@ -70,7 +81,7 @@ static void add_stream(struct ttf_manifest *m, const struct ttf_plan *plan,
                        const struct ttf_calibration *calibration)
 {
     const struct ttf_region region = ttf_plan_region(plan, format);
-    const bool flat = calibration && calibration->has_flat;
+    const bool flat = ttf_plan_calibrates(plan, calibration, shot->camera) && calibration->has_flat;
     struct ttf_stream *st = &m->streams[m->n_streams];
 
     snprintf(st->id, sizeof(st->id), "%s", shot->stream);

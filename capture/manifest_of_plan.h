@@ -7,9 +7,13 @@
 #include "ttf/dataset/calibration.h"
 #include "ttf/dataset/manifest.h"
 
+/* Whether a run of the plan develops that camera's frames with the calibration, which is one camera's: others go without. */
+bool ttf_plan_calibrates(const struct ttf_plan *plan, const struct ttf_calibration *calibration,
+                         const char *camera);
+
 /*
- * The plan has been checked on the box. calibration: that of the run, NULL for none: with a flat images are reflectances,
- * else radiances; its geometry gives the scale of its own camera's pixels where the plan gives none.
+ * The plan has been checked on the box. calibration: that of the run, NULL for none: images developed with a flat are
+ * reflectances, others radiances; its geometry gives the scale of its own camera's pixels where the plan gives none.
  */
 TTF_MUST_USE int ttf_manifest_of_plan(const struct ttf_plan *plan, const struct ttf_box *box,
                                       const struct ttf_calibration *calibration,

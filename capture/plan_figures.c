@@ -162,19 +162,12 @@ static void fill_lamp(const struct ttf_plan *plan, const struct ttf_box *box, un
     unsigned stretches = 0;
     int64_t slot_ns = lamp_slot_ns(plan, box, info->name, &stretches);
     bool by_day = level_of(plan->day_levels, plan->n_day_levels, info->name) > 0;
-    int64_t worst = 0;
+    bool always = plan->lamps == TTF_LAMPS_CONTINUOUS &&
+                  level_of(plan->shots[0].levels, plan->shots[0].n_levels, info->name) > 0;
+    int64_t worst = always ? window : worst_in_window(slot_ns, plan->interval_ns, window);
 
-    if (plan->lamps == TTF_LAMPS_CONTINUOUS) {
-        bool on = level_of(plan->shots[0].levels, plan->shots[0].n_levels, info->name) > 0;
-
-        f->lamp_on_ns[i] = on ? whole : slot_ns * f->slots;
-        f->lamp_switchings[i] = on ? 1 : stretches * f->slots;
-        worst = on ? window : worst_in_window(slot_ns, plan->interval_ns, window);
-    } else {
-        f->lamp_on_ns[i] = slot_ns * f->slots;
-        f->lamp_switchings[i] = stretches * f->slots;
-        worst = worst_in_window(slot_ns, plan->interval_ns, window);
-    }
+    f->lamp_on_ns[i] = always ? whole : slot_ns * f->slots;
+    f->lamp_switchings[i] = always ? 1 : stretches * f->slots;
     if (plan->lamps == TTF_LAMPS_PHOTOPERIOD && by_day) {
         int64_t periods = whole / plan->period_ns;
         int64_t rest = whole % plan->period_ns;

@@ -56,10 +56,10 @@ static int look(void *ctx, const char *name, bool is_dir)
 
     if (!is_dir) {
         keep_if_old(o, name);
-    } else if (o->sub[0] == '\0' &&
-               snprintf(path, sizeof(path), "%s/%s", o->folder, name) < (int)sizeof(path) &&
-               snprintf(o->sub, sizeof(o->sub), "%s/", name) < (int)sizeof(o->sub)) {
-        (void)o->io->ops->list(o->io, path, look, o);
+    } else if (o->sub[0] == '\0') {
+        if (snprintf(path, sizeof(path), "%s/%s", o->folder, name) < (int)sizeof(path) &&
+            snprintf(o->sub, sizeof(o->sub), "%s/", name) < (int)sizeof(o->sub))
+            (void)o->io->ops->list(o->io, path, look, o);
         o->sub[0] = '\0';
     }
     return 0;

@@ -10,6 +10,7 @@
 
 #include "asks.h"
 #include "exposure.h"
+#include "manifest_of_plan.h"
 #include "plan_change.h"
 #include "plan_figures.h"
 #include "second_storage.h"
@@ -123,13 +124,6 @@ static int load_calibration(struct ttf_session *s, struct ttf_err *err)
     return r;
 }
 
-/* The calibration is one camera's; others of the plan go without. */
-static bool calibrates(const struct ttf_session *s, const struct ttf_shooter *camera)
-{
-    return s->has_calibration && (s->n_cameras == 1 || s->calibration.camera[0] == '\0' ||
-                                  strcmp(s->calibration.camera, camera->name) == 0);
-}
-
 /* The last memory of a run: from now on it allocates nothing. */
 static int reserve_memory(struct ttf_session *s, struct ttf_err *err)
 {
@@ -144,6 +138,8 @@ static int reserve_memory(struct ttf_session *s, struct ttf_err *err)
 
 static int set_up_darkrooms(struct ttf_session *s, struct ttf_err *err)
 {
+    const struct ttf_calibration *calibration = s->has_calibration ? &s->calibration : NULL;
+
     s->pool = ttf_pool_create(s->config->threads);
     if (!s->pool)
         return -ENOMEM;
@@ -152,7 +148,8 @@ static int set_up_darkrooms(struct ttf_session *s, struct ttf_err *err)
             .plan = &s->plan,
             .camera = s->cameras[i].camera,
             .format = &s->cameras[i].format,
-            .calibration = calibrates(s, &s->cameras[i]) ? &s->calibration : NULL,
+            .calibration =
+                ttf_plan_calibrates(&s->plan, calibration, s->cameras[i].name) ? calibration : NULL,
             .pool = s->pool,
             .serial = s->box->serial,
             .software = "ttfbox " TTFBOX_VERSION,

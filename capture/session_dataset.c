@@ -33,11 +33,12 @@ int ttf_session_check_disk(struct ttf_session *s, struct ttf_err *err)
     int r;
 
     /* An unattended run that goes on after a power cut is not refused for a disk that became tight. */
-    if (dataset_exists(s) && s->config->rehearse > 0)
-        return ttf_err_set(err, -EEXIST, s->path,
-                           "a rehearsal needs a folder of its own, not a dataset that is there");
     if (dataset_exists(s))
-        return 0;
+        return s->config->rehearse > 0
+                   ? ttf_err_set(
+                         err, -EEXIST, s->path,
+                         "a rehearsal needs a folder of its own, not a dataset that is there")
+                   : 0;
     r = s->config->rehearse > 0
             ? 0
             : ttf_second_storage_check(s->config->io, s->path, &s->plan, NULL, err);

@@ -2,7 +2,6 @@
 /* hook.c: a queue, a thread, tries. */
 #include <errno.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

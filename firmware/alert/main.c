@@ -166,6 +166,8 @@ static int begin(struct alertd *a, struct ttf_err *err)
     if (r == 0 && *a->config.heartbeat) {
         r = -pthread_create(&a->heart, NULL, beat, a);
         a->has_heart = r == 0;
+        if (r < 0)
+            ttf_err_set(err, r, "heartbeat", "no thread to send it: %s", strerrordesc_np(-r));
     }
     return r;
 }
@@ -201,8 +203,11 @@ enum what {
 static int run(const char *file, enum what what, struct ttf_err *err)
 {
     struct alertd *a = calloc(1, sizeof *a);
-    int r = a ? ttf_alerts_file_load(file, &a->config, err) : -ENOMEM;
+    int r;
 
+    if (!a)
+        return ttf_err_set(err, -ENOMEM, file, "no memory to read it");
+    r = ttf_alerts_file_load(file, &a->config, err);
     if (r == 0 && what != CHECK) {
         a->clock = ttf_clock_real_create();
         r = a->clock ? 0 : ttf_err_set(err, -errno, "clock", "the machine's clock cannot be had");

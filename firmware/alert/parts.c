@@ -15,18 +15,17 @@ static bool connects(const char *path, int type)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     int fd = socket(AF_UNIX, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    bool there;
+    int code;
 
     if (fd < 0)
         return true; /* a want of ours, not theirs */
     (void)snprintf(address.sun_path, sizeof address.sun_path, "%s", path);
-    /* Busy, or not allowed: somebody listens. Of another kind: tried again. */
-    there = connect(fd, (const struct sockaddr *)&address, sizeof address) == 0 ||
-            errno == EAGAIN || errno == EACCES || errno == EPERM || errno == EPROTOTYPE;
-    if (errno == EPROTOTYPE && type == SOCK_STREAM)
-        there = connects(path, SOCK_SEQPACKET);
+    code = connect(fd, (const struct sockaddr *)&address, sizeof address) == 0 ? 0 : errno;
     (void)close(fd);
-    return there;
+    if (code == EPROTOTYPE && type == SOCK_STREAM)
+        return connects(path, SOCK_SEQPACKET);
+    /* Busy, not allowed, or of yet another kind: somebody listens. */
+    return code == 0 || code == EAGAIN || code == EACCES || code == EPERM || code == EPROTOTYPE;
 }
 
 /* ttfbox-preview holds its lock as long as it lives; where there is no lock yet, it never lived. */

@@ -71,13 +71,9 @@ static void name_file(const struct ttf_alerts_config *config, struct ttf_io *io,
 {
     char dataset[600] = "";
 
-    ret->io = io;
-    (void)snprintf(ret->folder, sizeof ret->folder, "%s", config->state);
-    (void)snprintf(ret->path, sizeof ret->path, "%s/run.json", config->state);
     if (*config->plan)
         (void)snprintf(dataset, sizeof dataset, "%s/%s", config->data, config->dataset);
-    (void)snprintf(ret->configuration, sizeof ret->configuration, "%.500s into %.500s",
-                   config->plan, dataset);
+    orders_file_name(ret, io, config->state, config->plan, dataset);
 }
 
 void wanted_look(struct wanted *wanted, const struct ttf_alerts_config *config, struct ttf_io *io)

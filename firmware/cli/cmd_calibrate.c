@@ -95,11 +95,8 @@ static int take(struct cli *cli, struct guided *g, struct ttf_guided_config *con
     }
     if (g->part == TTF_CALIBRATION_GEOMETRY)
         return ttf_guided_geometry(config, cli->opt.pitch_mm, &g->calibration, &cli->err);
-    if (g->part == TTF_CALIBRATION_FLICKER) {
-        r = ttf_guided_flicker(config, &g->calibration.flicker, &cli->err);
-        g->calibration.has_flicker = r == 0;
-        return r;
-    }
+    if (g->part == TTF_CALIBRATION_FLICKER)
+        return ttf_guided_flicker(config, &g->calibration, &cli->err);
     r = calibrate_chart_corners(cli, &g->box, &view);
     if (r == 0)
         r = calibrate_chart_values(cli, &g->box, &chart);
@@ -125,7 +122,6 @@ static int acquire(struct cli *cli, struct guided *g)
     r = take(cli, g, &config);
     if (r < 0 || !cli->opt.output)
         return r;
-    g->calibration.simulated = g->box.simulated;
     r = ttf_calibration_name(&g->calibration, &cli->err);
     if (r == 0)
         r = ttf_io_mkdirs(cli->io, cli->opt.output, &cli->err);

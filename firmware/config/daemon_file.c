@@ -252,6 +252,14 @@ static int load(const char *path, parse_fn *fn, struct ttf_daemon_config *ret, s
     return r;
 }
 
+const char *const *ttf_daemon_board_folders(void)
+{
+    static const char *const FOLDERS[] = {"/etc/ttfbox/boards", "boards", TTFBOX_INSTALLED_BOARDS,
+                                          NULL};
+
+    return FOLDERS;
+}
+
 int ttf_daemon_file_load(const char *path, struct ttf_daemon_config *ret, struct ttf_err *err)
 {
     return load(path, ttf_daemon_file_parse, ret, err);

@@ -164,15 +164,12 @@ int64_t asks_put(struct asks *asks, const struct ttf_http_ask *ask, struct ttf_e
     return number;
 }
 
-int64_t asks_stop(struct asks *asks, bool now)
+int64_t asks_stop(struct asks *asks)
 {
-    struct asked *asked;
     int64_t number;
 
     (void)pthread_mutex_lock(&asks->lock);
-    asked = add(asks, TTF_HTTP_ASK_STOP);
-    asked->answered = now;
-    number = asked->number;
+    number = add(asks, TTF_HTTP_ASK_STOP)->number;
     (void)pthread_mutex_unlock(&asks->lock);
     return number;
 }

@@ -33,8 +33,8 @@ void asks_end(struct asks *asks);
 TTF_MUST_USE int64_t asks_put(struct asks *asks, const struct ttf_http_ask *ask,
                               struct ttf_err *err);
 
-/* A stop, which needs no run that hears: answered by asks_end, or at once by `now`. */
-int64_t asks_stop(struct asks *asks, bool now);
+/* A stop, which needs no run that hears: answered by asks_end. */
+int64_t asks_stop(struct asks *asks);
 
 /* The next that was answered and not given by this yet, as an event's data. false: there is none. */
 bool asks_answered(struct asks *asks, struct ttf_json *json);

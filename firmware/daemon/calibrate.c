@@ -95,8 +95,6 @@ static int take_chart(struct step *s, const struct ttf_guided_config *config, st
 
 static int take(struct step *s, struct ttf_guided_config *config, struct ttf_err *err)
 {
-    int r;
-
     switch (s->what.part) {
     case TTF_CALIBRATION_DARK:
         return ttf_guided_dark(config, &s->calibration, err);
@@ -109,9 +107,7 @@ static int take(struct step *s, struct ttf_guided_config *config, struct ttf_err
     case TTF_CALIBRATION_FLICKER:
         break;
     }
-    r = ttf_guided_flicker(config, &s->calibration.flicker, err);
-    s->calibration.has_flicker = r == 0;
-    return r;
+    return ttf_guided_flicker(config, &s->calibration, err);
 }
 
 static int64_t settling_ns(const struct step *s)
@@ -151,10 +147,8 @@ static int acquire(struct step *s, struct ttf_watchdog *watchdog, struct ttf_err
     if (watchdog)
         manager_wait(&s->d->manager, at_most_ns);
     r = take(s, &config, err);
-    if (r < 0)
-        return r;
-    s->calibration.simulated = s->d->view.simulated;
-    r = ttf_calibration_name(&s->calibration, err);
+    if (r == 0)
+        r = ttf_calibration_name(&s->calibration, err);
     return r < 0 ? r : ttf_calibration_save(&s->calibration, s->d->io, s->folder, err);
 }
 

@@ -35,8 +35,6 @@ static int against_box(void *ctx, const struct ttf_box *box, struct ttf_err *err
 {
     struct checked *c = ctx;
 
-    (void)err;
-    c->has_figures = false;
     return ttf_plan_check(ttf_plan_file_plan(c->file), box, &c->figures, err);
 }
 
@@ -62,12 +60,9 @@ static int against_disk(struct checked *c, struct ttf_err *err)
 static int check(struct checked *c, const char *name, const char *yaml, size_t bytes,
                  struct ttf_err *err)
 {
-    char file[80];
     struct ttf_utc utc;
-    int r;
+    int r = ttf_plan_file_parse(name, yaml, bytes, &c->file, err);
 
-    (void)snprintf(file, sizeof file, "%s", name);
-    r = ttf_plan_file_parse(file, yaml, bytes, &c->file, err);
     if (r < 0) {
         c->file = NULL;
         return r;
@@ -209,14 +204,6 @@ int check_plan(struct daemon *d, const char *name, const char *yaml, size_t byte
         put_figures(&j, &c);
     ttf_json_object_end(&j);
     ttf_plan_file_free(c.file);
-    if (r < 0) {
-        struct ttf_err finished = {0};
-
-        r = daemon_give(&j, ret_json, &finished);
-        if (r < 0)
-            *err = finished;
-        return r;
-    }
     return daemon_give(&j, ret_json, err);
 }
 

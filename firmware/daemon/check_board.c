@@ -68,6 +68,5 @@ int check_board(const char *yaml, size_t bytes, char **ret_json, struct ttf_err 
         put_board(&j, board);
     ttf_json_object_end(&j);
     free(board);
-    r = ttf_json_take(&j, ret_json, NULL);
-    return r < 0 ? ttf_err_set(err, r, NULL, "no memory") : 0;
+    return daemon_give(&j, ret_json, err);
 }

@@ -22,27 +22,25 @@ bool daemon_told_to_end(const struct daemon *d)
     return __atomic_load_n(d->options->stop, __ATOMIC_RELAXED) == DAEMON_STOP;
 }
 
-const char *const *daemon_board_folders(void)
-{
-    static const char *const FOLDERS[] = {"/etc/ttfbox/boards", "boards", TTFBOX_INSTALLED_BOARDS,
-                                          NULL};
-
-    return FOLDERS;
-}
-
 /* ---- what is told ---- */
+
+void daemon_publish(struct daemon *d, const char *kind, struct ttf_json *json)
+{
+    const char *text;
+    size_t bytes;
+
+    if (ttf_json_finish(json, &text, &bytes) == 0)
+        ttf_http_events_publish(d->events, kind, text);
+    ttf_json_free(json);
+}
 
 void daemon_tell_state(struct daemon *d)
 {
     struct ttf_json json;
-    const char *text;
-    size_t bytes;
 
     ttf_json_init(&json, false);
     situation_state_event(d->situation, &json);
-    if (ttf_json_finish(&json, &text, &bytes) == 0)
-        ttf_http_events_publish(d->events, "state", text);
-    ttf_json_free(&json);
+    daemon_publish(d, "state", &json);
 }
 
 int daemon_give(struct ttf_json *json, char **ret, struct ttf_err *err)
@@ -103,7 +101,7 @@ static int load(struct daemon *d, struct ttf_err *err)
         return r;
     for (unsigned i = 0; i < d->config.n_sets; i++)
         d->sets[i] = (struct ttf_board_set){d->config.set[i].path, d->config.set[i].value};
-    r = ttf_board_locate(d->config.board, daemon_board_folders(), path, sizeof path, err);
+    r = ttf_board_locate(d->config.board, ttf_daemon_board_folders(), path, sizeof path, err);
     if (r == 0)
         r = ttf_board_load(path, d->sets, d->config.n_sets, &d->board, err);
     if (r == 0 && d->board.simulated && !d->board.sim.real_time) {
@@ -165,8 +163,6 @@ static void find_serial(struct daemon *d)
 
 static int make_parts(struct daemon *d, struct ttf_err *err)
 {
-    const char *name = strrchr(d->config.dataset, '/');
-    char configuration[1100];
     uint64_t random;
     int r;
 
@@ -183,10 +179,8 @@ static int make_parts(struct daemon *d, struct ttf_err *err)
     if (!d->mailbox || !d->situation || !d->asks || !d->shadow || !d->workshop || !d->calibrations)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     r = ttf_http_events_create(&d->events, err);
-    (void)snprintf(configuration, sizeof configuration, "%s into %s", d->config.plan,
-                   d->config.dataset);
     if (r == 0)
-        r = orders_create(d->io, d->config.state, name ? name + 1 : "", configuration, &d->orders,
+        r = orders_create(d->io, d->config.state, d->config.plan, d->config.dataset, &d->orders,
                           err);
     if (r == 0)
         orders_flag(d->orders, d->options->stop, DAEMON_STOP_RUN);

@@ -224,7 +224,7 @@ static int stop(struct daemon *d, char **ret_json, struct ttf_err *err)
         situation_turn(d->situation, DOING_PAUSED, DOING_STOPPING) ||
         situation_turn(d->situation, DOING_WAITING, DOING_STOPPING))
         daemon_tell_state(d);
-    number = asks_stop(d->asks, false);
+    number = asks_stop(d->asks);
     ttf_gate_open(d->wake);
     return show(d, number, ret_json, err);
 }
@@ -347,7 +347,7 @@ static int door_live(struct ttf_http_box *box, const struct ttf_http_view *view,
 
 static int door_newest(struct ttf_http_box *box, char ret_dataset[65], struct ttf_err *err)
 {
-    (void)situation_dataset(of(box)->situation, ret_dataset);
+    situation_dataset(of(box)->situation, ret_dataset);
     return *ret_dataset ? 0 : ttf_err_set(err, -ENOENT, NULL, "nothing was captured yet");
 }
 

@@ -89,12 +89,19 @@ static int on_line(void *ctx, const struct ttf_growth_line *line, struct ttf_err
     return 0;
 }
 
+/* Whether it is about another run than follow, and which. */
+static bool elsewhere(const struct follow *follow, struct daemon *d, char ret[65],
+                      char ret_second[512])
+{
+    situation_records(d->situation, ret, ret_second);
+    return strcmp(ret, follow->dataset) != 0 || strcmp(ret_second, follow->second) != 0;
+}
+
 bool follow_elsewhere(const struct follow *follow, struct daemon *d)
 {
     char dataset[65], second[512];
 
-    (void)situation_records(d->situation, dataset, second);
-    return strcmp(dataset, follow->dataset) != 0 || strcmp(second, follow->second) != 0;
+    return elsewhere(follow, d, dataset, second);
 }
 
 /* Is what lies in the second storage under this name what a run went on in? */
@@ -147,8 +154,7 @@ void follow_read(struct follow *follow, struct daemon *d)
     struct reading reading = {.d = d, .dataset = follow->dataset};
     char dataset[65], second[512];
 
-    (void)situation_records(d->situation, dataset, second);
-    if (strcmp(dataset, follow->dataset) != 0 || strcmp(second, follow->second) != 0) {
+    if (elsewhere(follow, d, dataset, second)) {
         memset(follow, 0, sizeof *follow);
         memcpy(follow->dataset, dataset, sizeof follow->dataset);
         memcpy(follow->second, second, sizeof follow->second);

@@ -118,28 +118,18 @@ static void keep_orders(struct keeper *k, int64_t now_ns)
 
 /* ---- what happens ---- */
 
-static void publish(struct daemon *d, const char *kind, struct ttf_json *json)
-{
-    const char *text;
-    size_t bytes;
-
-    if (ttf_json_finish(json, &text, &bytes) == 0)
-        ttf_http_events_publish(d->events, kind, text);
-    ttf_json_free(json);
-}
-
 static void tell_text(struct daemon *d, const char *kind, const char *text)
 {
     char dataset[65];
     struct ttf_json json;
 
-    (void)situation_dataset(d->situation, dataset);
+    situation_dataset(d->situation, dataset);
     ttf_json_init(&json, false);
     ttf_json_object(&json);
     ttf_json_kstring(&json, "dataset", dataset);
     ttf_json_kstring(&json, "text", text);
     ttf_json_object_end(&json);
-    publish(d, kind, &json);
+    daemon_publish(d, kind, &json);
 }
 
 static void tell_slot(struct daemon *d, const struct letter *letter)
@@ -148,7 +138,7 @@ static void tell_slot(struct daemon *d, const struct letter *letter)
 
     ttf_json_init(&json, false);
     situation_slot_event(d->situation, letter, &json);
-    publish(d, "slot", &json);
+    daemon_publish(d, "slot", &json);
 }
 
 static void tell_letter(struct keeper *k, const struct letter *letter)
@@ -203,7 +193,7 @@ static void tell_answers(struct daemon *d)
             ttf_json_free(&json);
             return;
         }
-        publish(d, "asked", &json);
+        daemon_publish(d, "asked", &json);
     }
 }
 

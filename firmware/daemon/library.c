@@ -28,7 +28,7 @@ static int by_name(const void *a, const void *b)
 
 static bool is_name(const char *name)
 {
-    return *name != '.' && *name && strlen(name) < 65 &&
+    return *name != '.' && *name &&
            strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-") ==
                strlen(name);
 }
@@ -39,7 +39,7 @@ static int take(void *ctx, const char *name, bool is_dir)
     size_t n = strlen(name), end = sizeof SUFFIX - 1;
     char text[65];
 
-    if (is_dir != names->folders || names->n == names->max || n > 64 + end)
+    if (is_dir != names->folders || names->n == names->max)
         return 0;
     if (!names->folders) {
         if (n <= end || strcmp(name + n - end, SUFFIX) != 0 || strcmp(name, "board.yaml") == 0)
@@ -273,7 +273,7 @@ static bool find_board(struct daemon *d, const char *name, char ret[600])
                        slash ? d->board.path : ".");
         return true;
     }
-    for (const char *const *folder = daemon_board_folders(); *folder; folder++) {
+    for (const char *const *folder = ttf_daemon_board_folders(); *folder; folder++) {
         (void)snprintf(path, sizeof path, "%s/%s/board.yaml", *folder, name);
         if (d->io->ops->stat(d->io, path, &st) < 0 || !st.is_regular)
             continue;
@@ -340,7 +340,7 @@ int library_boards(struct daemon *d, char **ret_json, struct ttf_err *err)
     ttf_json_key(&json, "boards");
     ttf_json_array(&json);
     put_board(d, d->board.name, &json);
-    for (const char *const *folder = daemon_board_folders(); *folder && r == 0; folder++) {
+    for (const char *const *folder = ttf_daemon_board_folders(); *folder && r == 0; folder++) {
         struct names names;
 
         r = list(d->io, *folder, BOARDS_MAX, true, &names);

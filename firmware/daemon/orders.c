@@ -125,18 +125,16 @@ static void write_back(struct orders *o)
         (void)!save(o, &o->order, NULL);
 }
 
-int orders_create(struct ttf_io *io, const char *folder, const char *configured,
-                  const char *configuration, struct orders **ret, struct ttf_err *err)
+int orders_create(struct ttf_io *io, const char *folder, const char *plan, const char *dataset,
+                  struct orders **ret, struct ttf_err *err)
 {
     struct orders *o = calloc(1, sizeof *o);
+    const char *slash = strrchr(dataset, '/');
 
     if (!o)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
-    o->file.io = io;
-    copy(o->file.folder, sizeof o->file.folder, folder);
-    (void)snprintf(o->file.path, sizeof o->file.path, "%s/run.json", o->file.folder);
-    copy(o->file.configuration, sizeof o->file.configuration, configuration);
-    copy(o->configured, sizeof o->configured, configured);
+    orders_file_name(&o->file, io, folder, plan, dataset);
+    copy(o->configured, sizeof o->configured, slash ? slash + 1 : dataset);
     (void)pthread_mutex_init(&o->lock, NULL);
     read_file(o);
     *ret = o;

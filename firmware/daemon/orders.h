@@ -37,11 +37,11 @@ struct order {
 struct orders;
 
 /*
- * configured: the configuration's dataset (its name), "" for none; configuration: a text that tells it from others. A file that
- * says nothing that can be understood is put aside, and the order is STOPPED, with why. -ENOMEM.
+ * plan, dataset: the configuration's, the dataset's with its folder; "" and "": it has none. A file that says nothing that can be
+ * understood is put aside, and the order is STOPPED, with why. -ENOMEM.
  */
-TTF_MUST_USE int orders_create(struct ttf_io *io, const char *folder, const char *configured,
-                               const char *configuration, struct orders **ret, struct ttf_err *err);
+TTF_MUST_USE int orders_create(struct ttf_io *io, const char *folder, const char *plan,
+                               const char *dataset, struct orders **ret, struct ttf_err *err);
 void orders_destroy(struct orders *orders); /* NULL allowed */
 
 /* From now on a stop puts value into the flag, where it is 0: whoever runs what was stopped ends it. Borrowed; before any

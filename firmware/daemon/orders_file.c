@@ -15,6 +15,15 @@
 
 static const char *const STATES[] = {"none", "running", "stopped", "done"};
 
+void orders_file_name(struct orders_file *ret, struct ttf_io *io, const char *folder,
+                      const char *plan, const char *dataset)
+{
+    ret->io = io;
+    (void)snprintf(ret->folder, sizeof ret->folder, "%s", folder);
+    (void)snprintf(ret->path, sizeof ret->path, "%s/run.json", ret->folder);
+    (void)snprintf(ret->configuration, sizeof ret->configuration, "%s into %s", plan, dataset);
+}
+
 static void copy(char *ret, size_t size, const json_t *object, const char *key)
 {
     const char *text = json_string_value(json_object_get(object, key));

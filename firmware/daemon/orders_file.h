@@ -8,8 +8,12 @@
 struct orders_file {
     struct ttf_io *io;
     char folder[512], path[528];
-    char configuration[1024]; /* under which is decided now */
+    char configuration[1040]; /* under which is decided now */
 };
+
+/* run.json in the folder, under a configuration's plan and the dataset it makes (its path), "" and "": none. io is borrowed. */
+void orders_file_name(struct orders_file *ret, struct ttf_io *io, const char *folder,
+                      const char *plan, const char *dataset);
 
 /*
  * 1: *ret is what holds, to be freed. 0: it says nothing for this configuration. -ENOENT: there is none. -EINVAL: it cannot be

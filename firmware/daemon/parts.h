@@ -70,10 +70,10 @@ struct daemon {
     char token[65];
 };
 
-/* Where boards are looked for, NULL-ended. */
-const char *const *daemon_board_folders(void);
-
 bool daemon_told_to_end(const struct daemon *d);
+
+/* The writer's text as an event, to whoever listens; json is freed. */
+void daemon_publish(struct daemon *d, const char *kind, struct ttf_json *json);
 
 /* Tells whoever listens what the box does now. */
 void daemon_tell_state(struct daemon *d);

@@ -32,9 +32,7 @@ static int64_t read_images(struct ttf_io *io, const char *path)
 static void tell(struct daemon *d, const char *dataset)
 {
     struct ttf_json json;
-    const char *text;
     char path[128];
-    size_t bytes;
 
     (void)snprintf(path, sizeof path, "/api/v1/datasets/%s/preview", dataset);
     ttf_json_init(&json, false);
@@ -42,9 +40,7 @@ static void tell(struct daemon *d, const char *dataset)
     ttf_json_kstring(&json, "dataset", dataset);
     ttf_json_kstring(&json, "path", path);
     ttf_json_object_end(&json);
-    if (ttf_json_finish(&json, &text, &bytes) == 0)
-        ttf_http_events_publish(d->events, "preview", text);
-    ttf_json_free(&json);
+    daemon_publish(d, "preview", &json);
 }
 
 void preview_watch_look(struct preview_watch *watch, struct daemon *d)
@@ -54,7 +50,7 @@ void preview_watch_look(struct preview_watch *watch, struct daemon *d)
     int64_t images;
     bool first;
 
-    (void)situation_dataset(d->situation, dataset);
+    situation_dataset(d->situation, dataset);
     first = strcmp(dataset, watch->dataset) != 0;
     if (first) {
         *watch = (struct preview_watch){0};

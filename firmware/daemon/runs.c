@@ -292,8 +292,7 @@ static void one_run(struct daemon *d, const struct order *order)
         ended(d, order);
         return;
     }
-    if (err.code != r)
-        err.code = r;
+    err.code = r;
     absence_tried(&d->absence, order->dataset, begun_ns);
     wait_to_try_again(d, order, &err);
 }

@@ -232,23 +232,19 @@ void situation_record(struct situation *s, const char *dataset, enum course_part
     unlock(s);
 }
 
-bool situation_dataset(struct situation *s, char ret[65])
+void situation_dataset(struct situation *s, char ret[65])
 {
     char second[512];
 
-    return situation_records(s, ret, second);
+    situation_records(s, ret, second);
 }
 
-bool situation_records(struct situation *s, char ret[65], char ret_second[512])
+void situation_records(struct situation *s, char ret[65], char ret_second[512])
 {
-    bool under_way;
-
     lock(s);
     memcpy(ret, s->dataset, sizeof s->dataset);
     memcpy(ret_second, s->second, sizeof s->second);
-    under_way = s->doing != DOING_IDLE && s->doing != DOING_STOPPED;
     unlock(s);
-    return under_way;
 }
 
 /* ---- what is said ---- */

@@ -66,11 +66,11 @@ void situation_segment(struct situation *situation, const char *dataset, enum co
 void situation_record(struct situation *situation, const char *dataset, enum course_part part,
                       const struct ttf_slot_record *record, const char *readings);
 
-/* The dataset's name, and whether a run is under way into it. */
-bool situation_dataset(struct situation *situation, char ret[65]);
+/* The name of the dataset that all this is about; "": none. */
+void situation_dataset(struct situation *situation, char ret[65]);
 
 /* The same, and the folder of the run's second storage; "": it has none. */
-bool situation_records(struct situation *situation, char ret[65], char ret_second[512]);
+void situation_records(struct situation *situation, char ret[65], char ret_second[512]);
 
 /* Members of the status: state, why, time, run, readings, alarms. */
 void situation_status(struct situation *situation, struct ttf_json *json);

@@ -119,13 +119,11 @@ static int load_config(struct lampd *d, struct ttf_err *err)
 
 static int load(struct lampd *d, struct ttf_err *err)
 {
-    static const char *const FOLDERS[] = {"/etc/ttfbox/boards", "boards", TTFBOX_INSTALLED_BOARDS,
-                                          NULL};
     char path[512];
     int r = d->config_file ? load_config(d, err) : 0;
 
     if (r == 0)
-        r = ttf_board_locate(d->board_name, FOLDERS, path, sizeof path, err);
+        r = ttf_board_locate(d->board_name, ttf_daemon_board_folders(), path, sizeof path, err);
     if (r == 0)
         r = ttf_board_load(path, d->sets, d->config.n_sets, &d->board, err);
     if (r == 0 && d->board.guardian.n_wires == 0) {
@@ -224,6 +222,9 @@ int main(int argc, char **argv)
     catch_signals();
     learn_manager(&d);
     r = load(&d, &err);
+    /* That is all it has to do here: who ends before it was ready has failed, to the manager, whatever it ends with. */
+    if (r == -ENODATA)
+        (void)ttf_systemd_notify(d.notify, "READY=1\nSTATUS=no lamps to guard");
     if (r == 0)
         r = open_all(&d, &err);
     if (r == 0) {

@@ -6,6 +6,9 @@
 #include "device.h"
 #include "ttf/base/time.h"
 
+/* What a processed stream's digital gain may be off 1. */
+#define DIGITAL_GAIN_SLACK 0.005
+
 /* What stands still for the whole run, where there is such a control. */
 static const struct fixed {
     enum lc_control control;
@@ -174,6 +177,12 @@ struct lc_settings lc_controls_request(const struct lc_abilities *can,
 static bool tells(const struct lc_settings *told, enum lc_control control)
 {
     return told->set & 1u << control;
+}
+
+bool lc_controls_multiplied(const struct lc_camera *camera, const struct lc_settings *told)
+{
+    return camera->pixels->role == LC_PROCESSED && tells(told, LC_DIGITAL_GAIN) &&
+           fabs(told->value[LC_DIGITAL_GAIN][0] - 1) > DIGITAL_GAIN_SLACK;
 }
 
 bool lc_controls_told(const struct lc_abilities *can, const struct lc_settings *told,

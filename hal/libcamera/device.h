@@ -160,6 +160,8 @@ struct lc_settings lc_controls_request(const struct lc_abilities *can,
 /* What a frame tells; false: it does not tell one that it should. asked: for a lens that does not tell. */
 bool lc_controls_told(const struct lc_abilities *can, const struct lc_settings *told,
                       const struct ttf_exposure *asked, struct ttf_exposure *ret);
+/* Pixels that were multiplied after they were taken are not what exposure and gain say. */
+bool lc_controls_multiplied(const struct lc_camera *camera, const struct lc_settings *told);
 
 /* ---- stream.c ---- */
 

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* set.c: which of the stream's frames are those of a set. */
 #include <errno.h>
-#include <math.h>
 #include <string.h>
 
 #include "device.h"
 #include "ttf/base/time.h"
-
-/* What a processed stream's digital gain may be off 1. */
-#define DIGITAL_GAIN_SLACK 0.005
 
 enum verdict {
     VERDICT_NOT_OURS,
@@ -28,11 +24,8 @@ struct looked {
 static bool same_wanted(const struct lc_camera *camera, const struct ttf_exposure *a)
 {
     struct ttf_exposure settable = lc_controls_settable(&camera->can, a);
-    const struct ttf_exposure *b = &camera->settle.wanted;
 
-    return settable.exposure_ns == b->exposure_ns && settable.gain_milli == b->gain_milli &&
-           settable.wb_r_milli == b->wb_r_milli && settable.wb_b_milli == b->wb_b_milli &&
-           settable.lens_mdpt == b->lens_mdpt;
+    return ttf_exposure_equal(&settable, &camera->settle.wanted);
 }
 
 /* The next exposure's settings into the coming requests; frames of other settings follow nothing. */
@@ -124,19 +117,12 @@ static enum verdict judge(struct lc_camera *camera, struct looked *l)
     return VERDICT_TAKE;
 }
 
-/* Pixels that were multiplied after they were taken are not what exposure and gain say. */
-static bool multiplied(const struct lc_camera *camera, const struct lc_settings *told)
-{
-    return camera->pixels->role == LC_PROCESSED && told->set & 1u << LC_DIGITAL_GAIN &&
-           fabs(told->value[LC_DIGITAL_GAIN][0] - 1) > DIGITAL_GAIN_SLACK;
-}
-
 static void describe(struct lc_camera *camera, const struct looked *l)
 {
     struct lc_slot *slot = &camera->stream.slot[l->arrival.index];
     uint32_t flags = 0;
 
-    if (l->arrival.error || !l->all_told || multiplied(camera, &l->arrival.told))
+    if (l->arrival.error || !l->all_told || lc_controls_multiplied(camera, &l->arrival.told))
         flags |= TTF_FRAME_ERROR;
     if (l->arrival.bytes < camera->frame_bytes)
         flags |= TTF_FRAME_SHORT;

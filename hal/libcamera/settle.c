@@ -6,18 +6,11 @@
 /* A driver that told nothing steady for so many times settle_frames does not come to rest. */
 #define NEVER_TIMES 8
 
-static bool same(const struct ttf_exposure *a, const struct ttf_exposure *b)
-{
-    return a->exposure_ns == b->exposure_ns && a->gain_milli == b->gain_milli &&
-           a->wb_r_milli == b->wb_r_milli && a->wb_b_milli == b->wb_b_milli &&
-           a->lens_mdpt == b->lens_mdpt;
-}
-
 /* What was asked when this was told; NULL: it never was. */
 static const struct ttf_exposure *led_to(const struct lc_settle *s, const struct ttf_exposure *told)
 {
     for (unsigned i = 0; i < s->n_pairs; i++)
-        if (same(&s->pair[i].told, told))
+        if (ttf_exposure_equal(&s->pair[i].told, told))
             return &s->pair[i].asked;
     return NULL;
 }
@@ -48,10 +41,10 @@ void lc_settle_want(struct lc_camera *camera, const struct ttf_exposure *wanted)
     struct ttf_exposure settable = lc_controls_settable(&camera->can, wanted);
     const struct ttf_exposure *before;
 
-    if (s->set && same(&settable, &s->wanted))
+    if (s->set && ttf_exposure_equal(&settable, &s->wanted))
         return;
     before = led_to(s, &settable);
-    if (before && s->set && !s->settling && same(before, &s->asked)) {
+    if (before && s->set && !s->settling && ttf_exposure_equal(before, &s->asked)) {
         s->wanted = settable; /* what the frames show already */
         return;
     }
@@ -87,7 +80,7 @@ static bool nudge(struct lc_camera *camera)
         more.exposure_ns = (asked_us + 1) * TTF_NS_PER_US;
     if (cut(s->told.gain_milli, s->asked.gain_milli))
         more.gain_milli++;
-    if (same(&more, &s->asked))
+    if (ttf_exposure_equal(&more, &s->asked))
         return false;
     s->asked = more;
     s->nudged = true;
@@ -108,10 +101,10 @@ enum lc_shown lc_settle_shown(struct lc_camera *camera, const struct lc_arrival 
     s->frames++;
     /* What stands still before it can have been obeyed is what was before. */
     if (s->frames > camera->config.delay_frames)
-        s->alike = s->told_any && same(told, &s->told) ? s->alike + 1 : 1;
+        s->alike = s->told_any && ttf_exposure_equal(told, &s->told) ? s->alike + 1 : 1;
     s->told = *told;
     s->told_any = true;
-    if (!same(told, &s->wanted)) {
+    if (!ttf_exposure_equal(told, &s->wanted)) {
         if (s->frames > NEVER_TIMES * (enough + camera->config.delay_frames))
             return LC_SHOWN_NEVER;
         if (s->alike < enough || nudge(camera))

@@ -185,8 +185,7 @@ static int obeys(struct lc_camera *camera, struct seen *seen, int64_t deadline_n
         (asked.exposure_ns > 0 &&
          llabs(told.exposure_ns - asked.exposure_ns) > asked.exposure_ns / 5 + TTF_NS_PER_MS / 2))
         return refuse_restless(camera, &told, &asked, err);
-    if (camera->pixels->role == LC_PROCESSED && last->set & 1u << LC_DIGITAL_GAIN &&
-        fabs(last->value[LC_DIGITAL_GAIN][0] - 1) > 0.005)
+    if (lc_controls_multiplied(camera, last))
         return ttf_err_set(err, -ENOTSUP, camera->id.id,
                            "the camera multiplies its pixels by a digital gain of %.3f",
                            last->value[LC_DIGITAL_GAIN][0]);

@@ -75,12 +75,17 @@ static int file_event(struct ttf_lines *base, struct ttf_line_event *ret)
     return 0;
 }
 
-/* Half a request is none: the wires stay lost, and are looked for again. */
-static int give_up(struct file_lines *f, int code)
+static void let_go(struct file_lines *f)
 {
     if (f->file >= 0)
         (void)close(f->file);
     f->file = -1;
+}
+
+/* Half a request is none: the wires stay lost, and are looked for again. */
+static int give_up(struct file_lines *f, int code)
+{
+    let_go(f);
     return code;
 }
 
@@ -108,10 +113,9 @@ static int file_reopen(struct ttf_lines *base, struct ttf_err *err)
     struct file_lines *f = (struct file_lines *)base;
     struct stat st;
 
-    if (!is_lost(f))
-        return 0;
     if (stat(f->path, &st) < 0)
         return ttf_err_set(err, -ENODEV, f->path, "is not there");
+    let_go(f);
     return request(f, err);
 }
 
@@ -119,8 +123,7 @@ static void file_destroy(struct ttf_lines *base)
 {
     struct file_lines *f = (struct file_lines *)base;
 
-    if (f->file >= 0)
-        (void)close(f->file);
+    let_go(f);
     free(f);
 }
 

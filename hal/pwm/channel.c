@@ -26,11 +26,10 @@ static int gone(int code)
 static int put(int folder, const char *name, const char *text)
 {
     int file = openat(folder, name, O_WRONLY | O_TRUNC | O_CLOEXEC);
-    ssize_t n = (ssize_t)strlen(text);
-    int r = file < 0 ? gone(-errno) : 0;
+    size_t bytes = strlen(text);
+    ssize_t n = file < 0 ? -1 : write(file, text, bytes);
+    int r = n < 0 ? gone(-errno) : (size_t)n < bytes ? -EIO : 0;
 
-    if (r == 0 && write(file, text, (size_t)n) != n)
-        r = errno ? gone(-errno) : -EIO;
     if (file >= 0)
         (void)close(file);
     return r;

@@ -21,7 +21,7 @@ static struct sim_camera *of(struct ttf_camera *base)
     return (struct sim_camera *)base;
 }
 
-static int gone(struct ttf_err *err)
+int sim_camera_no_power(struct ttf_err *err)
 {
     return ttf_err_set(err, -ENODEV, "camera", "the simulated box has lost power");
 }
@@ -55,7 +55,7 @@ static int camera_configure(struct ttf_camera *base, const struct ttf_camera_mod
     const struct ttf_sim_config *c = &camera->box->config;
 
     if (sim_box_dead(camera->box))
-        return gone(err);
+        return sim_camera_no_power(err);
     if (mode->packing != TTF_PACKING_NONE && mode->packing != TTF_PACKING_RAW16)
         return ttf_err_set(err, -EINVAL, "camera", "the simulated camera gives raw 16-bit only");
     base->format = (struct ttf_frame_format){
@@ -92,7 +92,7 @@ static int camera_start(struct ttf_camera *base, struct ttf_err *err)
     struct sim_camera *camera = of(base);
 
     if (sim_box_dead(camera->box))
-        return gone(err);
+        return sim_camera_no_power(err);
     begin_stream(camera);
     return 0;
 }
@@ -139,7 +139,7 @@ static int camera_submit(struct ttf_camera *base, const struct ttf_camera_set *s
     int64_t read_ns;
 
     if (sim_world_enter(box) < 0)
-        return gone(err);
+        return sim_camera_no_power(err);
     read_ns = camera_timing_first_ns(t, camera->phase_ns, box->world_ns, granted.exposure_ns,
                                      set->middle_ns);
     for (unsigned i = 0; i < set->n; i++) {
@@ -190,7 +190,7 @@ static int camera_recover(struct ttf_camera *base, enum ttf_camera_recovery step
     ttf_clock_wait_until(box->clock, ttf_clock_now_ns(box->clock) + recovery_ns[step]);
     camera_stop(base);
     if (sim_world_enter(box) < 0)
-        return gone(err);
+        return sim_camera_no_power(err);
     hung = camera->hung && box->world_ns < camera->hang_until_ns &&
            box->faults.fault[camera->hang].amount > (int64_t)step;
     if (camera->hung && !hung)
@@ -208,7 +208,7 @@ static void camera_destroy(struct ttf_camera *base)
 {
     struct sim_camera *camera = of(base);
 
-    for (unsigned i = 0; i < camera->box->config.buffers; i++)
+    for (unsigned i = 0; camera->buffer && i < camera->box->config.buffers; i++)
         free(camera->buffer[i].data);
     free(camera->buffer);
     free(camera->rows);
@@ -245,7 +245,7 @@ static int allocate(struct sim_camera *camera)
         if (!camera->buffer[i].data)
             return -ENOMEM;
     }
-    return pthread_mutex_init(&camera->lock, NULL) == 0 ? 0 : -ENOMEM;
+    return 0;
 }
 
 struct ttf_camera *sim_camera_create(struct sim_box *box)
@@ -253,8 +253,10 @@ struct ttf_camera *sim_camera_create(struct sim_box *box)
     const struct ttf_sim_config *c = &box->config;
     struct sim_camera *camera = calloc(1, sizeof(*camera));
 
-    if (!camera)
+    if (!camera || pthread_mutex_init(&camera->lock, NULL) != 0) {
+        free(camera);
         return NULL;
+    }
     camera->base.ops = &sim_camera_ops;
     camera->box = box;
     camera->timing = (struct camera_timing){
@@ -268,12 +270,6 @@ struct ttf_camera *sim_camera_create(struct sim_box *box)
     };
     if (allocate(camera) == 0)
         return &camera->base;
-    if (camera->buffer)
-        for (unsigned i = 0; i < c->buffers; i++)
-            free(camera->buffer[i].data);
-    free(camera->buffer);
-    free(camera->rows);
-    ttf_gate_destroy(camera->freed);
-    free(camera);
+    camera_destroy(&camera->base);
     return NULL;
 }

@@ -54,4 +54,7 @@ void sim_camera_foresee(struct sim_camera *camera, struct sim_exposure *e);
 /* World locked: the hang is over. */
 void sim_camera_unhang(struct sim_camera *camera);
 
+/* The error of a box without power: -ENODEV. */
+int sim_camera_no_power(struct ttf_err *err);
+
 #endif

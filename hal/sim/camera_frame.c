@@ -16,11 +16,6 @@ enum {
     KEY_CORRUPT = 4
 };
 
-static int no_power(struct ttf_err *err)
-{
-    return ttf_err_set(err, -ENODEV, "camera", "the simulated box has lost power");
-}
-
 /* To until_ns, or to the power cut if that comes first: then -ENODEV. */
 static int wait_powered(struct sim_box *box, int64_t until_ns)
 {
@@ -251,7 +246,7 @@ static int set_is_over(struct sim_camera *camera, int64_t deadline_ns, struct tt
                     camera->timing.period_ns;
 
     if (wait_powered(camera->box, known < deadline_ns ? known : deadline_ns) < 0)
-        return no_power(err);
+        return sim_camera_no_power(err);
     return known <= deadline_ns
                ? ttf_err_set(err, -ENODATA, "camera", "the rest of the set was lost")
                : ttf_err_set(err, -ETIMEDOUT, "camera", "no frame came in time");
@@ -266,7 +261,7 @@ int sim_camera_next(struct ttf_camera *base, int64_t deadline_ns, struct ttf_fra
     int r;
 
     if (sim_box_dead(camera->box))
-        return no_power(err);
+        return sim_camera_no_power(err);
     for (;; camera->next++, camera->lost = true) {
         if (camera->next == camera->n)
             return set_is_over(camera, deadline_ns, err);
@@ -280,7 +275,7 @@ int sim_camera_next(struct ttf_camera *base, int64_t deadline_ns, struct ttf_fra
     if (r == -ETIMEDOUT)
         return ttf_err_set(err, r, "camera", "no frame came in time");
     if (r < 0)
-        return no_power(err);
+        return sim_camera_no_power(err);
     if (e->corrupt)
         scramble(camera, e, buffer->data);
     else

@@ -14,7 +14,6 @@
 struct v4l2_dial {
     uint32_t id; /* 0: the device has none, or none that can be set */
     int32_t min, max, step;
-    bool read_only;
 };
 
 struct v4l2_controls {

@@ -12,13 +12,6 @@ enum verdict {
     VERDICT_OVER /* what is left of the set was lost */
 };
 
-static bool same(const struct ttf_exposure *a, const struct ttf_exposure *b)
-{
-    return a->exposure_ns == b->exposure_ns && a->gain_milli == b->gain_milli &&
-           a->wb_r_milli == b->wb_r_milli && a->wb_b_milli == b->wb_b_milli &&
-           a->lens_mdpt == b->lens_mdpt;
-}
-
 /* The next exposure's settings to the driver, if it has not got them; then its frames have to settle. */
 static int apply(struct v4l2_camera *camera, struct ttf_err *err)
 {
@@ -26,7 +19,7 @@ static int apply(struct v4l2_camera *camera, struct ttf_err *err)
     const struct ttf_exposure *wanted = &set->asked[set->next];
     int r;
 
-    if (camera->asked_any && same(wanted, &camera->asked))
+    if (camera->asked_any && ttf_exposure_equal(wanted, &camera->asked))
         return 0;
     camera->asked_any = false;
     r = v4l2_controls_apply(&camera->controls, wanted);
@@ -73,7 +66,7 @@ static enum verdict pass_over(struct v4l2_camera *camera, uint32_t lost)
     for (; lost > 0 && set->next < set->n; lost--) {
         set->next++;
         set->lost = true;
-        if (set->next < set->n && !same(&set->asked[set->next], &camera->asked)) {
+        if (set->next < set->n && !ttf_exposure_equal(&set->asked[set->next], &camera->asked)) {
             set->placed = false;
             return VERDICT_NOT_OURS;
         }

@@ -85,6 +85,8 @@ class Data:
                 with open(os.path.join(small, entry["path"]), "rb") as file:
                     entry["sha256"] = sha256(file.read())
         head = [r for r in records if r["type"] not in ("slot", "end")]
+        end = next(r for r in records if r["type"] == "end")
+        end["seq"], end["slots"], end["captured"] = len(head) + self.slots, self.slots, self.slots
         slot = next(r for r in records if r["type"] == "slot")
         interval = next(r["interval_ns"] for r in head if r["type"] == "segment")
         due, middle, entry = slot["due_ns"], slot["middle_ns"], slot["images"][0]["files"][0]
@@ -100,6 +102,7 @@ class Data:
                 entry["path"], entry["sha256"] = self.path(i), digests[i]
                 listed[self.path(i)] = digests[i]
                 out.write(line(slot))
+            out.write(line(end))
         for base, _, names in os.walk(folder):
             for path in (os.path.relpath(os.path.join(base, name), folder) for name in names):
                 if path not in listed:

@@ -80,8 +80,19 @@ expect 2 "$LAMPD" --board box.yaml --config d.yaml
 said err "one too many"
 printf 'board: ./box.yaml\nplann: p.yaml\nzone: Atlantis\nretry: soon\nset: {guardian.file: elsewhere}\n' >d.yaml
 printf 'board: %s\nplan: p.yaml\ndata: d\n' "$SOURCE/boards/sim/board.yaml" >none.yaml
-expect 4 "$LAMPD" --config none.yaml # a box without lamps: not to be tried again
+"$PYTHON" "$HERE/manager.py" "$WORK/manages" "$WORK/manager" &
+manager=$!
+for _ in $(seq 400); do grep -qs listening manager && break; sleep 0.05; done
+# A box without lamps: not to be tried again, and no failure, which an end before READY is to a manager.
+expect 4 env NOTIFY_SOCKET="$WORK/manages" "$LAMPD" --config none.yaml
 said err "nothing to guard"
+for _ in $(seq 400); do grep -q "no lamps to guard" manager && break; sleep 0.05; done
+grep -q "READY=1 | STATUS=no lamps to guard" manager || fail "its manager heard: $(cat manager)"
+# A mistake is one.
+expect 2 env NOTIFY_SOCKET="$WORK/manages" "$LAMPD" --config nowhere.yaml
+[ "$(grep -c READY manager)" = 1 ] || fail "its manager heard: $(cat manager)"
+kill $manager
+wait $manager 2>/dev/null
 expect 2 "$LAMPD" --config nowhere.yaml
 expect 0 "$LAMPD" --help
 said out "SIGTERM"

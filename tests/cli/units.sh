@@ -32,6 +32,16 @@ for unit in ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-preview ttfbox-alertd; do
     tail -n 1 out
 done
 
+# Between services systemd shares the processor by weight: the guardian first, then the daemon, previews last.
+weight() { # UNIT: 100 if it says nothing
+    sed -n 's/^CPUWeight=//p; $s/.*/100/p' "$UNITS/$1.service" | head -n 1
+}
+for unit in ttfbox-usbd ttfbox-alertd; do
+    [ "$(weight ttfboxd)" -ge $((10 * $(weight $unit))) ] || fail "$unit can delay a slot"
+    [ "$(weight ttfbox-preview)" -lt "$(weight $unit)" ] || fail "previews can delay $unit"
+done
+[ "$(weight ttfbox-lampd)" -gt "$(weight ttfboxd)" ] || fail "the daemon can delay the guardian"
+
 # A restart of the cable's service is no unplugging: its manager keeps ep0, and what follows an end asks whether it was a stop.
 for line in 'FileDescriptorStoreMax=1' 'NotifyAccess=all'; do
     grep -qx "$line" "$UNITS/ttfbox-usbd.service" || fail "ttfbox-usbd.service lacks $line"

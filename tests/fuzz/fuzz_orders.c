@@ -32,13 +32,12 @@ static void check(const struct orders_file *file, const struct order *order)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct orders_file file = {
-        .folder = "state", .path = "state/run.json", .configuration = "box.yaml"};
+    struct orders_file file;
     struct order order = {0};
     struct fuzz_disk disk;
 
     fuzz_disk_init(&disk);
-    file.io = &disk.base;
+    orders_file_name(&file, &disk.base, "state", "plan.yaml", "data/grass");
     fuzz_disk_put(&disk, "state/run.json", data, size);
     if (orders_file_read(&file, &order, NULL) == 1)
         check(&file, &order);

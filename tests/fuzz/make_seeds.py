@@ -203,11 +203,11 @@ CONDITION_SEEDS = {
 }
 
 ORDER_SEEDS = {
-    "asked": b'{"state":"running","dataset":"grass","configuration":"box.yaml","plan":"first","plan_yaml":"interval: 10s\\ncount: 3\\n"}',
-    "stopped": b'{"state":"stopped","dataset":"grass","configuration":"box.yaml","why":"its plan is wrong"}',
+    "asked": b'{"state":"running","dataset":"grass","configuration":"plan.yaml into data/grass","plan":"first","plan_yaml":"interval: 10s\\ncount: 3\\n"}',
+    "stopped": b'{"state":"stopped","dataset":"grass","configuration":"plan.yaml into data/grass","why":"its plan is wrong"}',
     "done": b'{"state":"done","dataset":"grass","configuration":"other.yaml"}',
-    "done-here": b'{"state":"done","dataset":"grass","configuration":"box.yaml"}',
-    "none": b'{"state":"none","dataset":"","configuration":"box.yaml"}', "half": b'{"state":"runn',
+    "done-here": b'{"state":"done","dataset":"grass","configuration":"plan.yaml into data/grass"}',
+    "none": b'{"state":"none","dataset":"","configuration":"plan.yaml into data/grass"}', "half": b'{"state":"runn',
 }
 
 UUID = "0a0b0c0d-0000-4000-8000-000000000001"

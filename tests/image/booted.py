@@ -45,8 +45,9 @@ def boot_partition(image):
 
 def put(image, name, text):
     """A file of the boot partition, as a person with a card reader writes it."""
-    if "/" in name:
-        subprocess.run(["mmd", "-D", "s", "-i", boot_partition(image), "::" + os.path.dirname(name)], check=False,
+    folders = name.split("/")[:-1]
+    for depth in range(len(folders)):
+        subprocess.run(["mmd", "-D", "s", "-i", boot_partition(image), "::" + "/".join(folders[:depth + 1])], check=False,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     subprocess.run(["mcopy", "-o", "-i", boot_partition(image), "-", "::" + name], input=text.encode(), check=True)
 

@@ -22,10 +22,11 @@ def a_pc_boots_and_captures_with_a_board_of_its_own(board, image):
         assert code == 0, out
         m.wait("%s | grep -q done" % capture.STATUS, 400)
         capture.expect_sealed_off(m)
-        code, out = m.run("systemctl is-active ttfboxd; systemctl show -P ActiveState,NRestarts,ExecMainStatus ttfbox-lampd; "
+        code, out = m.run("systemctl is-active ttfboxd; for p in ActiveState NRestarts ExecMainStatus; do systemctl show -P $p ttfbox-lampd; done; "
                           "ttfbox verify -q /var/lib/ttfbox/plan; echo $?; grep -c '\"result\":\"captured\"' %s" % capture.RECORDS, 200)
         print("    ttfboxd, the guardian that has nothing to guard, verify, captured: " + " ".join(out.split()))
         words = out.split()
+        assert words[1:4] == ["inactive", "0", "4"], out + m.journal()
         assert words[0] == "active" and words[-2] == "0" and int(words[-1]) >= 19, out + m.journal()
         m.off()
     assert booted.get(image, "ttfbox-problem.txt") is None

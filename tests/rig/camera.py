@@ -161,7 +161,8 @@ def lamps_as_recorded(records, changes, zero):
             for edge in (shot["start_ns"] / 1e9 + SLACK_S, shot["end_ns"] / 1e9 - SLACK_S):
                 left = level_at(changes, lamps.LEFT, 0, zero + edge)
                 right = level_at(changes, lamps.RIGHT, 1, zero + edge)
-                assert (said["left"] > 0) == (left == 1) and (said["right"] > 0) == (right == 0), (r, left, right)
+                around = [(at - zero, line, to) for at, line, to in changes if abs(at - zero - edge) < 1.5]
+                assert (said["left"] > 0) == (left == 1) and (said["right"] > 0) == (right == 0), (r, left, right, around)
             lit += left
         # In the middle between two slots it is dark, if the exposure came on time: the lamps burn for the capture only.
         late_one = any("late" in i.get("flags", []) for i in r.get("images", []))

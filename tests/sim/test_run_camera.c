@@ -515,6 +515,8 @@ static void a_calibration_is_of_one_camera(void **state)
     assert_non_null(strstr(g.err.what, "is of camera 'side'"));
     assert_int_equal(ttf_guided_geometry(&g.guided, 5, &g.calibration, &g.err), -EINVAL);
     assert_non_null(strstr(g.err.what, "is of camera 'side'"));
+    assert_int_equal(ttf_guided_flicker(&g.guided, &g.calibration, &g.err), -EINVAL);
+    assert_non_null(strstr(g.err.what, "is of camera 'side'"));
     refused(&g, -EINVAL, "is of camera 'side'");
 }
 

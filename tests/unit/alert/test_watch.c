@@ -110,15 +110,14 @@ static void pass(struct fixture *f, double seconds)
 
 static void decided(struct fixture *f, enum order_state state, const char *why)
 {
-    struct orders_file file = {.io = ttf_io_posix()};
     struct order order = {.state = state};
+    struct orders_file file;
+    char dataset[600];
 
     (void)snprintf(order.dataset, sizeof order.dataset, "grass");
     (void)snprintf(order.why, sizeof order.why, "%s", why);
-    (void)snprintf(file.folder, sizeof file.folder, "%s", f->config.state);
-    (void)snprintf(file.path, sizeof file.path, "%s/run.json", file.folder);
-    (void)snprintf(file.configuration, sizeof file.configuration, "%.480s into %.480s/grass",
-                   f->config.plan, f->config.data);
+    (void)snprintf(dataset, sizeof dataset, "%s/grass", f->config.data);
+    orders_file_name(&file, ttf_io_posix(), f->config.state, f->config.plan, dataset);
     assert_int_equal(orders_file_write(&file, &order, NULL), 0);
 }
 

@@ -101,6 +101,33 @@ a_measured_scale_is_that_of_its_own_camera_and_mode_unless_the_plan_has_one(void
     assert_true(m.streams[0].mm_per_px == 0.5);
 }
 
+static void without_the_calibration_of_its_camera_a_stream_claims_no_reflectance(void **state)
+{
+    struct ttf_calibration flat = with_flat;
+    struct ttf_manifest m;
+    struct ttf_plan plan;
+
+    (void)state;
+    two_shots(&plan);
+    box.cameras[1] = box.cameras[0];
+    strcpy(box.cameras[1].name, "second");
+    box.n_cameras = 2;
+    strcpy(plan.shots[1].camera, "second");
+    strcpy(flat.camera, "second");
+    assert_int_equal(ttf_manifest_of_plan(&plan, &box, &flat, &m, NULL), 0);
+    assert_string_equal(m.streams[0].quantity, "radiance");
+    assert_string_equal(m.streams[0].colour_space, "camera");
+    assert_string_equal(m.streams[1].quantity, "reflectance");
+    flat.camera[0] = '\0'; /* of whichever */
+    assert_int_equal(ttf_manifest_of_plan(&plan, &box, &flat, &m, NULL), 0);
+    assert_string_equal(m.streams[0].quantity, "reflectance");
+    box.n_cameras = 1;
+    plan.n_shots = 1; /* of one camera, whatever it was called then */
+    strcpy(flat.camera, "second");
+    assert_int_equal(ttf_manifest_of_plan(&plan, &box, &flat, &m, NULL), 0);
+    assert_string_equal(m.streams[0].quantity, "reflectance");
+}
+
 static void a_real_box_invents_nothing(void **state)
 {
     struct ttf_manifest m;
@@ -165,6 +192,7 @@ int main(void)
         cmocka_unit_test(a_camera_of_two_shots_is_one_camera_with_two_channels_and_streams),
         cmocka_unit_test(
             a_measured_scale_is_that_of_its_own_camera_and_mode_unless_the_plan_has_one),
+        cmocka_unit_test(without_the_calibration_of_its_camera_a_stream_claims_no_reflectance),
         cmocka_unit_test(a_real_box_invents_nothing),
         cmocka_unit_test(a_dataset_takes_only_images_of_its_own_kind),
     };

@@ -196,6 +196,21 @@ static void what_lies_deeper_is_left_alone(void **state)
     assert_true(there("main/deeper/000000.jpg"));
 }
 
+/* Whatever its name: what was found before and what is found after it goes all the same. */
+static void a_folder_with_no_stream_s_name_keeps_nothing_else(void **state)
+{
+    char name[96];
+
+    (void)state;
+    two_streams();
+    for (int c = 'a'; c < 'a' + 8; c++) {
+        memset(name, c, 80);
+        name[80] = '\0';
+        make_folder(name);
+    }
+    assert_int_equal(ttf_previews_remove(&io, folder, 100), 5);
+}
+
 static void a_path_that_is_too_long_has_no_previews(void **state)
 {
     static char path[5000];
@@ -220,6 +235,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(more_than_are_looked_for_at_a_time_all_go, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(what_lies_deeper_is_left_alone, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_folder_with_no_stream_s_name_keeps_nothing_else, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(a_path_that_is_too_long_has_no_previews, set_up, tear_down),
     };
 

@@ -33,8 +33,8 @@ static void a_box_started_again_does_not_know_the_numbers_of_before(void **state
         fail();
         return;
     }
-    old = asks_stop(before, true);
-    young = asks_stop(after, true);
+    old = asks_stop(before);
+    young = asks_stop(after);
     assert_int_equal(known(before, old), 0);
     assert_int_equal(known(after, young), 0);
     assert_int_equal(known(after, old), -ENOENT);
@@ -54,7 +54,7 @@ static void a_number_is_one_that_every_client_can_hold(void **state)
         return;
     }
     for (int i = 0; i < 200; i++) {
-        number = asks_stop(asks, true);
+        number = asks_stop(asks);
         assert_true(number > 0 && number < INT64_C(1) << 53);
         assert_int_equal(known(asks, number), 0);
     }

@@ -16,7 +16,9 @@
 
 #include "orders.h"
 
-#define CONFIGURATION "plan.yaml into data/grass"
+/* The configuration that most tests have. */
+#define PLAN    "plan.yaml"
+#define DATASET "data/grass"
 
 static int make_folder(void **state)
 {
@@ -39,33 +41,33 @@ static int remove_folder(void **state)
 }
 
 /* A boot: what holds then. */
-static struct order boot(const char *folder, const char *configured, const char *configuration,
+static struct order boot(const char *folder, const char *plan, const char *dataset,
                          struct orders **ret)
 {
     struct ttf_err err = {0};
     struct order order = {0};
 
-    if (orders_create(ttf_io_posix(), folder, configured, configuration, ret, &err) < 0)
+    if (orders_create(ttf_io_posix(), folder, plan, dataset, ret, &err) < 0)
         fail_msg("%s: %s", err.where, err.what);
     assert_int_equal(orders_get(*ret, &order), 0);
     return order;
 }
 
-static void expect(const char *folder, const char *configured, const char *configuration,
-                   enum order_state state, const char *dataset)
+static void expect(const char *folder, const char *plan, const char *dataset,
+                   enum order_state state, const char *wanted)
 {
     struct orders *orders = NULL;
-    struct order order = boot(folder, configured, configuration, &orders);
+    struct order order = boot(folder, plan, dataset, &orders);
 
     assert_int_equal(order.state, state);
-    assert_string_equal(order.dataset, dataset);
+    assert_string_equal(order.dataset, wanted);
     order_free(&order);
     orders_destroy(orders);
 }
 
 static void the_configuration_s_run_begins_by_itself(void **state)
 {
-    expect(*state, "grass", CONFIGURATION, ORDER_RUN, "grass");
+    expect(*state, PLAN, DATASET, ORDER_RUN, "grass");
     expect(*state, "", "", ORDER_NONE, "");
 }
 
@@ -73,7 +75,7 @@ static void what_the_configuration_names_runs_once_a_boot(void **state)
 {
     struct orders *orders = NULL;
     struct ttf_err err = {0};
-    struct order order = boot(*state, "grass", CONFIGURATION, &orders);
+    struct order order = boot(*state, PLAN, DATASET, &orders);
     int64_t generation = order.generation;
 
     order_free(&order);
@@ -88,7 +90,7 @@ static void what_the_configuration_names_runs_once_a_boot(void **state)
     }
     order_free(&order);
     orders_destroy(orders);
-    expect(*state, "grass", CONFIGURATION, ORDER_RUN,
+    expect(*state, PLAN, DATASET, ORDER_RUN,
            "grass"); /* the next boot looks whether the plan became longer */
 }
 
@@ -104,8 +106,8 @@ static void a_power_cut_behind_putting_aside_begins_nothing(void **state)
         fail_msg("no file");
     else
         assert_int_equal(fclose(out), 0);
-    expect(*state, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
-    expect(*state, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
+    expect(*state, PLAN, DATASET, ORDER_STOPPED, "grass");
+    expect(*state, PLAN, DATASET, ORDER_STOPPED, "grass");
     assert_int_equal(unlink(aside), 0);
 }
 
@@ -119,7 +121,7 @@ static void a_run_that_was_asked_for_is_gone_on_with_as_it_was(void **state)
     assert_int_equal(orders_start(orders, "week", "interval: 1h\n", "moss", &err), 0);
     assert_int_equal(orders_start(orders, "week", "interval: 1h\n", "fern", &err), -EBUSY);
     orders_destroy(orders);
-    order = boot(*state, "grass", CONFIGURATION, &orders); /* another configuration, too */
+    order = boot(*state, PLAN, DATASET, &orders); /* another configuration, too */
     assert_int_equal(order.state, ORDER_RUN);
     assert_true(order.by_request);
     assert_string_equal(order.dataset, "moss");
@@ -128,38 +130,38 @@ static void a_run_that_was_asked_for_is_gone_on_with_as_it_was(void **state)
     order_free(&order);
     assert_int_equal(orders_ended(orders, orders_generation(orders), ORDER_DONE, &err), 0);
     orders_destroy(orders);
-    expect(*state, "grass", CONFIGURATION, ORDER_DONE, "moss");
+    expect(*state, PLAN, DATASET, ORDER_DONE, "moss");
 }
 
 static void a_stop_holds_over_boots_until_it_is_taken_back(void **state)
 {
     struct orders *orders = NULL;
     struct ttf_err err = {0};
-    struct order order = boot(*state, "grass", CONFIGURATION, &orders);
+    struct order order = boot(*state, PLAN, DATASET, &orders);
 
     order_free(&order);
     assert_int_equal(orders_stop(orders, &err), 0);
     assert_int_equal(orders_stop(orders, &err), -ENOENT);
     orders_destroy(orders);
-    order = boot(*state, "grass", CONFIGURATION, &orders);
+    order = boot(*state, PLAN, DATASET, &orders);
     assert_int_equal(order.state, ORDER_STOPPED);
     order_free(&order);
     assert_int_equal(orders_go_on(orders, &err), 0);
     assert_int_equal(orders_go_on(orders, &err), -ENOENT);
     orders_destroy(orders);
-    expect(*state, "grass", CONFIGURATION, ORDER_RUN, "grass");
+    expect(*state, PLAN, DATASET, ORDER_RUN, "grass");
 }
 
 static void a_stop_does_not_keep_back_another_configuration(void **state)
 {
     struct orders *orders = NULL;
     struct ttf_err err = {0};
-    struct order order = boot(*state, "grass", CONFIGURATION, &orders);
+    struct order order = boot(*state, PLAN, DATASET, &orders);
 
     order_free(&order);
     assert_int_equal(orders_stop(orders, &err), 0);
     orders_destroy(orders);
-    expect(*state, "moss", "plan.yaml into data/moss", ORDER_RUN, "moss");
+    expect(*state, PLAN, "data/moss", ORDER_RUN, "moss");
 }
 
 static void a_decision_that_the_disk_does_not_take_changes_nothing(void **state)
@@ -169,7 +171,7 @@ static void a_decision_that_the_disk_does_not_take_changes_nothing(void **state)
     struct order order;
 
     (void)state;
-    order = boot("/proc/nowhere", "grass", CONFIGURATION, &orders);
+    order = boot("/proc/nowhere", PLAN, DATASET, &orders);
     order_free(&order);
     assert_true(orders_stop(orders, &err) < 0);
     assert_int_equal(orders_get(orders, &order), 0);
@@ -200,7 +202,7 @@ static void a_stop_ends_what_ran_and_never_what_is_taken_up_after_it(void **stat
 {
     struct orders *orders = NULL;
     struct ttf_err err = {0};
-    struct order order = boot(*state, "grass", CONFIGURATION, &orders);
+    struct order order = boot(*state, PLAN, DATASET, &orders);
     volatile int flag = 0;
 
     order_free(&order);
@@ -234,7 +236,7 @@ static void the_button_holds_also_where_the_disk_does_not_take_it(void **state)
     /* A file where the folder is to be: the disk takes nothing until it goes. */
     (void)snprintf(folder, sizeof folder, "%s/state", (const char *)*state);
     (void)snprintf(path, sizeof path, "%s/run.json", folder);
-    order = boot(folder, "grass", CONFIGURATION, &orders);
+    order = boot(folder, PLAN, DATASET, &orders);
     file = fopen(folder, "we");
     if (!file) {
         fail();
@@ -250,7 +252,7 @@ static void the_button_holds_also_where_the_disk_does_not_take_it(void **state)
     assert_int_equal(unlink(folder), 0);
     assert_int_equal(orders_save(orders, &err), 0);
     orders_destroy(orders);
-    expect(folder, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
+    expect(folder, PLAN, DATASET, ORDER_STOPPED, "grass");
     assert_int_equal(remove_folder((void **)&(char *){folder}), 0);
 }
 
@@ -279,20 +281,20 @@ a_file_that_says_nothing_is_put_aside_and_nothing_runs_until_somebody_says_so(vo
 
     (void)snprintf(aside, sizeof aside, "%s/run.json.unreadable", (const char *)*state);
     put(*state, "{\"state\":\"walking\"}");
-    order = boot(*state, "grass", CONFIGURATION, &orders);
+    order = boot(*state, PLAN, DATASET, &orders);
     assert_int_equal(order.state, ORDER_STOPPED);
     assert_non_null(strstr(order.why, aside));
     order_free(&order);
     orders_destroy(orders);
     assert_int_equal(access(aside, R_OK), 0);
     /* So also at the next boot, which finds nothing unreadable. */
-    order = boot(*state, "grass", CONFIGURATION, &orders);
+    order = boot(*state, PLAN, DATASET, &orders);
     assert_int_equal(order.state, ORDER_STOPPED);
     assert_non_null(strstr(order.why, aside));
     order_free(&order);
     assert_int_equal(orders_go_on(orders, &err), 0);
     orders_destroy(orders);
-    expect(*state, "grass", CONFIGURATION, ORDER_RUN, "grass");
+    expect(*state, PLAN, DATASET, ORDER_RUN, "grass");
     assert_int_equal(unlink(aside), 0);
 }
 
@@ -336,12 +338,12 @@ static void a_disk_that_cannot_be_read_is_tried_again_and_nothing_is_decided_by_
 
     disk.ops.open = bad_open;
     disk.io.ops = &disk.ops;
-    order = boot(*state, "grass", CONFIGURATION, &orders);
+    order = boot(*state, PLAN, DATASET, &orders);
     order_free(&order);
     assert_int_equal(orders_stop(orders, &err), 0);
     orders_destroy(orders);
     disk.bad = true;
-    assert_int_equal(orders_create(&disk.io, *state, "grass", CONFIGURATION, &orders, &err), 0);
+    assert_int_equal(orders_create(&disk.io, *state, PLAN, DATASET, &orders, &err), 0);
     assert_int_equal(orders_take(orders, &order, &err), -EIO);
     assert_int_equal(order.generation, orders_generation(orders)); /* by which it waits */
     assert_int_equal(orders_stop(orders, &err), -EAGAIN);
@@ -364,14 +366,14 @@ static void a_disk_that_comes_late_says_what_holds_and_ends_what_began_without_i
 
     (void)snprintf(folder, sizeof folder, "%s/late", (const char *)*state);
     (void)snprintf(path, sizeof path, "%s/run.json", folder);
-    order = boot(folder, "grass", CONFIGURATION, &orders);
+    order = boot(folder, PLAN, DATASET, &orders);
     orders_flag(orders, &flag, 2);
     assert_int_equal(order.state, ORDER_RUN);
     order_free(&order);
     assert_false(orders_read_again(orders));
     assert_int_equal(mkdir(folder, 0755), 0);
-    put(folder,
-        "{\"state\":\"stopped\",\"dataset\":\"grass\",\"configuration\":\"" CONFIGURATION "\"}");
+    put(folder, "{\"state\":\"stopped\",\"dataset\":\"grass\",\"configuration\":\"" PLAN
+                " into " DATASET "\"}");
     assert_true(orders_read_again(orders));
     assert_int_equal(flag, 2);
     assert_int_equal(orders_take(orders, &order, &err), 0);
@@ -420,7 +422,7 @@ static struct ttf_io *fill_up(struct full_disk *disk, const char *folder, struct
     (void)snprintf(disk->reserve, sizeof disk->reserve, "%s/run.json.reserve", folder);
     assert_non_null(io);
     ttf_io_faulty_space(io, room_left);
-    assert_int_equal(orders_create(io, folder, "grass", CONFIGURATION, ret, &err), 0);
+    assert_int_equal(orders_create(io, folder, PLAN, DATASET, ret, &err), 0);
     assert_int_equal(orders_save(*ret, &err), 0);
     assert_int_equal(access(disk->reserve, F_OK), 0); /* also where nobody has decided anything */
     disk->full = true;
@@ -435,17 +437,17 @@ static void a_full_disk_takes_a_stop_and_keeps_room_for_the_next_one(void **stat
     struct ttf_err err = {0};
 
     assert_int_equal(orders_stop(orders, &err), 0);
-    expect(*state, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
+    expect(*state, PLAN, DATASET, ORDER_STOPPED, "grass");
     assert_int_equal(access(disk.reserve, F_OK), -1); /* nothing that is not there is kept */
     disk.quite = true;
     assert_int_equal(orders_go_on(orders, &err), -ENOSPC);
-    expect(*state, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
+    expect(*state, PLAN, DATASET, ORDER_STOPPED, "grass");
     disk.full = disk.quite = false;
     assert_int_equal(orders_save(orders, &err), 0);
     disk.full = true;
     assert_int_equal(access(disk.reserve, F_OK), 0);
     assert_int_equal(orders_go_on(orders, &err), 0);
-    expect(*state, "grass", CONFIGURATION, ORDER_RUN, "grass");
+    expect(*state, PLAN, DATASET, ORDER_RUN, "grass");
     orders_destroy(orders);
     ttf_io_faulty_destroy(io);
 }
@@ -463,7 +465,7 @@ static void a_power_cut_behind_the_reserve_leaves_what_was_decided_before(void *
     disk.full = disk.cut = true;
     assert_true(orders_go_on(orders, &err) < 0);
     assert_int_equal(access(disk.reserve, F_OK), -1);
-    expect(*state, "grass", CONFIGURATION, ORDER_STOPPED, "grass");
+    expect(*state, PLAN, DATASET, ORDER_STOPPED, "grass");
     orders_destroy(orders);
     ttf_io_faulty_destroy(io);
 }

@@ -136,6 +136,18 @@ static void a_bank_that_vanishes_says_so_until_it_is_back(void **state)
     ttf_lines_destroy(lines);
 }
 
+/* Of a whole that lost another bank, the lamps of this one were lit when it was lost. */
+static void a_bank_that_did_not_vanish_is_dark_when_had_anew(void **state)
+{
+    struct ttf_lines *lines = bank();
+
+    (void)state;
+    assert_int_equal(ttf_lines_set(lines, 0, 1000), 0);
+    assert_int_equal(ttf_lines_reopen(lines, NULL), 0);
+    expect_wires("0101");
+    ttf_lines_destroy(lines);
+}
+
 static void banks_joined_to_one_keep_the_order_of_the_whole(void **state)
 {
     /* The whole's order is not that of the banks. */
@@ -231,6 +243,7 @@ int main(void)
         cmocka_unit_test_teardown(edges_of_inputs_are_told_once_each, clean),
         cmocka_unit_test_teardown(what_cannot_be_driven_is_refused, clean),
         cmocka_unit_test_teardown(a_bank_that_vanishes_says_so_until_it_is_back, clean),
+        cmocka_unit_test_teardown(a_bank_that_did_not_vanish_is_dark_when_had_anew, clean),
         cmocka_unit_test_teardown(banks_joined_to_one_keep_the_order_of_the_whole, clean),
         cmocka_unit_test_teardown(a_bank_that_cannot_be_had_whole_stays_lost, clean),
         cmocka_unit_test_teardown(descriptions_that_mean_nothing_are_refused, clean),

@@ -105,6 +105,13 @@ struct ttf_exposure {
     uint32_t lens_mdpt;  /* lens position in milli-dioptres, 0 = infinity or fixed lens */
 };
 
+static inline bool ttf_exposure_equal(const struct ttf_exposure *a, const struct ttf_exposure *b)
+{
+    return a->exposure_ns == b->exposure_ns && a->gain_milli == b->gain_milli &&
+           a->wb_r_milli == b->wb_r_milli && a->wb_b_milli == b->wb_b_milli &&
+           a->lens_mdpt == b->lens_mdpt;
+}
+
 /* Marks on a frame. */
 enum {
     TTF_FRAME_ERROR = 1u << 0,         /* the driver says that the data are bad */

@@ -57,8 +57,8 @@ TTF_MUST_USE int ttf_guided_chart(const struct ttf_guided_config *config,
 TTF_MUST_USE int ttf_guided_geometry(const struct ttf_guided_config *config, double pitch_mm,
                                      struct ttf_calibration *calibration, struct ttf_err *err);
 
-/* The same light on a still subject: `frames` frames, one by one. *ret is written on success alone. */
-TTF_MUST_USE int ttf_guided_flicker(const struct ttf_guided_config *config, struct ttf_flicker *ret,
-                                    struct ttf_err *err);
+/* The same light on a still subject: `frames` frames, one by one, and how much they differ. */
+TTF_MUST_USE int ttf_guided_flicker(const struct ttf_guided_config *config,
+                                    struct ttf_calibration *calibration, struct ttf_err *err);
 
 #endif

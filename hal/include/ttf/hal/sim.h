@@ -48,7 +48,7 @@ struct ttf_scene {
 
 /*
  * A procedural sample: "grass" "copper" "paint" "banana" "snow" "chart" (a grey
- * chart that does not change). span_ns: the time in which it goes from its
+ * chart), "dots" (a grid of them), "white" (an even target); the last three do not change. span_ns: the time in which it goes from its
  * beginning to its end (> 0). *ret is to be given to ttf_sim_box_create or destroyed
  * by its ops. -ENOENT for an unknown name, the names being in err.
  */

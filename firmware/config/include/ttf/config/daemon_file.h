@@ -39,6 +39,9 @@ struct ttf_daemon_config {
     } set[TTF_DAEMON_SETS_MAX];
 };
 
+/* Where a board is looked for by its name, NULL-ended: the same for ttfboxd and for who guards its lamps. */
+const char *const *ttf_daemon_board_folders(void);
+
 /* Paths count from the file's own folder. Errors as ttf_board_load. */
 TTF_MUST_USE int ttf_daemon_file_load(const char *path, struct ttf_daemon_config *ret,
                                       struct ttf_err *err);
