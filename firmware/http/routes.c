@@ -89,6 +89,8 @@ static const struct ttf_http_route ROUTES[] = {
      TTF_HTTP_WORK, &GIVES_JSON},
     {"POST", "/api/v1/calibrations/{name}", TTF_HTTP_CHANGE, box_calibrate, TTF_HTTP_JSON,
      TTF_HTTP_ORDERS, &GIVES_ACCEPTED},
+    {"DELETE", "/api/v1/calibrations/{name}", TTF_HTTP_CHANGE, box_calibration_delete,
+     TTF_HTTP_NO_BODY, TTF_HTTP_WORK, &GIVES_JSON},
     {"PUT", "/api/v1/calibration", TTF_HTTP_CHANGE, box_calibration_use, TTF_HTTP_JSON,
      TTF_HTTP_ORDERS, &GIVES_JSON},
     {"POST", "/api/v1/run", TTF_HTTP_CHANGE, run_start, TTF_HTTP_JSON, TTF_HTTP_ORDERS,
