@@ -46,7 +46,7 @@ expect 0 "$TTFBOX" develop grass -c cal-2 -o one
 said out "calibration       $(id cal-2)"
 
 # ---- what is found in one says which slots it concerns ----
-printf x | dd of="grass/calibration/$(id cal-1)/flat.tif" bs=1 seek=700 conv=notrunc 2>dd
+printf x | dd of="grass/calibration/$(id cal-1)/flat.tif" bs=1 seek=700 conv=notrunc 2>/dev/null
 expect 3 "$TTFBOX" verify grass
 said out "calibration/$(id cal-1)/flat.tif"
 ! grep -q "$(id cal-2)" out || fail "the other calibration is blamed too: $(cat out)"

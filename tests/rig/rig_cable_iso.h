@@ -4,8 +4,7 @@
 static void isochronous_packet(struct dummy *dum, struct urb *urb, struct dummy_ep *ep,
                                struct usb_iso_packet_descriptor *packet)
 {
-    struct dummy_request *req =
-        list_first_entry_or_null(&ep->queue, struct dummy_request, queue);
+    struct dummy_request *req = list_first_entry_or_null(&ep->queue, struct dummy_request, queue);
     void *host = urb->transfer_buffer + packet->offset;
 
     packet->status = 0;
