@@ -24,9 +24,10 @@ void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progre
 }
 
 static void tell_alarm(struct ttf_committer *committer, enum ttf_progress_kind kind,
-                       const char *text)
+                       enum ttf_alarm_until until, const char *text)
 {
     struct ttf_progress p = {.kind = kind,
+                             .until = until,
                              .index = committer->ledger.next_index,
                              .total = committer->total,
                              .text = text,
@@ -37,9 +38,10 @@ static void tell_alarm(struct ttf_committer *committer, enum ttf_progress_kind k
     ttf_committer_tell(committer, &p);
 }
 
-void ttf_committer_alarm(struct ttf_committer *committer, const char *text)
+void ttf_committer_alarm(struct ttf_committer *committer, enum ttf_alarm_until until,
+                         const char *text)
 {
-    tell_alarm(committer, TTF_PROGRESS_ALARM, text);
+    tell_alarm(committer, TTF_PROGRESS_ALARM, until, text);
 }
 
 /* ---- room on the disk ---- */
@@ -65,7 +67,7 @@ void ttf_committer_note_disk(struct ttf_committer *c, bool full)
                              : "there is room again");
     /* The first look of a run tells in any case: the alarm of a run before may stand. */
     if (full != c->disk_full || !c->disk_noted)
-        tell_alarm(c, full ? TTF_PROGRESS_ALARM : TTF_PROGRESS_ALARM_OVER,
+        tell_alarm(c, full ? TTF_PROGRESS_ALARM : TTF_PROGRESS_ALARM_OVER, TTF_ALARM_UNTIL_OVER,
                    TTF_REASON_DISK_FULL
                    ", less room than the reserve: no slot is captured until there is more");
     c->disk_full = full;
@@ -229,7 +231,7 @@ static void give_up(struct ttf_committer *c, int code, const struct ttf_err *err
                                : "and the plan names no second storage");
     if (c->writer)
         ttf_committer_say(c, c->writer, text);
-    ttf_committer_alarm(c, text);
+    ttf_committer_alarm(c, TTF_ALARM_UNTIL_ARMED, text);
     ttf_queue_tell_fatal(c->queue, told, err);
 }
 

@@ -90,6 +90,7 @@ void ttf_committer_end(struct ttf_committer *committer, struct ttf_pulse *pulse)
 void ttf_committer_tell(struct ttf_committer *committer, const struct ttf_progress *progress);
 
 /* Tells it that a person is needed (TTF_PROGRESS_ALARM). */
-void ttf_committer_alarm(struct ttf_committer *committer, const char *text);
+void ttf_committer_alarm(struct ttf_committer *committer, enum ttf_alarm_until until,
+                         const char *text);
 
 #endif

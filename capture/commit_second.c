@@ -178,7 +178,7 @@ static void tell_second(struct ttf_committer *c, const char *first, const char *
     snprintf(text, sizeof(text), "%s: the run goes on here, from slot %lld on; before it: %s", why,
              (long long)c->ledger.next_index, first);
     ttf_committer_say(c, c->writer, text);
-    ttf_committer_alarm(c, text);
+    ttf_committer_alarm(c, TTF_ALARM_UNTIL_NEW, text);
 }
 
 int ttf_committer_move(struct ttf_committer *c, const char *why, struct ttf_slot_work *under_way)

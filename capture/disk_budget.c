@@ -114,6 +114,34 @@ static int check_speed(const struct ttf_plan *plan, const struct ttf_plan_figure
     return -EINVAL;
 }
 
+/* What there is where the path lies or will lie; -EROFS: and it can only be read. */
+static int find_space(struct ttf_io *io, const char *path, char folder[PATH_BYTES],
+                      struct ttf_io_space *ret, struct ttf_err *err)
+{
+    int r = existing_folder(io, path, folder, PATH_BYTES);
+
+    if (r == 0)
+        r = io->ops->space(io, folder, ret);
+    if (r < 0)
+        return ttf_err_set(err, r, path, "the folder's free space cannot be found out");
+    return ret->read_only ? ttf_err_set(err, -EROFS, folder, "the disk can only be read") : 0;
+}
+
+int ttf_disk_room_check(struct ttf_io *io, const char *path, const char *what, int64_t bytes,
+                        struct ttf_err *err)
+{
+    struct ttf_io_space space = {0};
+    char folder[PATH_BYTES];
+    int r = find_space(io, path, folder, &space, err);
+
+    if (r < 0 || space.free_bytes >= bytes)
+        return r;
+    ttf_err_set(err, -ENOSPC, path, "%s needs %.1f MB; %.1f MB are free", what, (double)bytes / 1e6,
+                (double)space.free_bytes / 1e6);
+    ttf_err_hint(err, "make room");
+    return -ENOSPC;
+}
+
 int ttf_disk_budget_check(struct ttf_io *io, const char *path, struct ttf_clock *clock,
                           const struct ttf_plan *plan, const struct ttf_plan_figures *figures,
                           struct ttf_disk_figures *ret, struct ttf_err *err)
@@ -121,14 +149,10 @@ int ttf_disk_budget_check(struct ttf_io *io, const char *path, struct ttf_clock 
     struct ttf_disk_figures d = {0};
     struct ttf_io_space space = {0};
     char folder[PATH_BYTES];
-    int r = existing_folder(io, path, folder, sizeof(folder));
+    int r = find_space(io, path, folder, &space, err);
 
-    if (r == 0)
-        r = io->ops->space(io, folder, &space);
     if (r < 0)
-        return ttf_err_set(err, r, path, "the folder's free space cannot be found out");
-    if (space.read_only)
-        return ttf_err_set(err, -EROFS, folder, "the disk can only be read");
+        return r;
     d.free_bytes = space.free_bytes;
     r = check_space(plan, figures, path, &d, err);
     if (r == 0 && clock && !ttf_clock_is_virtual(clock)) {

@@ -10,10 +10,15 @@
 #include "lamp_programme.h"
 #include "plan_figures.h"
 #include "shoot.h"
+#include "ttf/capture/disk_budget.h"
 #include "ttf/dataset/flicker.h"
 
 #define PHASE_FRAMES   8                      /* after so many the stream begins anew */
 #define PHASE_SHIFT_NS (3700 * TTF_NS_PER_US) /* no simple part of a half-period of 50 or 60 Hz */
+
+#define DARK_BYTES (int64_t)sizeof(float) /* of a pixel, CALIBRATION.md */
+#define FLAT_BYTES (int64_t)sizeof(uint16_t)
+#define TEXT_BYTES (INT64_C(1) << 20) /* calibration.json, hot pixels and all, and folders */
 
 struct light {
     bool lit;    /* under the shot's lamps; else all are off */
@@ -215,6 +220,18 @@ static int acquire(struct guide *g, const struct ttf_guided_config *config, stru
                    : accumulate(g, &locked, config, sum, err);
 }
 
+/* Dark and flat of this camera, and their text, are what it takes at the most: what is there is written anew with each part. */
+static int check_room(const struct guide *g, const struct ttf_guided_config *config,
+                      struct ttf_err *err)
+{
+    const struct ttf_frame_format *f = &g->camera.format;
+    int64_t bytes = (int64_t)f->width * f->height * (DARK_BYTES + FLAT_BYTES) + TEXT_BYTES;
+
+    return config->folder && config->io
+               ? ttf_disk_room_check(config->io, config->folder, "a calibration", bytes, err)
+               : 0;
+}
+
 static int set_up_camera(struct guide *g, const struct ttf_guided_config *config,
                          struct ttf_err *err)
 {
@@ -230,6 +247,8 @@ static int set_up_camera(struct guide *g, const struct ttf_guided_config *config
     g->camera.events = &g->events;
     ttf_camera_stop(g->camera.camera);
     r = ttf_camera_configure(g->camera.camera, &native, &g->camera.format, err);
+    if (r == 0)
+        r = check_room(g, config, err);
     return r < 0 ? r : ttf_camera_start(g->camera.camera, err);
 }
 

@@ -135,8 +135,9 @@ const char *ttf_resume_lost(const struct ttf_resume *r, int64_t index, enum ttf_
     *ret_result = TTF_RESULT_MISSED;
     if (index >= r->unready_from)
         return TTF_REASON_NOT_READY;
-    if (due_ns >= a->stopped_from_ns && due_ns < a->stopped_until_ns)
-        return TTF_REASON_STOPPED;
+    for (unsigned i = 0; i < a->n_stops; i++)
+        if (due_ns >= a->stops[i].from_ns && due_ns < a->stops[i].until_ns)
+            return TTF_REASON_STOPPED;
     if (a->trying_since_ns > 0 && due_ns >= a->trying_since_ns)
         return TTF_REASON_TRYING;
     *ret_result = r->lost_result;

@@ -327,8 +327,9 @@ static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_resul
         r = seal(s, ret->digest, err);
         ret->sealed = r == 0;
         if (r < 0 && !power_lost(s))
-            ttf_committer_alarm(&s->committer, "the dataset cannot be sealed: all slots have their "
-                                               "records; run again to seal it");
+            ttf_committer_alarm(&s->committer, TTF_ALARM_UNTIL_ARMED,
+                                "the dataset cannot be sealed: all slots have their records; run "
+                                "again to seal it");
     }
     ttf_writer_close(s->committer.writer);
     s->committer.writer = NULL;

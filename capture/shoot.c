@@ -151,7 +151,7 @@ static int submit(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
 
     for (unsigned i = 0; i < n; i++)
         settings[i] = *asked;
-    return ttf_camera_submit(shooter->camera, &set, NULL);
+    return ttf_camera_submit(shooter->camera, &set, &shooter->said);
 }
 
 /* One set of n exposures. 0 and *ret; negative only for what ends the run. */
@@ -173,7 +173,7 @@ static int attempt(struct ttf_shooter *shooter, struct ttf_take *take, unsigned 
         struct ttf_frame *frame = NULL;
         const char *refused;
 
-        r = ttf_pulse_next(shooter->pulse, shooter->camera, deadline, &frame, NULL);
+        r = ttf_pulse_next(shooter->pulse, shooter->camera, deadline, &frame, &shooter->said);
         if (r < 0)
             break;
         a.delivered++;
@@ -220,6 +220,8 @@ static int climb(struct ttf_shooter *shooter)
     ttf_events_emit(shooter->events, "camera", "%s delivers nothing: %s%s%s", shooter->name,
                     ttf_camera_recovery_name(step), r < 0 ? " failed: " : "",
                     r < 0 ? err.what : "");
+    if (r < 0)
+        shooter->said = err;
     return r < 0 ? 1 : 0;
 }
 
@@ -324,7 +326,7 @@ static int probe(struct ttf_shooter *shooter, const struct ttf_exposure *asked,
 
     if (r < 0)
         return r;
-    r = ttf_pulse_next(shooter->pulse, shooter->camera, deadline, &frame, NULL);
+    r = ttf_pulse_next(shooter->pulse, shooter->camera, deadline, &frame, &shooter->said);
     if (r < 0) {
         ttf_camera_cancel(shooter->camera);
         return r;
@@ -438,7 +440,8 @@ int ttf_shooter_lock(struct ttf_shooter *shooter, const struct ttf_exposure *ask
         *ret = locked;
     else if (r == -ENODEV)
         return ttf_err_set(err, r, shooter->name,
-                           "the camera gives no frame, also after it was opened anew");
+                           "the camera gives no frame, also after it was opened anew%s%s",
+                           shooter->said.what[0] ? ": " : "", shooter->said.what);
     else if (r == -EIO && !ends_run(shooter, r))
         return ttf_err_set(err, r, shooter->name,
                            "the camera grants other settings than it was asked for, each time anew "

@@ -20,6 +20,7 @@ struct ttf_shooter {
     bool down; /* the last slot was given up: it needs reviving */
     enum ttf_camera_recovery next_step;
     uint64_t recoveries;
+    struct ttf_err said; /* why it gave no frame, the last time that it gave none */
 };
 
 /* Settings after the lock procedure: `granted` is what every frame must carry. */

@@ -250,13 +250,31 @@ static int save_json(const struct ttf_calibration *calibration, struct ttf_io *i
     return r;
 }
 
+/* What no calibration.json speaks of yet; the folder goes too, unless something else is in it. */
+static void remove_pictures(struct ttf_io *io, const char *folder)
+{
+    static const char *const NAMES[] = {"dark.tif", "flat.tif"};
+    char path[PATH_SIZE];
+
+    for (unsigned i = 0; i < sizeof(NAMES) / sizeof(*NAMES); i++) {
+        snprintf(path, sizeof(path), "%s/%s", folder, NAMES[i]);
+        (void)!io->ops->unlink(io, path);
+    }
+    (void)!io->ops->unlink(io, folder);
+}
+
 int ttf_calibration_save(const struct ttf_calibration *calibration, struct ttf_io *io,
                          const char *folder, struct ttf_err *err)
 {
+    char path[PATH_SIZE];
+    struct ttf_io_stat st;
+    bool first;
     int r;
 
     if (strlen(folder) > PATH_SIZE - 64)
         return ttf_err_set(err, -ENAMETOOLONG, NULL, "the folder's name is too long");
+    snprintf(path, sizeof(path), "%s/calibration.json", folder);
+    first = io->ops->stat(io, path, &st) == -ENOENT;
     r = ttf_io_mkdirs(io, folder, err);
     if (r == 0 && calibration->has_dark)
         r = save_picture(calibration, io, folder, "dark.tif", TTF_SAMPLE_F32, dark_row, err);
@@ -264,5 +282,7 @@ int ttf_calibration_save(const struct ttf_calibration *calibration, struct ttf_i
         r = save_picture(calibration, io, folder, "flat.tif", TTF_SAMPLE_U16, flat_row, err);
     if (r == 0)
         r = save_json(calibration, io, folder, err);
+    if (r < 0 && first && io->ops->stat(io, path, &st) == -ENOENT)
+        remove_pictures(io, folder);
     return r;
 }

@@ -16,41 +16,17 @@ const char *staging_base(const char *path)
     return slash ? slash + 1 : path;
 }
 
-struct child {
-    const char *folder;
-    char path[TTF_PATH_MAX]; /* empty: none */
-};
-
-static int take_first(void *ctx, const char *name, bool is_dir)
+static int any_entry(void *ctx, const char *name, bool is_dir)
 {
-    struct child *child = ctx;
-    int r;
-
-    if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
-        return 0;
-    r = ttf_path_put(child->path, "%s/%s", child->folder, name);
-    return r ? r : 1;
-}
-
-/* As far as it goes: what cannot be removed stays under its temporary name. Allocates nothing. */
-static int remove_tree(struct ttf_io *io, const char *path)
-{
-    struct ttf_io_stat stat;
-
-    if (io->ops->stat(io, path, &stat) == 0 && stat.is_dir) {
-        struct child child = {.folder = path};
-
-        while (io->ops->list(io, path, take_first, &child) > 0)
-            if (remove_tree(io, child.path) != 0)
-                break;
-    }
-    return io->ops->unlink(io, path);
+    (void)ctx;
+    (void)name;
+    (void)is_dir;
+    return 1;
 }
 
 static int check_final(struct staging *staging, bool *ret_empty_folder, struct ttf_err *err)
 {
     struct ttf_io *io = staging->io;
-    struct child child = {.folder = staging->final};
     struct ttf_io_stat stat;
     int r;
 
@@ -63,7 +39,7 @@ static int check_final(struct staging *staging, bool *ret_empty_folder, struct t
         return 0;
     if (!stat.is_dir)
         return ttf_err_set(err, -EEXIST, staging->final, "there is a file of that name");
-    r = io->ops->list(io, staging->final, take_first, &child);
+    r = io->ops->list(io, staging->final, any_entry, NULL);
     if (r < 0)
         return ttf_err_set(err, r, staging->final, "the folder cannot be listed: %s",
                            strerrordesc_np(-r));
@@ -115,7 +91,8 @@ static int prepare(struct staging *staging, struct ttf_err *err)
     code = check_final(staging, &empty, err);
     if (code)
         return code;
-    (void)remove_tree(staging->io, staging->temp); /* of a process of the same number, long ago */
+    (void)ttf_io_remove_tree(staging->io,
+                             staging->temp); /* of a process of the same number, long ago */
     if (!staging->folder)
         return 0;
     code = staging->io->ops->mkdir(staging->io, staging->temp);
@@ -195,7 +172,7 @@ int staging_commit(struct staging *staging, struct ttf_err *err)
 void staging_discard(struct staging *staging)
 {
     if (staging->temp)
-        (void)remove_tree(staging->io, staging->temp);
+        (void)ttf_io_remove_tree(staging->io, staging->temp);
     release(staging);
 }
 

@@ -247,3 +247,34 @@ char *ttf_path_parent(const char *path)
 
     return n ? strndup(path, n) : strdup(".");
 }
+
+/* ---- removing ---- */
+
+struct first_entry {
+    const char *folder;
+    char path[TTF_PATH_MAX];
+};
+
+static int take_first(void *ctx, const char *name, bool is_dir)
+{
+    struct first_entry *first = ctx;
+    int r = ttf_path_put(first->path, "%s/%s", first->folder, name);
+
+    (void)is_dir;
+    return r ? r : 1;
+}
+
+int ttf_io_remove_tree(struct ttf_io *io, const char *path)
+{
+    struct first_entry first = {.folder = path};
+    int r = io->ops->unlink(io, path);
+
+    if (r != -ENOTEMPTY && r != -EEXIST)
+        return r;
+    while ((r = io->ops->list(io, path, take_first, &first)) > 0) {
+        r = ttf_io_remove_tree(io, first.path);
+        if (r)
+            return r;
+    }
+    return r ? r : io->ops->unlink(io, path);
+}

@@ -86,6 +86,8 @@ static int parse_note(const char *text, size_t n, struct ttf_note *note, struct 
     json_t *root;
     int r = ttf_json_parse(text, n, &root, &parse);
 
+    if (r == -ENOMEM) /* and nothing stands in parse */
+        return r;
     if (r)
         return ttf_err_set(err, r, NULL, "it is not JSON: %s", parse.text);
     *note = (struct ttf_note){.utc_ns = TTF_NS_UNKNOWN};

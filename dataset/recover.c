@@ -156,8 +156,38 @@ static int named_line(void *ctx, const struct ttf_line *line, struct ttf_err *er
     return ttf_line_files(line, named_file, ctx, err);
 }
 
+/* How much of the path is calibration/ID, if it lies in a folder that has no line; 0: it does not. */
+static size_t nameless_calibration(const struct ttf_writer *writer, const char *path)
+{
+    static const char above[] = "calibration/";
+    const char *id = path + sizeof(above) - 1, *end;
+    unsigned i;
+
+    if (strncmp(path, above, sizeof(above) - 1) != 0 || !(end = strchr(id, '/')))
+        return 0;
+    for (i = 0; i < writer->n_calibrations; i++)
+        if (strlen(writer->calibrations[i]) == (size_t)(end - id) &&
+            strncmp(writer->calibrations[i], id, (size_t)(end - id)) == 0)
+            return 0;
+    return (size_t)(end - path);
+}
+
+/* Of a calibration that a crash kept from being copied whole: its calibration.json would have come last. */
+static bool of_half_a_calibration(const struct ttf_writer *writer, const struct ttf_paths *files,
+                                  const char *path)
+{
+    size_t n = nameless_calibration(writer, path), i;
+
+    for (i = 0; n > 0 && i < files->n; i++)
+        if (strncmp(files->items[i], path, n) == 0 &&
+            strcmp(files->items[i] + n, "/calibration.json") == 0)
+            n = 0;
+    return n > 0;
+}
+
 static int find_leftovers(struct ttf_writer *writer, const struct ttf_paths *files,
-                          struct ttf_paths *temporary, struct orphans *orphans, struct ttf_err *err)
+                          struct ttf_paths *temporary, struct ttf_paths *half,
+                          struct orphans *orphans, struct ttf_err *err)
 {
     int64_t index;
     size_t i;
@@ -167,6 +197,8 @@ static int find_leftovers(struct ttf_writer *writer, const struct ttf_paths *fil
         index = ttf_path_index(files->items[i]);
         if (ttf_is_temporary(files->items[i])) {
             r = ttf_paths_add(temporary, files->items[i]);
+        } else if (of_half_a_calibration(writer, files, files->items[i])) {
+            r = ttf_paths_add(half, files->items[i]);
         } else if (index >= writer->state.next_index) {
             r = ttf_paths_add(&orphans->paths, files->items[i]);
             orphans->index = orphans->index == -1 || orphans->index == index ? index : -2;
@@ -207,25 +239,31 @@ static int remove_all(struct ttf_writer *writer, const struct ttf_paths *paths, 
 static int repair_files(struct ttf_writer *writer, char *told, size_t told_size,
                         struct ttf_err *err)
 {
-    struct ttf_paths files = {0}, temporary = {0};
+    struct ttf_paths files = {0}, temporary = {0}, half = {0};
     struct orphans orphans = {.index = -1};
-    int r;
+    int r, n = 0;
 
     r = ttf_walk(writer->io, writer->path, &files, err);
     if (r)
         return r;
-    r = find_leftovers(writer, &files, &temporary, &orphans, err);
+    r = find_leftovers(writer, &files, &temporary, &half, &orphans, err);
     if (r == 0)
         r = remove_all(writer, &temporary, err);
+    if (r == 0)
+        r = remove_all(writer, &half, err);
     /*
      * A crash leaves files of at most the one slot that was being committed. Files of
      * several slots mean that records were lost: they stay, verify names them.
      */
     if (r == 0 && orphans.index >= 0)
         r = remove_all(writer, &orphans.paths, err);
-    if (temporary.n > 0 || orphans.paths.n > 0)
-        snprintf(told, told_size, "%zu temporary files removed; %zu files without a record %s",
-                 temporary.n, orphans.paths.n, orphans.index == -2 ? "left alone" : "removed");
+    if (half.n > 0)
+        n = snprintf(told, told_size, "%zu files of half a calibration removed; ", half.n);
+    if (half.n > 0 || temporary.n > 0 || orphans.paths.n > 0)
+        snprintf(told + n, told_size - (size_t)n,
+                 "%zu temporary files removed; %zu files without a record %s", temporary.n,
+                 orphans.paths.n, orphans.index == -2 ? "left alone" : "removed");
+    ttf_paths_free(&half);
     ttf_paths_free(&orphans.paths);
     ttf_paths_free(&temporary);
     ttf_paths_free(&files);
@@ -238,7 +276,7 @@ int ttf_writer_repair(struct ttf_writer *writer, const struct ttf_lines_tail *re
                       const struct ttf_lines_tail *events, enum ttf_sums_state sums, bool doubt,
                       struct ttf_err *err)
 {
-    char told[120] = "", text[200];
+    char told[200] = "", text[280];
     unsigned before;
     int r;
 

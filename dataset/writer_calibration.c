@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A calibration's folder, copied into the dataset. */
+/*
+ * A calibration's folder, copied into the dataset: its files, calibration.json the last of them, then its line. Cut off before
+ * that, it is no calibration, and opening the dataset clears it away.
+ */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +20,19 @@ static int list_name(void *ctx, const char *name, bool is_dir)
     if (is_dir || name[0] == '.' || ttf_is_temporary(name))
         return 0;
     return ttf_name_ok(name) ? ttf_paths_add(ctx, name) : -EILSEQ;
+}
+
+/* In order, but for calibration.json: a folder without it holds no calibration, so it comes last, as calibrate writes it. */
+static void put_in_order(struct ttf_paths *names)
+{
+    ttf_paths_sort(names);
+    for (size_t i = 0; i + 1 < names->n; i++)
+        if (strcmp(names->items[i], "calibration.json") == 0) {
+            char *last = names->items[i];
+
+            names->items[i] = names->items[i + 1];
+            names->items[i + 1] = last;
+        }
 }
 
 /* Copies all bytes and hashes them on the way. */
@@ -123,7 +139,7 @@ static int copy_folder(struct ttf_writer *writer, const char *id, const char *fo
                     strerrordesc_np(-r));
         goto out;
     }
-    ttf_paths_sort(&names);
+    put_in_order(&names);
     r = ttf_writer_folder(writer, to + strlen(writer->path) + 1, err);
     for (i = 0; r == 0 && i < names.n; i++)
         r = copy_named(writer, id, folder, names.items[i], json, err);

@@ -23,6 +23,15 @@ struct capture_script {
     } asked[TTF_ASKS_MAX];
 };
 
+/* What does not fit is refused, as `ttfbox note` and the box's interface do. */
+static int take_text(const char *value, char *ret, size_t size, struct ttf_err *err)
+{
+    if (strlen(value) >= size)
+        return ttf_err_set(err, -EINVAL, NULL, "a text of at most %zu bytes is meant", size - 1);
+    memcpy(ret, value, strlen(value) + 1);
+    return 0;
+}
+
 /* The plan file that an ask borrows its words from, for as long as it is asked. */
 static int take_plan(const char *path, struct ttf_ask *ask, struct ttf_plan_file **ret,
                      struct ttf_err *err)
@@ -70,8 +79,7 @@ static int take_word(const char *word, const char *value, struct ttf_ask *ask,
     ask->kind = WORDS[i].kind;
     switch (ask->kind) {
     case TTF_ASK_PAUSE:
-        (void)snprintf(ask->reason, sizeof ask->reason, "%s", value);
-        return 0;
+        return take_text(value, ask->reason, sizeof ask->reason, err);
     case TTF_ASK_COUNT:
         return ttf_integer_parse(value, &ask->count, err);
     case TTF_ASK_INTERVAL:
@@ -80,8 +88,7 @@ static int take_word(const char *word, const char *value, struct ttf_ask *ask,
         return take_plan(value, ask, ret_plan, err);
     case TTF_ASK_NOTE:
         ask->note.utc_ns = TTF_NS_UNKNOWN;
-        (void)snprintf(ask->note.text, sizeof ask->note.text, "%s", value);
-        return 0;
+        return take_text(value, ask->note.text, sizeof ask->note.text, err);
     default:
         return 0;
     }
@@ -129,8 +136,8 @@ static int ask_line(char *line, int64_t next_index, struct capture_script *scrip
     return r;
 }
 
-static int take_text(struct capture_script *script, char *text, int64_t next_index,
-                     struct ttf_err *err)
+static int take_lines(struct capture_script *script, char *text, int64_t next_index,
+                      struct ttf_err *err)
 {
     unsigned number = 0;
     char *next;
@@ -175,7 +182,7 @@ int capture_script_ask(struct cli *cli, const char *path, int64_t next_index,
     if (r == 0)
         r = ttf_io_slurp(cli->io, path, SCRIPT_MAX_BYTES, &text, &bytes, &cli->err);
     if (r == 0)
-        r = take_text(script, text, next_index, &cli->err);
+        r = take_lines(script, text, next_index, &cli->err);
     free(text);
     if (r < 0) {
         capture_script_free(script);

@@ -42,6 +42,9 @@ struct cli {
 /* A line for people on standard output; silent with --json. */
 void cli_say(const struct cli *cli, const char *fmt, ...) TTF_PRINTF(2, 3);
 
+/* With --json one line now, of a command that goes on: {"listening":WHERE}, and "free_to_read" if that is not NULL. */
+void cli_say_listening(const struct cli *cli, const char *where, const bool *free_to_read);
+
 /* A line on standard error, always. */
 void cli_warn(const char *fmt, ...) TTF_PRINTF(1, 2);
 

@@ -110,6 +110,8 @@ static int acquire(struct cli *cli, struct guided *g)
         .shot = &g->shot,
         .mains_hz = g->plan.mains_hz,
         .settle_ns = g->plan.settle_ns,
+        .io = cli->io,
+        .folder = cli->opt.output,
         .frames = cli->opt.frames ? (unsigned)cli->opt.frames : FRAMES_DEFAULT,
         .reflectance = cli->opt.reflectance > 0 ? cli->opt.reflectance : REFLECTANCE_DEFAULT,
     };

@@ -299,6 +299,30 @@ static int create(struct darkroom *d)
     return r;
 }
 
+static int count_folder(void *ctx, const char *name, bool is_dir)
+{
+    *(int *)ctx += is_dir && *name != '.';
+    return 0;
+}
+
+/* A dataset that was gone on with another calibration has several. */
+static void say_calibrations(struct darkroom *d)
+{
+    struct cli *cli = d->cli;
+    char path[PATH_MAX];
+    int n = 0;
+
+    (void)snprintf(path, sizeof path, "%s/calibration", cli->opt.output);
+    (void)!cli->io->ops->list(cli->io, path, count_folder, &n);
+    ttf_json_kint(&cli->out, "calibrations", n);
+    if (n > 1) {
+        cli_say(cli, "calibrations      %d: each picture with its own", n);
+        return;
+    }
+    cli_say(cli, "calibration       %s", *d->calibration_id ? d->calibration_id : "none");
+    ttf_json_kstring(&cli->out, "calibration", d->calibration_id);
+}
+
 static void say(struct darkroom *d)
 {
     struct cli *cli = d->cli;
@@ -307,13 +331,12 @@ static void say(struct darkroom *d)
     cli_say(cli, "%sdataset           %s", simulated ? "SIMULATED\n" : "", cli->opt.output);
     cli_say(cli, "images            %" PRId64 " developed, %" PRId64 " without a raw frame",
             d->images, d->without_raw);
-    cli_say(cli, "calibration       %s", *d->calibration_id ? d->calibration_id : "none");
+    say_calibrations(d);
     cli_say(cli, "sealed            digest %s", d->digest);
     ttf_json_kstring(&cli->out, "dataset", cli->opt.output);
     ttf_json_kbool(&cli->out, "simulated", simulated);
     ttf_json_kint(&cli->out, "images", d->images);
     ttf_json_kint(&cli->out, "without_raw", d->without_raw);
-    ttf_json_kstring(&cli->out, "calibration", d->calibration_id);
     ttf_json_kstring(&cli->out, "digest", d->digest);
 }
 

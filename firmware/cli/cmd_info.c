@@ -144,6 +144,9 @@ static void put_intervals(struct cli *cli, struct ttf_reader *reader)
     }
     if (n > 1)
         cli_say(cli, "segments          %d: boots, and changes of the plan or the clock", n);
+    if (ttf_reader_summary(reader)->n_calibrations > 1)
+        cli_say(cli, "calibrations      %d: each picture names its own",
+                (int)ttf_reader_summary(reader)->n_calibrations);
 }
 
 static void put_slots(struct cli *cli, struct ttf_reader *reader)

@@ -225,8 +225,9 @@ static int check(struct cli *cli, struct check *c, const struct ttf_board *board
         r = ttf_plan_check(plan, &c->box, &c->figures, &cli->err);
     if (r == 0 && cli->opt.output) {
         c->clock = ttf_clock_real_create();
-        r = ttf_disk_budget_check(cli->io, cli->opt.output, c->clock, plan, &c->figures, &c->disk,
-                                  &cli->err);
+        r = c->clock ? ttf_disk_budget_check(cli->io, cli->opt.output, c->clock, plan, &c->figures,
+                                             &c->disk, &cli->err)
+                     : ttf_err_set(&cli->err, -errno, "clock", "the machine's clock cannot be had");
         /* A disk too small is a plan too long: wrong input, at the line that says how long. */
         if (r == -ENOSPC) {
             ttf_err_prefix(&cli->err, "%s", cli->opt.output);

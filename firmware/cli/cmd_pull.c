@@ -124,6 +124,8 @@ static int pull(struct cli *cli, struct ttf_pull_config *config)
     r = ttf_pull(config, &result, &cli->err);
     s = (double)(ttf_clock_now_ns(config->clock) - begun) / 1e9;
     cli_progress_end(&show.bar);
+    if (r < 0)
+        return r;
     ttf_json_kint(j, "datasets", result.datasets);
     ttf_json_kint(j, "sealed", result.sealed);
     ttf_json_kint(j, "slots", result.slots);
@@ -131,8 +133,6 @@ static int pull(struct cli *cli, struct ttf_pull_config *config)
     ttf_json_kint(j, "bytes", result.bytes);
     ttf_json_kint(j, "damaged", result.damaged);
     ttf_json_kbool(j, "stopped", result.stopped);
-    if (r < 0)
-        return r;
     cli_say(cli, "datasets          %" PRId64 " in %s, %" PRId64 " of them sealed", result.datasets,
             config->dest, result.sealed);
     cli_say(cli, "slots             %" PRId64, result.slots);
@@ -163,7 +163,6 @@ int cmd_pull(struct cli *cli)
         config.box = "usb";
     if (r == 0)
         r = cli_need(cli, config.box, "--box", "as --box http://192.168.7.1:8417, or --usb");
-
     if (r == 0 && cli->opt.only)
         r = only ? take_names(cli, only, names)
                  : ttf_err_set(&cli->err, -ENOMEM, NULL, "no memory");

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_serve.c: `ttfbox serve`: the HTTP interface over a folder of datasets. */
 #include <errno.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -26,18 +25,14 @@ static void stay(struct ttf_clock *clock, struct ttf_http_server *server)
 
 static void tell(struct cli *cli, const struct ttf_http_socket *socket, const char *token)
 {
-    if (cli->opt.json) { /* at once: whoever started it waits for the port */
-        printf("{\"listening\":\"%s\",\"free_to_read\":%s}\n", socket->name,
-               socket->loopback ? "true" : "false");
-    } else {
-        cli_say(cli, "serving %s at %s%s", cli->opt.args[0],
-                strncmp(socket->name, "unix:", 5) == 0 ? "" : "http://", socket->name);
-        if (!socket->loopback)
-            cli_say(cli, "readers need the token: %s",
-                    cli->opt.token_file ? cli->opt.token_file : token);
-        cli_say(cli, "Ctrl-C ends it");
-    }
-    (void)fflush(stdout);
+    cli_say_listening(cli, socket->name, &socket->loopback);
+    cli_say(cli, "serving %s at %s%s", cli->opt.args[0],
+            strncmp(socket->name, "unix:", 5) == 0 ? "" : "http://", socket->name);
+    if (!socket->loopback)
+        cli_say(cli, "readers need the token: %s",
+                cli->opt.token_file ? cli->opt.token_file : token);
+    cli_say(cli, "Ctrl-C ends it");
+    (void)fflush(stdout); /* whoever started it waits for the port */
 }
 
 int cmd_serve(struct cli *cli)
@@ -67,7 +62,6 @@ int cmd_serve(struct cli *cli)
                             &cli->err);
     if (r == 0) {
         cli_stop_catch();
-        (void)signal(SIGPIPE, SIG_IGN);
         r = ttf_http_server_listen(server, socket.fd, socket.loopback, &cli->err);
     }
     if (r == 0) {

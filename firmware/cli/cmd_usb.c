@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_usb.c: `ttfbox usb` and `usb list`: boxes at this machine's USB. */
 #include <errno.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -111,13 +110,10 @@ int cmd_usb(struct cli *cli)
     }
     if (r == 0) {
         cli_stop_catch();
-        (void)signal(SIGPIPE, SIG_IGN);
         config.listen_fd = socket.fd;
         warn_of_others(cli, listen);
-        if (cli->opt.json)
-            printf("{\"listening\":\"%s\"}\n", socket.name);
-        else
-            cli_say(cli, "the box's interface is at %s; Ctrl-C ends it", socket.name);
+        cli_say_listening(cli, socket.name, NULL);
+        cli_say(cli, "the box's interface is at %s; Ctrl-C ends it", socket.name);
         (void)fflush(stdout);
         r = ttf_usb_bridge_run(&config, &cli->err);
     }

@@ -64,8 +64,8 @@ static int configure(struct cli *cli, struct ttf_view_config *config)
     } else {
         config->frames_max = (uint32_t)o->frames;
     }
-    if (o->width_max > 2048)
-        return ttf_err_set(&cli->err, -EINVAL, "--width", "at most 2048 pixels");
+    if (o->width_max > TTF_VIEW_SIDE_MAX)
+        return ttf_err_set(&cli->err, -EINVAL, "--width", "at most %d pixels", TTF_VIEW_SIDE_MAX);
     config->side_max = (uint32_t)o->width_max;
     return 0;
 }
@@ -112,8 +112,6 @@ int cmd_view(struct cli *cli)
 
     if (r == 0)
         r = cli_refuse_existing(cli, cli->opt.output);
-    if (r == 0)
-        r = cli_refuse_inside_dataset(cli, cli->opt.output);
     if (r == 0)
         r = configure(cli, &config);
     if (r == 0)

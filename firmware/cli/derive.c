@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "commands.h"
@@ -69,33 +70,12 @@ int derive_manifest(struct cli *cli, struct ttf_reader *parent, struct ttf_manif
     return 0;
 }
 
-struct discard {
-    struct ttf_io *io;
-    const char *folder;
-    unsigned depth;
-};
-
-static int discard_entry(void *ctx, const char *name, bool is_dir)
-{
-    const struct discard *d = ctx;
-    char path[PATH_MAX];
-
-    (void)snprintf(path, sizeof path, "%s/%s", d->folder, name);
-    if (is_dir && d->depth < 8) {
-        struct discard below = {d->io, path, d->depth + 1};
-
-        (void)d->io->ops->list(d->io, path, discard_entry, &below);
-    }
-    (void)d->io->ops->unlink(d->io, path);
-    return 0;
-}
-
 void derive_discard(struct ttf_io *io, const char *path)
 {
-    struct discard d = {io, path, 0};
+    char real[PATH_MAX];
 
-    (void)io->ops->list(io, path, discard_entry, &d);
-    (void)io->ops->unlink(io, path);
+    /* A link to a folder was made by whoever gave it as the output: what is in the folder is ours. */
+    (void)ttf_io_remove_tree(io, realpath(path, real) ? real : path);
 }
 
 int derive_create(struct cli *cli, const char *path, const struct ttf_manifest *manifest,

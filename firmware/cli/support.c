@@ -25,6 +25,25 @@ void cli_say(const struct cli *cli, const char *fmt, ...)
     (void)putchar('\n');
 }
 
+void cli_say_listening(const struct cli *cli, const char *where, const bool *free_to_read)
+{
+    struct ttf_json json;
+    const char *line;
+    size_t bytes;
+
+    if (!cli->opt.json)
+        return;
+    ttf_json_init(&json, false);
+    ttf_json_object(&json);
+    ttf_json_kstring(&json, "listening", where);
+    if (free_to_read)
+        ttf_json_kbool(&json, "free_to_read", *free_to_read);
+    ttf_json_object_end(&json);
+    if (ttf_json_finish(&json, &line, &bytes) == 0)
+        (void)puts(line);
+    ttf_json_free(&json);
+}
+
 void cli_warn(const char *fmt, ...)
 {
     va_list args;

@@ -6,6 +6,7 @@
 #ifndef DAEMON_ABSENCE_H
 #define DAEMON_ABSENCE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "ttf/capture/session.h"
@@ -14,9 +15,13 @@
 struct absence {
     char dataset[65];
     struct ttf_absence it;
+    bool tried; /* since the last stop */
 };
 
-/* A person had stopped it: so it was found at from_ns, and gone on with at until_ns. */
+/*
+ * A person had stopped it: so it was found at from_ns, and gone on with at until_ns. Of more than TTF_ABSENCE_STOPS in one
+ * absence the last are told.
+ */
 void absence_rested(struct absence *absence, const char *dataset, int64_t from_ns,
                     int64_t until_ns);
 

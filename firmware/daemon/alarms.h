@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * alarms.h: what a person was needed for since the program began, but for what is told to be over: the last eight. Locked by
- * whoever has them.
+ * alarms.h: what a person is needed for: the last eight that the program heard of and that are not over yet. Locked by whoever
+ * has them.
  */
 #ifndef DAEMON_ALARMS_H
 #define DAEMON_ALARMS_H
@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "ttf/capture/session.h"
 #include "ttf/dataset/json_writer.h"
 #include "ttf/hal/clock.h"
 
@@ -16,6 +17,8 @@
 
 struct alarm {
     int64_t utc_ns; /* TTF_NS_UNKNOWN */
+    int64_t run;    /* whose it is, its number */
+    enum ttf_alarm_until until;
     char text[256];
 };
 
@@ -26,9 +29,16 @@ struct alarms {
 };
 
 /* The oldest makes room; one of the same text that was there already. */
-void alarms_add(struct alarms *alarms, struct ttf_clock *clock, const char *text);
-/* true: there was one of this text, and is none any more. */
-bool alarms_over(struct alarms *alarms, const char *text);
+void alarms_add(struct alarms *alarms, struct ttf_clock *clock, int64_t run,
+                enum ttf_alarm_until until, const char *text);
+
+/* What is over is taken away; true: something was. */
+
+bool alarms_over(struct alarms *alarms, const char *text); /* all of this text */
+/* This run was armed: what ended one, and what another one said of its storage. */
+bool alarms_armed(struct alarms *alarms, int64_t run);
+/* This run is done: what ended it. */
+bool alarms_done(struct alarms *alarms, int64_t run);
 
 /* As an array. */
 void alarms_put(const struct alarms *alarms, struct ttf_json *json);

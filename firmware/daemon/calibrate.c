@@ -136,6 +136,8 @@ static int acquire(struct step *s, struct ttf_watchdog *watchdog, struct ttf_err
         .frames = frames,
         .reflectance = REFLECTANCE,
         .stop = &s->d->view_stop,
+        .io = s->d->io,
+        .folder = s->folder,
         .patience_ns = frames * (3 * s->shot.exposure.exposure_ns + FRAME_NS),
     };
     int64_t at_most_ns = settling_ns(s) + config.patience_ns + BESIDE_NS;

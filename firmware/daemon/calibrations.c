@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "calibration_folder.h"
 #include "ttf/dataset/json_parse.h"
 #include "ttf/dataset/json_writer.h"
 
@@ -26,18 +27,20 @@ struct calibrations {
     struct ttf_io *io;
     struct ttf_clock *clock;
     const char *state, *configured;
-    pthread_mutex_t lock; /* over all below */
+    pthread_mutex_t lock; /* over all below, and which one is chosen */
     bool open;            /* nothing runs, nor is anything to run: steps are done */
     enum step step;
     struct ttf_http_calibrate what;
     int64_t begun_ns, ended_ns, at_most_ns;
     struct ttf_err err;
+    char held[65]; /* by the run under way, which may bring it to its second storage; "": none */
 };
 
 struct calibrations *calibrations_create(struct ttf_io *io, struct ttf_clock *clock,
                                          const char *state, const char *configured)
 {
     struct calibrations *c = calloc(1, sizeof *c);
+    char above[CALIBRATION_PATH];
 
     if (!c)
         return NULL;
@@ -46,6 +49,9 @@ struct calibrations *calibrations_create(struct ttf_io *io, struct ttf_clock *cl
     c->state = state;
     c->configured = configured;
     (void)pthread_mutex_init(&c->lock, NULL);
+    calibrations_path(c, "", above);
+    (void)!calibration_folder_sweep(io, above,
+                                    NULL); /* what a cut left: also at the next removal */
     return c;
 }
 
@@ -105,7 +111,7 @@ static int chosen(struct calibrations *c, char ret[65], struct ttf_err *err)
     return r == -ENOENT ? 0 : r;
 }
 
-int calibrations_use(struct calibrations *c, const char *name, struct ttf_err *err)
+static int use(struct calibrations *c, const char *name, struct ttf_err *err)
 {
     char path[CALIBRATION_PATH], folder[CALIBRATION_PATH], text[80];
     int r;
@@ -127,10 +133,26 @@ int calibrations_use(struct calibrations *c, const char *name, struct ttf_err *e
     return ttf_io_write_file(c->io, path, text, strlen(text), err);
 }
 
+int calibrations_use(struct calibrations *c, const char *name, struct ttf_err *err)
+{
+    int r;
+
+    (void)pthread_mutex_lock(&c->lock);
+    r = use(c, name, err);
+    (void)pthread_mutex_unlock(&c->lock);
+    return r;
+}
+
 int calibrations_in_use(struct calibrations *c, char ret[CALIBRATION_PATH], struct ttf_err *err)
 {
     char name[65];
-    int r = chosen(c, name, err);
+    int r;
+
+    (void)pthread_mutex_lock(&c->lock);
+    r = chosen(c, name, err);
+    if (r == 1)
+        memcpy(c->held, name, sizeof c->held);
+    (void)pthread_mutex_unlock(&c->lock);
 
     if (r == 0) {
         (void)snprintf(ret, CALIBRATION_PATH, "%s", c->configured);
@@ -146,6 +168,65 @@ int calibrations_in_use(struct calibrations *c, char ret[CALIBRATION_PATH], stru
                 strerrordesc_np(-r));
     ttf_err_hint(err, "choose another one, or none");
     return r;
+}
+
+void calibrations_let_go(struct calibrations *c)
+{
+    (void)pthread_mutex_lock(&c->lock);
+    c->held[0] = '\0';
+    (void)pthread_mutex_unlock(&c->lock);
+}
+
+/* ---- taken away ---- */
+
+/* Is this path the same folder as that of the calibration? Also by another name for it. */
+static bool is_configured(struct calibrations *c, const char *folder)
+{
+    struct ttf_io_stat own, st;
+
+    return *c->configured && c->io->ops->stat(c->io, c->configured, &own) == 0 &&
+           c->io->ops->stat(c->io, folder, &st) == 0 && own.inode == st.inode &&
+           own.device == st.device;
+}
+
+/* The lock is held. 0: nothing needs it. */
+static int refuse_needed(struct calibrations *c, const char *name, struct ttf_err *err)
+{
+    bool busy = c->step == STEP_WAITING || c->step == STEP_UNDER_WAY;
+    char folder[CALIBRATION_PATH], used[65];
+    int r = chosen(c, used, err);
+
+    if (r < 0 && r != -EINVAL) /* nobody knows */
+        return r;
+    calibrations_path(c, name, folder);
+    if (busy && strcmp(c->what.name, name) == 0)
+        return ttf_err_set(err, -EBUSY, name, "is being made: a step of it is under way");
+    if (strcmp(c->held, name) == 0)
+        return ttf_err_set(err, -EBUSY, name, "a run under way is developed with it");
+    if (r == 1 && strcmp(used, name) == 0) {
+        ttf_err_set(err, -EBUSY, name, "is in use: the next run is developed with it");
+        ttf_err_hint(err, "use another one, or none, first");
+        return -EBUSY;
+    }
+    return is_configured(c, folder)
+               ? ttf_err_set(err, -EBUSY, name, "is the one that the box's configuration names")
+               : 0;
+}
+
+int calibrations_remove(struct calibrations *c, const char *name, struct ttf_err *err)
+{
+    char above[CALIBRATION_PATH];
+    int r;
+
+    calibrations_path(c, "", above);
+    (void)pthread_mutex_lock(&c->lock);
+    r = refuse_needed(c, name, err);
+    if (r == 0)
+        r = calibration_folder_put_aside(c->io, above, name, err);
+    if (r == 0 && c->step != STEP_NONE && strcmp(c->what.name, name) == 0)
+        c->step = STEP_NONE; /* what became of it is of no more use */
+    (void)pthread_mutex_unlock(&c->lock);
+    return r < 0 ? r : calibration_folder_sweep(c->io, above, err);
 }
 
 /* ---- a step ---- */

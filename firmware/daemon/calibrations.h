@@ -35,11 +35,24 @@ TTF_MUST_USE int calibrations_show(struct calibrations *calibrations, char **ret
 TTF_MUST_USE int calibrations_use(struct calibrations *calibrations, const char *name,
                                   struct ttf_err *err);
 
+/*
+ * Takes it away, for good. -EBUSY: it is in use, configured, being made, or of the run under way; -ENOENT; errors of the disk, after
+ * which it is there whole, or gone but for room that the next removal, or start, gives back.
+ */
+TTF_MUST_USE int calibrations_remove(struct calibrations *calibrations, const char *name,
+                                     struct ttf_err *err);
+
 /* ---- the owner of the devices ---- */
 
-/* The one in use: 1; 0: none. Errors of the disk, -ENOENT too: one was chosen, and it is not left out without a word. */
+/*
+ * The one in use: 1, and it is not taken away until calibrations_let_go; 0: none. Errors of the disk, -ENOENT too: one was chosen,
+ * and it is not left out without a word.
+ */
 TTF_MUST_USE int calibrations_in_use(struct calibrations *calibrations, char ret[CALIBRATION_PATH],
                                      struct ttf_err *err);
+
+/* The run is over that was to be developed with what was in use. */
+void calibrations_let_go(struct calibrations *calibrations);
 
 /* From now on steps may be asked for, until calibrations_give_up; at first they may not. */
 void calibrations_open(struct calibrations *calibrations);

@@ -323,6 +323,15 @@ static int door_calibration_use(struct ttf_http_box *box, const char *name, stru
     return r;
 }
 
+static int door_calibration_delete(struct ttf_http_box *box, const char *name, struct ttf_err *err)
+{
+    int r = calibrations_remove(of(box)->calibrations, name, err);
+
+    if (r == 0)
+        log_line(LOG_LEVEL_NOTICE, "calibration", "removed=\"%s\"", name);
+    return r;
+}
+
 /* ---- pictures ---- */
 
 static int door_live(struct ttf_http_box *box, const struct ttf_http_view *view,
@@ -378,6 +387,7 @@ const struct ttf_http_box_ops DOOR_OPS = {
     .calibrations = door_calibrations,
     .calibrate = door_calibrate,
     .calibration_use = door_calibration_use,
+    .calibration_delete = door_calibration_delete,
     .live = door_live,
     .newest = door_newest,
     .token_waits = door_token_waits,

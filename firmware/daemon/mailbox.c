@@ -14,6 +14,7 @@ void mailbox_put(struct mailbox *box, const struct ttf_progress *progress)
     }
     *letter = (struct letter){.kind = progress->kind,
                               .result = progress->result,
+                              .until = progress->until,
                               .waits = progress->waits,
                               .run = box->run,
                               .index = progress->index,

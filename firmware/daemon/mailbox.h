@@ -15,6 +15,7 @@
 
 struct letter {
     enum ttf_progress_kind kind;
+    enum ttf_alarm_until until;
     int result;
     bool waits;
     int64_t run; /* of the mailbox, then */

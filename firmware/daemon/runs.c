@@ -192,8 +192,10 @@ static int run_it(struct daemon *d, const struct order *order, const char *path,
     if (r == 0)
         r = calibration_of_run(d->calibrations, d->io, d->run.dataset, d->run.exists,
                                d->calibration, err);
-    if (r < 0)
+    if (r < 0) {
+        calibrations_let_go(d->calibrations);
         return r;
+    }
     d->run.session.calibration_folder = r == 1 ? d->calibration : NULL;
     manager_status(&d->manager, "%s %s", d->run.exists ? "going on with" : "beginning", path);
     if (d->wait_ns == d->config.retry_ns) /* not each time that it is tried again */
@@ -203,6 +205,7 @@ static int run_it(struct daemon *d, const struct order *order, const char *path,
     d->run.session.absence = absence_of(&d->absence, order->dataset);
     r = run_boots(&d->run, err);
     d->run.session.control = NULL;
+    calibrations_let_go(d->calibrations);
     asks_end(d->asks);
     let_be_told(d);
     return r;

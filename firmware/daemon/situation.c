@@ -127,6 +127,7 @@ void situation_sealed(struct situation *s)
 {
     lock(s);
     s->sealed = true;
+    (void)alarms_done(&s->alarms, s->run);
     unlock(s);
 }
 
@@ -177,8 +178,9 @@ bool situation_letter(struct situation *s, const struct letter *letter)
     lock(s);
     before = s->doing;
     if (letter->kind == TTF_PROGRESS_ALARM)
-        alarms_add(&s->alarms, s->clock, letter->text);
+        alarms_add(&s->alarms, s->clock, letter->run, letter->until, letter->text);
     over = letter->kind == TTF_PROGRESS_ALARM_OVER && alarms_over(&s->alarms, letter->text);
+    over = (letter->kind == TTF_PROGRESS_ARMED && alarms_armed(&s->alarms, letter->run)) || over;
     if (letter->run != s->run) {
         unlock(s);
         return over;

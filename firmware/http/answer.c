@@ -33,6 +33,15 @@ void answer_free(struct ttf_http_answer *answer)
     answer_init(answer);
 }
 
+void answer_file(struct ttf_http_answer *answer, int fd, int64_t bytes, const struct stat *st)
+{
+    answer->fd = fd;
+    answer->bytes = bytes;
+    (void)snprintf(answer->etag, sizeof answer->etag, "%" PRIx64 "-%" PRIx64 "-%" PRIx64 ".%lx",
+                   (uint64_t)st->st_ino, (uint64_t)bytes, (uint64_t)st->st_mtim.tv_sec,
+                   (unsigned long)st->st_mtim.tv_nsec);
+}
+
 void answer_json(struct ttf_http_answer *answer, char *text, size_t bytes)
 {
     answer->text = text;

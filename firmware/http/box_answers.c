@@ -228,3 +228,12 @@ int box_calibration_use(struct ttf_http_request *request, struct ttf_http_answer
         r = OPS(request)->calibration_use(request->box, name, &request->err);
     return r < 0 ? r : answer_done(request, ret);
 }
+
+int box_calibration_delete(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    int r = named(request, request->match->name);
+
+    if (r == 0)
+        r = OPS(request)->calibration_delete(request->box, request->match->name, &request->err);
+    return r < 0 ? r : answer_done(request, ret);
+}

@@ -19,6 +19,7 @@ int box_plan_delete(struct ttf_http_request *request, struct ttf_http_answer *re
 int box_time(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_calibrations(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_calibrate(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_calibration_delete(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_calibration_use(struct ttf_http_request *request, struct ttf_http_answer *ret);
 
 /* Ready for the door's functions: 0, or -ENODEV: this server has no box. */

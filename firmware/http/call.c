@@ -65,12 +65,8 @@ static struct guest *guest_of(struct MHD_Connection *connection)
 static int count_wrong(const struct calls *calls, struct MHD_Connection *connection,
                        struct ttf_err *err)
 {
-    const struct sockaddr *client = client_of(connection);
-
-    if (limits_allow(calls->limits, client)) {
-        limits_wrong(calls->limits, client);
+    if (limits_wrong(calls->limits, client_of(connection)))
         return 0;
-    }
     ttf_err_set(err, -EUSERS, NULL, "too many wrong tokens came from this address");
     ttf_err_hint(err, "wait some seconds");
     return -EUSERS;

@@ -2,7 +2,6 @@
 #include "datasets.h"
 
 #include <errno.h>
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,13 +79,6 @@ int datasets_one(struct ttf_http_request *request, struct ttf_http_answer *ret)
 
 /* ---- files ---- */
 
-static void tag_by_stat(struct ttf_http_answer *ret, const struct stat *st)
-{
-    (void)snprintf(ret->etag, sizeof ret->etag, "%" PRIx64 "-%" PRIx64 "-%" PRIx64 ".%lx",
-                   (uint64_t)st->st_ino, (uint64_t)ret->bytes, (uint64_t)st->st_mtim.tv_sec,
-                   (unsigned long)st->st_mtim.tv_nsec);
-}
-
 /*
  * A file that grows may lose its end as well (what a power cut left half is cut off at the next start), also while it is sent.
  * The kernel sends nothing then, for ever, and a client waits in vain; read here, its end is an error that cuts the connection.
@@ -132,18 +124,14 @@ static int open_file(struct ttf_http_request *request, const char *path,
         return ttf_err_set(&request->err, fd, path, "there is no such file in the dataset");
     if (fd < 0) /* whatever the disk has against it, it is nothing that a token mends */
         return ttf_err_set(&request->err, -EIO, path, "cannot be read: %s", strerrordesc_np(-fd));
-    ret->fd = fd;
-    ret->bytes = st.st_size;
-    ret->ranges = true;
     grows = folder_grows(path, listed_sealed(request->derived->listed, request->folder, name));
-    if (grows)
-        ret->bytes = folder_whole_lines(fd, st.st_size);
-    else if (listed_sha256(request->derived->listed, request->folder, name, path, ret->sha256) == 0)
-        (void)snprintf(ret->etag, sizeof ret->etag, "%s", ret->sha256);
+    answer_file(ret, fd, grows ? folder_whole_lines(fd, st.st_size) : st.st_size, &st);
+    ret->ranges = true;
     if (ret->bytes < 0)
         return ttf_err_set(&request->err, (int)ret->bytes, path, "cannot be read");
-    if (!*ret->etag)
-        tag_by_stat(ret, &st);
+    if (!grows &&
+        listed_sha256(request->derived->listed, request->folder, name, path, ret->sha256) == 0)
+        (void)snprintf(ret->etag, sizeof ret->etag, "%s", ret->sha256);
     return grows && ret->bytes > 0 ? send_growing(request, path, ret) : 0;
 }
 

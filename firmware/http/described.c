@@ -17,10 +17,10 @@ static bool find_line(const char *text, size_t n, const char *wanted, size_t n_w
     const char *at = text, *end = text + n;
 
     while (at < end && (at = memmem(at, (size_t)(end - at), wanted, n_wanted))) {
-        const char *line = at - 64; /* wanted begins with the two blanks */
+        size_t before = (size_t)(at - text); /* wanted begins with the two blanks */
 
-        if (line >= text && (line == text || line[-1] == '\n')) {
-            memcpy(ret, line, 64);
+        if (before == 64 || (before > 64 && at[-65] == '\n')) {
+            memcpy(ret, at - 64, 64);
             ret[64] = '\0';
             if (ttf_sha256_is_hex(ret))
                 return true;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "folder.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -128,6 +127,16 @@ int folder_dataset(const struct folder *folder, const char *dataset, char *ret, 
     return 0;
 }
 
+const struct dirent *folder_next(DIR *dir, int *ret_r)
+{
+    const struct dirent *entry;
+
+    errno = 0;
+    entry = readdir(dir); /* NOLINT(concurrency-mt-unsafe): a stream of its own */
+    *ret_r = entry ? 0 : -errno;
+    return entry;
+}
+
 static int by_bytes(const void *a, const void *b)
 {
     return strcmp(a, b);
@@ -148,13 +157,17 @@ int64_t folder_list(const struct folder *folder, char (**ret)[65])
             (void)close(fd);
         return r;
     }
-    while (r == 0 &&
-           (entry = readdir(dir))) { /* NOLINT(concurrency-mt-unsafe): a stream of its own */
+    while ((entry = folder_next(dir, &r))) {
         int file = folder_file(folder, entry->d_name, "dataset.json", NULL);
 
-        if (file < 0)
+        if (file == -ENOENT || file == -EACCES) /* none, or in a folder that is not for us to see */
             continue;
-        (void)close(file);
+        if (file == -EMFILE || file == -ENFILE || file == -ENOMEM) {
+            r = file; /* of this machine: nothing is known of any */
+            break;
+        }
+        if (file >= 0)
+            (void)close(file);
         if (n == room) {
             char(*more)[65] = realloc(names, (room ? 2 * room : 16) * sizeof *names);
 

@@ -3,6 +3,7 @@
 #ifndef HTTP_FOLDER_H
 #define HTTP_FOLDER_H
 
+#include <dirent.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -41,7 +42,11 @@ TTF_MUST_USE int folder_preview(const struct folder *folder, const char *dataset
 TTF_MUST_USE int folder_dataset(const struct folder *folder, const char *dataset, char *ret,
                                 size_t size);
 
-/* Names of all datasets, in the order of their bytes, an array to be freed as one block; or a negative errno. */
+/* The next entry of a folder that one thread reads. NULL: *ret_r is 0 at the end, or a negative errno. */
+const struct dirent *folder_next(DIR *dir, int *ret_r);
+
+/* Names of all datasets, in the order of their bytes, an array to be freed as one block; or a negative errno. One whose disk cannot be
+ * read is among them; folders that this process may not look into are not. */
 TTF_MUST_USE int64_t folder_list(const struct folder *folder, char (**ret)[65]);
 
 /* May lines be added to this file of a dataset, also while it is read? People's notes may behind a seal, too. */

@@ -115,6 +115,8 @@ int newest_find(const struct folder *folder, const char *dataset, struct newest 
     if (fd < 0)
         return ttf_err_set(err, fd, dataset, "has no records");
     whole = folder_whole_lines(fd, st.st_size);
+    if (whole < 0)
+        r = (int)whole;
     for (int64_t bytes = LOOK_FIRST; whole > 0 && r == -ENOENT;
          bytes = bytes * 8 < LOOK_MOST ? bytes * 8 : LOOK_MOST) {
         int64_t part = bytes < whole ? bytes : whole;
@@ -124,5 +126,7 @@ int newest_find(const struct folder *folder, const char *dataset, struct newest 
             break;
     }
     (void)close(fd);
-    return r < 0 ? ttf_err_set(err, r, dataset, "has no picture yet") : 0;
+    if (r < 0)
+        ttf_err_set(err, r, dataset, "%s", r == -ENOENT ? "has no picture yet" : "cannot be read");
+    return r;
 }

@@ -2,8 +2,6 @@
 #include "previews.h"
 
 #include <errno.h>
-#include <inttypes.h>
-#include <stdio.h>
 #include <string.h>
 
 static int open_one(struct ttf_http_request *request, const char *path, struct ttf_http_answer *ret)
@@ -13,10 +11,7 @@ static int open_one(struct ttf_http_request *request, const char *path, struct t
 
     if (fd < 0)
         return fd;
-    ret->fd = fd;
-    ret->bytes = st.st_size;
-    (void)snprintf(ret->etag, sizeof ret->etag, "%" PRIx64 "-%" PRIx64 "-%lx", (uint64_t)st.st_ino,
-                   (uint64_t)st.st_mtim.tv_sec, (unsigned long)st.st_mtim.tv_nsec);
+    answer_file(ret, fd, st.st_size, &st);
     return 0;
 }
 

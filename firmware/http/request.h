@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/stat.h>
 #include <sys/types.h>
 
 #include "derived.h"
@@ -74,6 +75,9 @@ struct ttf_http_answer {
 /* An empty answer. */
 void answer_init(struct ttf_http_answer *answer);
 void answer_free(struct ttf_http_answer *answer);
+
+/* A file's first bytes, so many; the answer takes the descriptor. Their tag is their number, the file's time and inode. */
+void answer_file(struct ttf_http_answer *answer, int fd, int64_t bytes, const struct stat *st);
 
 /* text, by malloc, which the answer takes. */
 void answer_json(struct ttf_http_answer *answer, char *text, size_t bytes);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "tar_layout.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -50,8 +49,7 @@ static int walk(const struct folder *folder, struct tar_layout *layout, const ch
     dir = opendir(whole);
     if (!dir)
         return -errno;
-    while (r == 0 &&
-           (entry = readdir(dir))) { /* NOLINT(concurrency-mt-unsafe): a stream of its own */
+    while (r == 0 && (entry = folder_next(dir, &r))) {
         if (!folder_is_name(entry->d_name) || is_temporary(entry->d_name))
             continue;
         if (*path == '\0' && strcmp(entry->d_name, "preview") == 0)
@@ -61,8 +59,8 @@ static int walk(const struct folder *folder, struct tar_layout *layout, const ch
             continue;
         /* Some file systems do not say what an entry is. */
         if (fstatat(dirfd(dir), entry->d_name, &st, AT_SYMLINK_NOFOLLOW) < 0)
-            continue; /* gone meanwhile */
-        if (S_ISDIR(st.st_mode))
+            r = errno == ENOENT ? 0 : -errno; /* gone meanwhile; else nothing is left out */
+        else if (S_ISDIR(st.st_mode))
             r = depth < DEPTH_MAX ? walk(folder, layout, inside, depth + 1) : 0;
         else if (S_ISREG(st.st_mode))
             r = add(layout, inside);

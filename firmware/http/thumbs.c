@@ -246,10 +246,7 @@ static bool give_preview(struct ttf_http_request *request, int64_t index, const 
     }
     if (fd < 0)
         return false;
-    ret->fd = fd;
-    ret->bytes = st.st_size;
-    (void)snprintf(ret->etag, sizeof ret->etag, "%" PRIx64 "-%" PRIx64 "-%lx", (uint64_t)st.st_ino,
-                   (uint64_t)st.st_mtim.tv_sec, (unsigned long)st.st_mtim.tv_nsec);
+    answer_file(ret, fd, st.st_size, &st);
     return true;
 }
 
@@ -269,14 +266,17 @@ static int make(struct ttf_http_request *request, const char *folder,
         return ttf_err_set(&request->err, -ENOENT, wanted->file.path, "this file is missing");
     (void)close(r);
     (void)snprintf(path, sizeof path, "%s/%s", folder, wanted->file.path);
+    r = 0;
     (void)pthread_mutex_lock(&thumbs->making);
-    jpeg = recall(thumbs, wanted->file.sha256, &n); /* somebody else's, by now */
-    r = jpeg ? 0
-             : ttf_thumbnail_of_file(request->io, path, stream, &size, &jpeg, &n, &request->err);
+    jpeg = recall(thumbs, wanted->file.sha256, &n); /* perhaps somebody else's, by now */
+    if (!jpeg) {
+        r = ttf_thumbnail_of_file(request->io, path, stream, &size, &jpeg, &n, &request->err);
+        if (r == 0)
+            remember(thumbs, wanted->file.sha256, jpeg, n);
+    }
     (void)pthread_mutex_unlock(&thumbs->making);
     if (r < 0)
         return r;
-    remember(thumbs, wanted->file.sha256, jpeg, n);
     answer_json(ret, jpeg, n);
     return 0;
 }

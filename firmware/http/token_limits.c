@@ -58,31 +58,19 @@ static struct debtor *find(struct limits *limits, const uint8_t address[CLIENT_B
     return least;
 }
 
-bool limits_allow(struct limits *limits, const struct sockaddr *client)
+bool limits_wrong(struct limits *limits, const struct sockaddr *client)
 {
     int64_t now_ns = ttf_clock_now_ns(limits->clock);
     uint8_t address[CLIENT_BYTES];
-    bool allowed = true;
-
-    client_of_address(client, address);
-    (void)pthread_mutex_lock(&limits->lock);
-    for (unsigned i = 0; i < DEBTORS; i++)
-        if (client_is_same(limits->debtors[i].address, address) &&
-            limits->debtors[i].paid_ns - now_ns > (LIMITS_AT_ONCE - 1) * LIMITS_ONE_NS)
-            allowed = false;
-    (void)pthread_mutex_unlock(&limits->lock);
-    return allowed;
-}
-
-void limits_wrong(struct limits *limits, const struct sockaddr *client)
-{
-    int64_t now_ns = ttf_clock_now_ns(limits->clock);
     struct debtor *c;
-    uint8_t address[CLIENT_BYTES];
+    bool counts;
 
     client_of_address(client, address);
     (void)pthread_mutex_lock(&limits->lock);
     c = find(limits, address);
-    c->paid_ns = (c->paid_ns > now_ns ? c->paid_ns : now_ns) + LIMITS_ONE_NS;
+    counts = c->paid_ns - now_ns <= (LIMITS_AT_ONCE - 1) * LIMITS_ONE_NS;
+    if (counts)
+        c->paid_ns = (c->paid_ns > now_ns ? c->paid_ns : now_ns) + LIMITS_ONE_NS;
     (void)pthread_mutex_unlock(&limits->lock);
+    return counts;
 }

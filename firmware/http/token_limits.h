@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <sys/socket.h>
 
+#include "ttf/base/attr.h"
 #include "ttf/hal/clock.h"
 
 #define LIMITS_AT_ONCE 10
@@ -17,10 +18,8 @@ struct limits;
 struct limits *limits_create(struct ttf_clock *clock); /* NULL: no memory */
 void limits_destroy(struct limits *limits);            /* NULL allowed */
 
-/* May this client (client.h) send a wrong one? Asked once it is known to be wrong: whoever brings the right one never suffers from others. */
-bool limits_allow(struct limits *limits, const struct sockaddr *client);
-
-/* One was wrong. */
-void limits_wrong(struct limits *limits, const struct sockaddr *client);
+/* One of this client (client.h) was wrong: counted. false: too many were, and this one counts no more. Whoever brings the right one is
+ * not asked about, and never suffers from others. */
+TTF_MUST_USE bool limits_wrong(struct limits *limits, const struct sockaddr *client);
 
 #endif

@@ -256,6 +256,8 @@ int lines_take(struct lines *l, const char *line, size_t n, bool keep, struct tt
         ask_files(l, image, keep, err);
     if (r == 0 && keep)
         r = keep_text(l, line, n, err);
+    if (r == 0 && vouched_add(&l->vouched, json) < 0)
+        r = ttf_err_set(err, -ENOMEM, NULL, "no memory");
     l->result->slots += r == 0 && type && strcmp(type, "slot") == 0;
     json_decref(json);
     return r;
@@ -278,4 +280,5 @@ void lines_free(struct lines *l)
 {
     free(l->batch[0].text);
     free(l->batch[1].text);
+    vouched_free(&l->vouched);
 }

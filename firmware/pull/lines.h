@@ -12,6 +12,7 @@
 #include "grown.h"
 #include "one.h"
 #include "settle.h"
+#include "vouched.h"
 
 #define LINES_FILES SETTLE_MOST /* of a batch, at most */
 
@@ -43,6 +44,8 @@ struct lines {
     /* its own */
     int failed; /* the first error behind which nothing is appended */
     struct ttf_err why;
+    struct vouched
+        vouched;  /* what the lines taken name: of all that are here, when all went well */
     unsigned now; /* the batch that is filled */
     struct lines_batch batch[2];
 };

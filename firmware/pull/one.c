@@ -356,8 +356,8 @@ static int compare_seals(struct one *one, struct seal_state *ret, struct ttf_err
 static int close_seal(struct one *one, struct seal_state *state, struct ttf_err *err)
 {
     char text[160];
-    int r =
-        seal_close(&one->landing, &one->settling, &one->records, state, &one->result->sealed, err);
+    int r = seal_close(&one->landing, &one->settling, &one->records, &one->lines.vouched, state,
+                       &one->result->sealed, err);
 
     if (state->aside > 0) {
         (void)snprintf(text, sizeof text,

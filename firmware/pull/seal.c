@@ -106,23 +106,23 @@ int seal_drop(struct ttf_io *io, const char *folder, struct ttf_err *err)
 
 /* What its record vouches for in the same words was checked when it came; else it is looked at now. */
 static int check_one(struct landing *landing, struct settling *settling, struct vouched *vouched,
-                     const char *path, const char *hex, struct ttf_err *err)
+                     const char *path, const char *hex, struct landed *ret, struct ttf_err *err)
 {
     enum vouched_as as = vouched_as(vouched, path, hex);
-    struct landed landed;
     int r;
 
     if (as == VOUCHED_OTHERWISE)
         return ttf_err_set(err, -TTF_EDAMAGED, path,
                            "the box's SHA256SUMS and its records say different things of it");
-    r = landing_ensure(landing, path, -1, hex, as == VOUCHED_SO ? LANDING_SIZE : LANDING_HASH,
-                       &landed, err);
-    return r == 0 && landed.unsettled ? settle_add(settling, path, err) : r;
+    r = landing_ensure(landing, path, -1, hex, as == VOUCHED_SO ? LANDING_SIZE : LANDING_HASH, ret,
+                       err);
+    return r == 0 && ret->unsettled ? settle_add(settling, path, err) : r;
 }
 
-/* Every file of the list. only: that one alone; NULL: all. */
+/* Every file of the list. only: that one alone; NULL: all. *ret: what came of the last. */
 static int check_listed(struct landing *landing, struct settling *settling, struct vouched *vouched,
-                        const char *text, size_t n, const char *only, struct ttf_err *err)
+                        const char *text, size_t n, const char *only, struct landed *ret,
+                        struct ttf_err *err)
 {
     const char *end = text + n;
 
@@ -141,7 +141,7 @@ static int check_listed(struct landing *landing, struct settling *settling, stru
         if (!ttf_sha256_is_hex(hex) || !landing_is_listed(path))
             return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS", "a line of the box's is none");
         if (!only || strcmp(only, path) == 0)
-            r = check_one(landing, settling, vouched, path, hex, err);
+            r = check_one(landing, settling, vouched, path, hex, ret, err);
         if (r < 0)
             return r;
         text = lf + 1;
@@ -151,28 +151,33 @@ static int check_listed(struct landing *landing, struct settling *settling, stru
 
 /* The records first: what they say of the others has to be said by those that are sealed. Then what 'verify' asks of a seal. */
 static int check_all(struct landing *landing, struct settling *settling, struct grown *records,
-                     const char *text, size_t n, struct ttf_err *err)
+                     struct vouched *vouched, const char *text, size_t n, struct ttf_err *err)
 {
-    struct vouched vouched = {0};
+    struct vouched none = {0};
+    struct landed landed = {0};
     int r;
 
     if (!names_records(text) || !names_manifest(text))
         return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS",
                            "the box's does not list the records and dataset.json");
-    r = check_listed(landing, settling, &vouched, text, n, "records.jsonl", err);
+    r = check_listed(landing, settling, &none, text, n, "records.jsonl", &landed, err);
+    if (r == 0 && landed.came) { /* they are others than those that were gone through */
+        vouched_free(vouched);
+        r = vouched_read(records, vouched, err);
+    } else {
+        vouched_sort(vouched);
+    }
     if (r == 0)
-        r = vouched_read(records, &vouched, err);
-    if (r == 0)
-        r = check_listed(landing, settling, &vouched, text, n, NULL, err);
-    if (r == 0 && !(vouched.ended && vouched_all_listed(&vouched)))
+        r = check_listed(landing, settling, vouched, text, n, NULL, &landed, err);
+    if (r == 0 && !(vouched->ended && vouched_all_listed(vouched)))
         r = ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS",
                         "the box's does not list all that its records name, or they have no end");
-    vouched_free(&vouched);
     return r;
 }
 
 int seal_close(struct landing *landing, struct settling *settling, struct grown *records,
-               struct seal_state *state, bool *ret_sealed, struct ttf_err *err)
+               struct vouched *vouched, struct seal_state *state, bool *ret_sealed,
+               struct ttf_err *err)
 {
     char url[128], digest[65], *text = NULL;
     struct ttf_sha256 hash;
@@ -191,7 +196,7 @@ int seal_close(struct landing *landing, struct settling *settling, struct grown 
     ttf_sha256_hex(&hash, digest);
     /* Gone on with since it was asked: its next state is for the next time. */
     if (strcmp(digest, state->digest) == 0) {
-        r = check_all(landing, settling, records, text, n, err);
+        r = check_all(landing, settling, records, vouched, text, n, err);
         if (r == 0)
             r = settle_all(settling, err);
         if (r == 0)

@@ -12,6 +12,7 @@
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
 #include "ttf/dataset/io.h"
+#include "vouched.h"
 #include "wire.h"
 
 struct seal_state {
@@ -39,7 +40,7 @@ TTF_MUST_USE int seal_drop(struct ttf_io *io, const char *folder, struct ttf_err
  * more). records: as they are here, open. -TTF_EDAMAGED: what is listed is not so on the box, or its records say otherwise.
  */
 TTF_MUST_USE int seal_close(struct landing *landing, struct settling *settling,
-                            struct grown *records, struct seal_state *state, bool *ret_sealed,
-                            struct ttf_err *err);
+                            struct grown *records, struct vouched *vouched,
+                            struct seal_state *state, bool *ret_sealed, struct ttf_err *err);
 
 #endif

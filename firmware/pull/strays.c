@@ -147,7 +147,8 @@ int strays_put_aside(struct ttf_io *io, const char *folder, const char *sums, in
     }
     names_free(&s.listed);
     *ret_n = s.aside;
-    return r == 0 ? 0
-                  : ttf_err_set(err, r, folder, "what the seal does not list cannot be put aside: %s",
-                                strerrordesc_np(-r));
+    return r == 0
+               ? 0
+               : ttf_err_set(err, r, folder, "what the seal does not list cannot be put aside: %s",
+                             strerrordesc_np(-r));
 }

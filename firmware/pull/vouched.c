@@ -76,19 +76,26 @@ static void note_end(struct vouched *v, const char *type)
         v->ended &= strcmp(type, OTHERS[i]) != 0;
 }
 
+int vouched_add(struct vouched *v, const json_t *record)
+{
+    const json_t *image;
+    size_t i;
+    int r = add_files(v, record);
+
+    note_end(v, json_string_value(json_object_get(record, "type")));
+    json_array_foreach(json_object_get(record, "images"), i, image) if (r == 0) r =
+        add_files(v, image);
+    return r;
+}
+
 /* grown_line_fn */
 static int take_line(void *ctx, const char *line, size_t n, struct ttf_err *err)
 {
-    const json_t *image;
     json_t *json;
-    size_t i;
     int r = ttf_json_parse(line, n, &json, NULL);
 
     if (r == 0) {
-        note_end(ctx, json_string_value(json_object_get(json, "type")));
-        r = add_files(ctx, json);
-        json_array_foreach(json_object_get(json, "images"), i, image) if (r == 0) r =
-            add_files(ctx, image);
+        r = vouched_add(ctx, json);
         json_decref(json);
     }
     return r == -ENOMEM ? ttf_err_set(err, r, NULL, "no memory") : 0;
@@ -99,6 +106,12 @@ static int by_path(const void *a, const void *b)
     const struct vouched_file *one = a, *other = b;
 
     return memcmp(one->path, other->path, sizeof one->path);
+}
+
+void vouched_sort(struct vouched *v)
+{
+    if (v->n > 1)
+        qsort(v->files, v->n, sizeof *v->files, by_path);
 }
 
 int vouched_read(const struct grown *records, struct vouched *ret, struct ttf_err *err)
@@ -114,8 +127,7 @@ int vouched_read(const struct grown *records, struct vouched *ret, struct ttf_er
                            strerrordesc_np(-now.file));
     r = grown_each(&now, 0, take_line, ret, err);
     (void)now.io->ops->close(now.io, now.file);
-    if (r == 0 && ret->n > 1)
-        qsort(ret->files, ret->n, sizeof *ret->files, by_path);
+    vouched_sort(ret);
     return r;
 }
 

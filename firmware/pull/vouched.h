@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* vouched.h: the files that the records here name, each with its hash, so that a seal can be held against them without reading the files anew. One thread. */
+/* vouched.h: the files that records name, each with its hash, so that a seal can be held against them without reading the files anew. One thread. */
 #ifndef PULL_VOUCHED_H
 #define PULL_VOUCHED_H
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -30,7 +31,13 @@ enum vouched_as {
     VOUCHED_OTHERWISE
 };
 
-/* Reads all records here, as the file lies there by its name now: 45 bytes are held for each file. *ret is to be freed, also on failure. -ENOMEM; errors of grown_each. */
+/* What one more record names; in their order. -ENOMEM. */
+TTF_MUST_USE int vouched_add(struct vouched *vouched, const json_t *record);
+
+/* When all were added: before anything is asked. */
+void vouched_sort(struct vouched *vouched);
+
+/* Both, of all records here, as the file lies there by its name now. 45 bytes are held for each file. *ret is to be freed, also on failure. -ENOMEM; errors of grown_each. */
 TTF_MUST_USE int vouched_read(const struct grown *records, struct vouched *ret,
                               struct ttf_err *err);
 void vouched_free(struct vouched *vouched);

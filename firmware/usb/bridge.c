@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/random.h>
 #include <sys/socket.h>
 
@@ -337,5 +338,7 @@ int ttf_usb_bridge_run(const struct ttf_usb_bridge_config *config, struct ttf_er
     free(b);
     if (r == -EPROTONOSUPPORT)
         return ttf_err_set(err, r, "USB", "the box speaks another version of the protocol");
-    return r < 0 ? ttf_err_set(err, r, "USB", "failed") : 0;
+    if (r < 0 && (!err || err->code != r)) /* not told yet */
+        ttf_err_set(err, r, "USB", "failed: %s", strerrordesc_np(-r));
+    return r;
 }

@@ -414,11 +414,15 @@ static bool make_slot(struct slot *s)
 int ttf_usb_functionfs_create(const char *folder, int ep0, struct ttf_usb_link **ret,
                               struct ttf_err *err)
 {
-    struct functionfs_link *l = calloc(1, sizeof *l);
-    bool made = l != NULL && strlen(folder) < sizeof l->folder;
+    bool fits = strlen(folder) < FOLDER_SIZE, made = true;
+    struct functionfs_link *l = fits ? calloc(1, sizeof *l) : NULL;
 
-    if (!l)
-        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    if (!l) {
+        int r = fits ? -ENOMEM : -ENAMETOOLONG;
+
+        (void)close(ep0);
+        return ttf_err_set(err, r, folder, "cannot be used: %s", strerrordesc_np(-r));
+    }
     l->base.ops = &OPS;
     (void)snprintf(l->folder, sizeof l->folder, "%s", folder);
     l->ep0 = ep0;

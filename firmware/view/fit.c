@@ -4,7 +4,6 @@
 
 #include "panel.h"
 
-#define SIDE_MAX   2048u              /* a side that every WebGL2 takes */
 #define PIXELS_MAX UINT64_C(48000000) /* of all frames: 192 MB of a graphics card's memory */
 #define SIDE_LEAST 16u
 #define TRIALS     6    /* frames of a trial, evenly spread */
@@ -111,7 +110,7 @@ int view_panel_fit(struct view_panel *panel, const struct ttf_view_config *confi
                    struct ttf_err *err)
 {
     const struct ttf_sequence *s = panel->texture->sequence;
-    uint32_t most = config->side_max ? config->side_max : SIDE_MAX;
+    uint32_t most = config->side_max ? config->side_max : TTF_VIEW_SIDE_MAX;
     uint32_t side = s->width > s->height ? s->width : s->height;
     double pixels = (double)s->width * s->height * panel->n, taken;
     double factor = side > most ? (double)most / side : 1.0;

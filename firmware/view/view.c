@@ -36,8 +36,8 @@ static int check(const struct ttf_view_config *config, unsigned n, struct ttf_er
                            (long long)config->bytes_max);
     if (config->frames_max > TTF_VIEW_FRAMES_MAX)
         return ttf_err_set(err, -EINVAL, NULL, "at most %d frames", TTF_VIEW_FRAMES_MAX);
-    if (config->side_max > 2048)
-        return ttf_err_set(err, -EINVAL, NULL, "sides of at most 2048 pixels");
+    if (config->side_max > TTF_VIEW_SIDE_MAX)
+        return ttf_err_set(err, -EINVAL, NULL, "sides of at most %d pixels", TTF_VIEW_SIDE_MAX);
     return 0;
 }
 
@@ -161,7 +161,10 @@ static int finish(struct job *job, int code, struct ttf_err *err)
     slash = strrchr(folder, '/');
     if (slash)
         slash[slash == folder] = '\0';
-    return io->ops->sync_dir(io, slash ? folder : ".");
+    code = io->ops->sync_dir(io, slash ? folder : ".");
+    return code ? ttf_err_set(err, code, job->config->output, "its folder cannot be synced: %s",
+                              strerrordesc_np(-code))
+                : 0;
 }
 
 static int prepare(struct job *job, const struct ttf_view_texture *textures, struct ttf_err *err)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* calibrate.js: step by step from a camera's own values to reflectance: asked of the box, or typed as commands. */
-import { h, fill, say } from "./dom.js";
-import { get, post, put } from "./api.js";
+import { ask, h, fill, say } from "./dom.js";
+import { get, post, put, remove } from "./api.js";
 import { cornersOption, picked, pickedText } from "./picker.js";
 import { nameOf } from "./presets.js";
 import { count, span } from "./words.js";
@@ -57,6 +57,20 @@ export function calibrate(main, box) {
     }
   }
 
+  async function take_away(which) {
+    const answer = await ask(`Delete the calibration ${which}?`, h("p", {}, "For good. Datasets that were developed with it keep their own copy."),
+      [{ name: "yes", text: "Delete it", kind: "danger" }, { name: "", text: "Keep it" }]);
+    if (answer !== "yes" || ended)
+      return;
+    say(wrong, "");
+    try {
+      await remove(`calibrations/${encodeURIComponent(which)}`);
+    } catch (error) {
+      say(wrong, error.text || error.message);
+    }
+    await look();
+  }
+
   async function look() {
     clearTimeout(timer);
     try {
@@ -96,7 +110,9 @@ export function calibrate(main, box) {
   }
 
   function show_step(now) {
-    if (now) {
+    if (!now) { /* none since the box was started, or of a calibration that was taken away */
+      say(said, "");
+    } else {
       const { part, calibration, state } = now, most = now.at_most_ns ? `, ${span(now.at_most_ns)} at the most` : "";
       say(said, { waiting: `The ${part} is about to be taken.`, "under-way": `The ${part} is being taken, for ${span(now.for_ns)} by now${most}. Leave the box alone.`,
         done: `The ${part} of ${calibration} is there.`, refused: `The ${part} was refused: ${now.where ? `${now.where}: ` : ""}${now.error}${now.hint ? ` (${now.hint})` : ""}` }[state]);
@@ -109,7 +125,8 @@ export function calibrate(main, box) {
       h("thead", {}, h("tr", {}, ["Calibration", "Holds", ""].map((t) => h("th", { scope: "col" }, t || h("span", { class: "visually-hidden" }, "What to do"))))),
       h("tbody", {}, calibrations.map((c) => h("tr", {}, h("td", {}, c.name, c.simulated && h("div", { class: "quiet" }, "SIMULATED")),
         h("td", {}, PARTS.filter((p) => c[p]).map((p) => h("div", {}, partWords(p, c[p]))), c.dark && h("div", { class: "quiet" }, count(c.hot_pixels, "hot pixel"))),
-        h("td", {}, c.name === used ? h("strong", {}, "in use") : h("button", { disabled: !box.session.change, onclick: () => use(c.name) }, "Use it"))))))),
+        h("td", {}, c.name === used ? h("strong", {}, "in use") : h("div", { class: "row" }, h("button", { disabled: !box.session.change, onclick: () => use(c.name) }, "Use it"),
+          h("button", { class: "danger", disabled: !box.session.change, "aria-label": `Delete ${c.name}`, onclick: () => take_away(c.name) }, "Delete")))))))),
       used && h("div", { class: "row end" }, h("button", { disabled: !box.session.change, onclick: () => use("") }, configured ? "Use the configured one" : "Use none")),
       configured && h("p", { class: "quiet" }, `The box's configuration names ${configured}${used ? "; what is chosen here holds instead" : ""}.`));
   }

@@ -278,9 +278,21 @@ static int32_t code_of(const struct v4l2_dial *dial, int64_t wanted)
     return (int32_t)(dial->min + steps * dial->step);
 }
 
-static int turn(const struct v4l2_controls *c, const struct v4l2_dial *dial, int64_t wanted)
+/* The code of what is asked for in thousandths of a unit. */
+static int32_t code_of_milli(const struct v4l2_dial *dial, uint32_t milli, uint32_t unity)
 {
-    return dial->id ? v4l2_control_set(c, dial->id, code_of(dial, wanted)) : 0;
+    return code_of(dial, ((int64_t)milli * unity + 500) / 1000);
+}
+
+static int32_t code_of_exposure(const struct v4l2_controls *c, int64_t ns)
+{
+    return code_of(&c->exposure, (ns + c->exposure_unit_ns / 2) / c->exposure_unit_ns);
+}
+
+static int turn(const struct v4l2_controls *c, const struct v4l2_dial *dial, uint32_t milli,
+                uint32_t unity)
+{
+    return v4l2_control_set(c, dial->id, code_of_milli(dial, milli, unity));
 }
 
 int v4l2_controls_apply(const struct v4l2_controls *c, const struct ttf_exposure *asked)
@@ -288,17 +300,37 @@ int v4l2_controls_apply(const struct v4l2_controls *c, const struct ttf_exposure
     int r = 0;
 
     if (c->exposure.id)
-        r = turn(c, &c->exposure,
-                 (asked->exposure_ns + c->exposure_unit_ns / 2) / c->exposure_unit_ns);
-    if (r == 0)
-        r = turn(c, &c->gain, ((int64_t)asked->gain_milli * c->gain_unity + 500) / 1000);
+        r = v4l2_control_set(c, c->exposure.id, code_of_exposure(c, asked->exposure_ns));
+    if (r == 0 && c->gain.id)
+        r = turn(c, &c->gain, asked->gain_milli, c->gain_unity);
     if (r == 0 && (c->mapped & TTF_V4L2_BALANCE))
-        r = turn(c, &c->red, ((int64_t)asked->wb_r_milli * c->balance_unity + 500) / 1000);
+        r = turn(c, &c->red, asked->wb_r_milli, c->balance_unity);
     if (r == 0 && (c->mapped & TTF_V4L2_BALANCE))
-        r = turn(c, &c->blue, ((int64_t)asked->wb_b_milli * c->balance_unity + 500) / 1000);
+        r = turn(c, &c->blue, asked->wb_b_milli, c->balance_unity);
     if (r == 0 && c->focus.id)
-        r = turn(c, &c->focus, ((int64_t)asked->lens_mdpt * c->focus_per_dioptre + 500) / 1000);
+        r = turn(c, &c->focus, asked->lens_mdpt, c->focus_per_dioptre);
     return r;
+}
+
+static uint32_t meant_milli(const struct v4l2_dial *dial, uint32_t milli, uint32_t unity)
+{
+    return milli_of(code_of_milli(dial, milli, unity), unity);
+}
+
+void v4l2_controls_meant(const struct v4l2_controls *c, const struct ttf_exposure *asked,
+                         struct ttf_exposure *ret)
+{
+    *ret = (struct ttf_exposure){0};
+    if (c->exposure.id)
+        ret->exposure_ns = code_of_exposure(c, asked->exposure_ns) * c->exposure_unit_ns;
+    if (c->gain.id)
+        ret->gain_milli = meant_milli(&c->gain, asked->gain_milli, c->gain_unity);
+    if (c->mapped & TTF_V4L2_BALANCE) {
+        ret->wb_r_milli = meant_milli(&c->red, asked->wb_r_milli, c->balance_unity);
+        ret->wb_b_milli = meant_milli(&c->blue, asked->wb_b_milli, c->balance_unity);
+    }
+    if (c->focus.id)
+        ret->lens_mdpt = meant_milli(&c->focus, asked->lens_mdpt, c->focus_per_dioptre);
 }
 
 static int read_milli(const struct v4l2_controls *c, uint32_t id, uint32_t unity, uint32_t *ret)

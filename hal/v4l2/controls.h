@@ -45,6 +45,10 @@ void v4l2_controls_caps(const struct v4l2_controls *c, struct ttf_camera_caps *c
 TTF_MUST_USE int v4l2_controls_apply(const struct v4l2_controls *c,
                                      const struct ttf_exposure *asked);
 
+/* What the driver says when it has taken the nearest that it can of these. */
+void v4l2_controls_meant(const struct v4l2_controls *c, const struct ttf_exposure *asked,
+                         struct ttf_exposure *ret);
+
 /* What the driver says now; 0 in what cannot be set. */
 TTF_MUST_USE int v4l2_controls_read(const struct v4l2_controls *c, struct ttf_exposure *ret);
 

@@ -55,6 +55,16 @@ int v4l2_control_get(const struct v4l2_controls *c, uint32_t id, int64_t *ret)
     return r;
 }
 
+const char *v4l2_control_reason(int r)
+{
+    /* uvcvideo's words for what a camera says; which of the first two depends on its age. */
+    if (r == -EILSEQ || r == -EACCES)
+        return "not in the state that the camera is in, or never";
+    if (r == -EREMOTE)
+        return "the camera's power does not allow it";
+    return strerrordesc_np(-r);
+}
+
 int v4l2_control_fix(const struct v4l2_controls *c, const char *name, uint32_t id, int64_t value,
                      struct ttf_err *err)
 {
@@ -65,7 +75,7 @@ int v4l2_control_fix(const struct v4l2_controls *c, const char *name, uint32_t i
         r = v4l2_control_get(c, id, &got);
     if (r < 0)
         return ttf_err_set(err, r, name, "the camera does not take %lld here: %s", (long long)value,
-                           strerrordesc_np(-r));
+                           v4l2_control_reason(r));
     if (got != value)
         return ttf_err_set(err, -EINVAL, name, "the camera takes %lld here, not %lld",
                            (long long)got, (long long)value);

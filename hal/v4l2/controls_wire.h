@@ -12,6 +12,9 @@ int v4l2_control_query(const struct v4l2_controls *c, uint32_t id, struct v4l2_q
 int v4l2_control_set(const struct v4l2_controls *c, uint32_t id, int64_t value);
 int v4l2_control_get(const struct v4l2_controls *c, uint32_t id, int64_t *ret);
 
+/* In words, what a driver says that does not take a value. */
+const char *v4l2_control_reason(int r);
+
 /* Sets, and looks whether it was taken as it is. */
 int v4l2_control_fix(const struct v4l2_controls *c, const char *name, uint32_t id, int64_t value,
                      struct ttf_err *err);

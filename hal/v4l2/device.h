@@ -111,6 +111,9 @@ struct v4l2_camera {
     struct v4l2_steer steer;
     struct ttf_exposure asked; /* of the driver, last */
     bool asked_any;
+    bool asked_twice; /* the same settings were asked for anew */
+    bool held;        /* it has told them as they were asked for */
+    bool astray;      /* it tells other ones: set up anew with the next set */
     struct ttf_gate *freed;
     struct v4l2_stream stream;
     struct v4l2_set set;

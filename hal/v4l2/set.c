@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "controls_wire.h"
 #include "device.h"
 #include "ttf/base/time.h"
 
@@ -17,17 +18,21 @@ static int apply(struct v4l2_camera *camera, struct ttf_err *err)
 {
     struct v4l2_set *set = &camera->set;
     const struct ttf_exposure *wanted = &set->asked[set->next];
+    bool anew = ttf_exposure_equal(wanted, &camera->asked);
     int r;
 
-    if (camera->asked_any && ttf_exposure_equal(wanted, &camera->asked))
+    if (camera->asked_any && anew)
         return 0;
     camera->asked_any = false;
     r = v4l2_controls_apply(&camera->controls, wanted);
     if (r < 0)
         return ttf_err_set(err, r == -ENODEV ? r : -EIO, camera->id.device,
-                           "the driver does not take the settings: %s", strerrordesc_np(-r));
+                           "the driver does not take the settings: %s", v4l2_control_reason(r));
     camera->asked = *wanted;
     camera->asked_any = true;
+    camera->asked_twice = anew;
+    camera->held = anew && camera->held;
+    camera->astray = false;
     set->placed = false;
     set->fresh_ns = ttf_clock_now_ns(camera->clock);
     if (camera->controls.mapped) {
@@ -37,11 +42,40 @@ static int apply(struct v4l2_camera *camera, struct ttf_err *err)
     return 0;
 }
 
+/* Automatics off and all the rest fixed, as on configure: what lost its exposure has lost more than that. */
+static int set_up_anew(struct v4l2_camera *camera, struct ttf_err *err)
+{
+    struct v4l2_controls controls = camera->controls;
+    int r = v4l2_controls_set_up(&controls, &camera->config, camera->base.format.width,
+                                 camera->period_ns, err);
+
+    if (r < 0)
+        return r == -ENODEV ? r : -EIO;
+    camera->controls = controls;
+    camera->asked_any = false;
+    return 0;
+}
+
+/*
+ * A camera that lost its settings (a hiccup of its processor) would keep the wrong ones for the whole run: with the next
+ * set it is set up anew. Not for ever where a driver makes something else of what it is asked for, and always did.
+ */
+static void compare(struct v4l2_camera *camera, const struct ttf_exposure *told)
+{
+    struct ttf_exposure meant;
+
+    v4l2_controls_meant(&camera->controls, &camera->asked, &meant);
+    if (ttf_exposure_equal(told, &meant))
+        camera->held = true;
+    else if (camera->held || !camera->asked_twice)
+        camera->astray = true;
+}
+
 int v4l2_set_begin(struct v4l2_camera *camera, const struct ttf_camera_set *begun,
                    struct ttf_err *err)
 {
     struct v4l2_set *set = &camera->set;
-    int r;
+    int r = 0;
 
     if (!camera->stream.on)
         return ttf_err_set(err, camera->fd < 0 ? -ENODEV : -EIO, camera->id.device,
@@ -52,7 +86,10 @@ int v4l2_set_begin(struct v4l2_camera *camera, const struct ttf_camera_set *begu
     set->middle_ns = begun->middle_ns;
     set->placed = set->watched = set->starved = set->lost = false;
     set->fresh_ns = ttf_clock_now_ns(camera->clock);
-    r = apply(camera, err);
+    if (camera->astray)
+        r = set_up_anew(camera, err);
+    if (r == 0)
+        r = apply(camera, err);
     if (r < 0)
         set->n = 0;
     return r;
@@ -175,6 +212,8 @@ static int deliver(struct v4l2_camera *camera, const struct v4l2_arrival *arriva
         return ttf_err_set(err, r, camera->id.device, "the camera is gone");
     if (r < 0)
         taken.error = true; /* what it was taken with cannot be told */
+    else
+        compare(camera, &settings);
     v4l2_steer_rest(camera);
     describe(camera, &taken, start_ns, end_ns, &settings);
     *ret_frame = v4l2_stream_hold(camera, arrival->index);

@@ -145,13 +145,55 @@ grep -q 'a run wants the devices' out || fail "the step does not say what ended 
 send POST run/stop 202 ''
 state stopped
 
+# ---- one that nothing needs is taken away; what is needed stays ----
+remove() { # NAME STATUS
+    get "$URL/calibrations/$1" "$2" "${ME[0]}" "${ME[1]}" -X DELETE
+}
+mine=data/.ttfbox/calibrations
+remove none-such 404
+get "$URL/calibrations/first" 401 -X DELETE
+send POST calibrations/spare 202 '{"part":"dark","plan":"three","frames":2}'
+step 'done'
+send PUT calibration 200 '{"name":"spare"}'
+remove spare 409
+grep -q 'is in use' out || fail "it does not say why: $(cat out)"
+send POST run 202 '{"plan":"long","dataset":"holds"}'
+state capturing
+send PUT calibration 200 '{"name":"first"}'
+remove spare 409
+grep -q 'a run under way is developed with it' out || fail "it does not say why: $(cat out)"
+send POST run/stop 202 ''
+state stopped
+send POST calibrations/made 202 '{"part":"dark","exposure_ns":400000000,"frames":400}'
+step under-way
+remove made 409
+grep -q 'is being made' out || fail "it does not say why: $(cat out)"
+mkdir "$mine/.spare.removed" && echo half >"$mine/.spare.removed/flat.tif" # of a removal that was cut off
+remove spare 200
+[ -z "$(find "$mine" -name '*spare*')" ] || fail "something of it is left: $(find "$mine")"
+get "$URL/calibrations" 200 "${ME[@]}"
+grep -q '"name":"first"' out || fail "another one is gone: $(cat out)"
+! grep -q '"name":"spare"' out || fail "it is still listed: $(cat out)"
+remove spare 404
+
 # ---- the end of the program does not wait for a step ----
-send POST calibrations/second 202 '{"part":"dark","exposure_ns":400000000,"frames":1000}'
 step under-way
 kill -TERM "$daemon"
 timeout 30 tail --pid="$daemon" -f /dev/null || fail "it does not end: $(cat log)"
 wait "$daemon" || fail "it ended with $?: $(cat log)"
-[ ! -e data/.ttfbox/calibrations/second ] || fail "a step that was not done left something"
+[ ! -e "$mine/made" ] || fail "a step that was not done left something"
+
+# ---- what a removal left that was cut off is gone at the next start; the configured one stays ----
+mkdir "$mine/.old.removed" && cp "$mine"/first/* "$mine/.old.removed"
+printf 'calibration: data/.ttfbox/calibrations/first\n' >>ttfboxd.yaml
+start
+get "$URL/calibrations" 200 "${ME[@]}"
+[ ! -e "$mine/.old.removed" ] || fail "what was taken away is still there"
+send PUT calibration 200 '{"name":""}'
+remove first 409
+grep -q 'configuration names' out || fail "it does not say why: $(cat out)"
+kill -TERM "$daemon"
+wait "$daemon"
 
 # ---- nor is a run that waits for something held up by a step ----
 printf 'plan: late.yaml\ndataset: late\n' >>ttfboxd.yaml

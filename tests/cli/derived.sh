@@ -57,6 +57,22 @@ get "$URL/datasets/grass/thumbs/1" 304 -H "If-None-Match: $tag"
 get "$URL/datasets/grass/thumbs/1" 200
 cmp -s out made.jpg || fail "it is another picture the second time"
 get "$URL/datasets/grass/thumbs/000001" 200
+# What is asked for again and again takes one place among those that are remembered: the others stay.
+image=data/grass/frames/main/000001.tif
+cp $image image.kept
+"$PYTHON" - "${URL#http://}" <<'CHECK' || fail "a small picture is not given again and again"
+import http.client, sys
+connection = http.client.HTTPConnection(sys.argv[1].split("/")[0], timeout=30)
+for _ in range(1100):
+    connection.request("GET", "/api/v1/datasets/grass/thumbs/0")
+    answer = connection.getresponse()
+    answer.read()
+    assert answer.status == 200, answer.status
+CHECK
+printf 'no picture' >$image
+get "$URL/datasets/grass/thumbs/1" 200
+cmp -s out made.jpg || fail "another picture that was asked for often has driven it out"
+cp image.kept $image
 for wrong in 3 x -1 1.5 1x 99999999999999999999 1/2; do
     get "$URL/datasets/grass/thumbs/$wrong" 404
 done

@@ -30,6 +30,12 @@ expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other --script wrong
 said err "no word 'dance'"
 expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other --script <(echo "2 stop")
 said err "no plain file"
+printf '2 note %s\n' "$(printf 'x%.0s' $(seq 1024))" >wrong
+expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other --script wrong
+said err "wrong:1: a text of at most 1023 bytes is meant"
+printf '2 pause %s\n' "$(printf 'x%.0s' $(seq 120))" >wrong
+expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other --script wrong
+said err "wrong:1: a text of at most 119 bytes is meant"
 [ ! -e other ] || fail "a refused capture left something"
 
 # ---- what is refused while it runs, or never heard, is told ----

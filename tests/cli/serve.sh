@@ -173,6 +173,11 @@ is datasets.1.name grass
 expect 1 "$TTFBOX" serve data --listen unix:box
 said err 'another program listens there'
 unserve
+mkdir 'a "quoted" folder'
+serve data --listen 'unix:a "quoted" folder/box'
+"$PYTHON" -c 'import json, sys; assert json.load(open("listening"))["listening"] == sys.argv[1]' 'unix:a "quoted" folder/box' ||
+    fail "where it listens is no JSON"
+unserve
 expect 2 "$TTFBOX" serve data --listen here
 said err 'ADDRESS:PORT'
 expect 2 "$TTFBOX" serve nowhere

@@ -20,6 +20,7 @@ import powercuts
 import strokes
 import usb
 import usb_speed
+import uvc
 from cable import Board
 from machine import Machine
 
@@ -27,10 +28,10 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 RIG = ROOT + "/build-rig"
 QEMU_USER = shutil.which("qemu-aarch64-static") or shutil.which("qemu-aarch64")
-PROGRAMS = ["ttfbox", "ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "lampd_child", "capture_child", "rig_camera", "rig_usb", "test_lines", "test_sysfs",
+PROGRAMS = ["ttfbox", "ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "lampd_child", "capture_child", "rig_camera", "rig_usb", "rig_uvc", "test_lines", "test_sysfs",
             "test_conformance_lampd", "ttfbox-libcamera"]
 # What no machine here has; said, so that nobody takes silence for a pass.
-NOT_HERE = ["exposure control through a real camera driver", "a Raspberry Pi's own PWM and under-voltage alarm"]
+NOT_HERE = ["exposure control of a camera behind libcamera", "a Raspberry Pi's own PWM and under-voltage alarm"]
 
 
 # A machine that is thawed in place of booted; smoke: those that need neither many programs nor modules of our own.
@@ -106,7 +107,7 @@ def prepare(tier):
 def machine_for(scenario, share, tier):
     if tier:
         return frozen.Frozen(RIG + "/system", RIG + "/frozen")
-    return (Board if scenario in usb.SCENARIOS + usb_speed.SCENARIOS else Machine)(RIG + "/system", share)
+    return (Board if scenario in usb.SCENARIOS + usb_speed.SCENARIOS + uvc.SCENARIOS else Machine)(RIG + "/system", share)
 
 
 def run(scenario, share, tier):
@@ -132,7 +133,7 @@ def main():
         return 0
     every = {"smoke": SMOKE, "quick": QUICK}.get(tier) or (
         lamps.SCENARIOS + camera.SCENARIOS + strokes.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS + drivers.SCENARIOS +
-        inputs.SCENARIOS + chips.SCENARIOS + pipeline.SCENARIOS + usb.SCENARIOS + usb_speed.SCENARIOS)
+        inputs.SCENARIOS + chips.SCENARIOS + pipeline.SCENARIOS + usb.SCENARIOS + usb_speed.SCENARIOS + uvc.SCENARIOS)
     scenarios = [s for s in every if not words or any(w in s.__name__ for w in words)]
     if not scenarios:
         print("rig: no scenario has such a name; there are:", file=sys.stderr)

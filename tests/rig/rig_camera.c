@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * rig_camera [libcamera] conformance FOURCC | case NAME | soak SLOTS | info FOURCC: in the rig's guest, on vivid, or
- * on what libcamera finds (vimc), which has no cases and looks for the best format.
+ * rig_camera [libcamera|uvc] conformance FOURCC | case NAME | soak SLOTS | info FOURCC: in the rig's guest, on vivid, or
+ * on what libcamera finds (vimc), which has no cases and looks for the best format, or on the webcam of rig_uvc, of
+ * which `settings EXPOSURE_US:GAIN_MILLI,...` tells what was granted and what is seen of it.
  */
 #include "rig_camera.h"
 
@@ -18,6 +19,7 @@
 static int open_fd = -1;
 static const char *format = "";
 static bool by_libcamera; /* how all cameras of this process are reached */
+static bool by_uvc;
 
 static int remember(void *ctx, const char *path)
 {
@@ -91,6 +93,10 @@ int rig_camera(const char *pixel_format, struct ttf_clock *clock, struct ttf_cam
         const struct ttf_libcamera_config vimc = {.width = 640, .height = 480};
 
         return ttf_libcamera_camera_create(&vimc, clock, ret, err);
+    }
+    if (by_uvc) {
+        rig_uvc_config(&config);
+        pixel_format = "YUYV";
     }
     (void)snprintf(config.pixel_format, sizeof(config.pixel_format), "%s", pixel_format);
     return v4l2_camera_create_on(&rig_sys, NULL, &config, clock, ret, err);
@@ -172,6 +178,11 @@ int main(int argc, char **argv)
         argc--;
         argv++;
     }
+    if (argc == 4 && strcmp(argv[1], "uvc") == 0) {
+        by_uvc = true;
+        argc--;
+        argv++;
+    }
     if (argc != 3)
         return 2;
     format = argv[2];
@@ -183,5 +194,7 @@ int main(int argc, char **argv)
         return rig_case(argv[2]);
     if (strcmp(argv[1], "soak") == 0)
         return rig_soak((unsigned)strtoul(argv[2], NULL, 10));
+    if (strcmp(argv[1], "settings") == 0)
+        return rig_settings(argv[2]);
     return 2;
 }

@@ -11,9 +11,15 @@ extern const struct v4l2_sys rig_sys;
 /* Sets a control of the camera that is open; 0 or a negative errno. */
 int rig_set(uint32_t id, int value);
 
-/* The camera for a pixel format, 320 x 180, 25 a second. */
+/* The camera for a pixel format, 320 x 180, 25 a second; or the webcam of rig_uvc, 10 a second. */
 int rig_camera(const char *pixel_format, struct ttf_clock *clock, struct ttf_camera **ret,
                struct ttf_err *err);
+
+/* What a board's file would say of the webcam of rig_uvc. */
+void rig_uvc_config(struct ttf_v4l2_config *config);
+
+/* "EXPOSURE_US:GAIN_MILLI,...": each asked for, one frame taken, a line of what was granted and of the picture's mean. 0: all came. */
+int rig_settings(const char *list);
 
 /* Slots, one of which goes wrong in the named way. 0: as promised. */
 int rig_case(const char *name);

@@ -67,9 +67,9 @@ static int64_t now_ns(struct run *run)
 /* One exposure; 0 for a good frame. */
 static int attempt(struct run *run, int64_t middle_ns)
 {
-    struct ttf_exposure asked = {0};
-    struct ttf_camera_set set = {.settings = &asked, .n = 1, .middle_ns = middle_ns};
     const struct ttf_camera_caps *caps = ttf_camera_caps(run->camera);
+    struct ttf_exposure asked = {.exposure_ns = caps->exposure_max_ns / 4, .gain_milli = 1000};
+    struct ttf_camera_set set = {.settings = &asked, .n = 1, .middle_ns = middle_ns};
     struct ttf_frame *frame = NULL;
     struct ttf_err err = {0};
     int64_t until = now_ns(run) + caps->lead_ns + 3 * caps->frame_period_ns + TTF_NS_PER_S / 2;

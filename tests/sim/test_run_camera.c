@@ -79,7 +79,8 @@ static bool strikes(void)
 static int bad_submit(struct ttf_camera *camera, const struct ttf_camera_set *set,
                       struct ttf_err *err)
 {
-    return strikes() ? error : good->submit(camera, set, err);
+    return strikes() ? ttf_err_set(err, error, "main", "its driver says no")
+                     : good->submit(camera, set, err);
 }
 
 static int bad_next(struct ttf_camera *camera, int64_t deadline_ns, struct ttf_frame **ret,
@@ -368,7 +369,7 @@ static void a_camera_that_gives_nothing_is_not_calibrated(void **state)
     guide(&g);
     bad.submit = bad_submit;
     put_camera(&g.box);
-    refused(&g, -ENODEV, "no frame");
+    refused(&g, -ENODEV, "no frame, also after it was opened anew: its driver says no");
 }
 
 /* Locked, then every frame is another one's. */

@@ -2,6 +2,7 @@
 /* What a capture yields against what was there, and twice the same from the same seed. */
 #include "cmocka_includes.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -185,6 +186,53 @@ static void a_flat_that_is_saturated_is_refused_with_a_reason(void **state)
     sim_run_finish(&run);
 }
 
+static int64_t free_bytes;
+
+static void say_room(void *ctx, const char *path, struct ttf_io_space *space)
+{
+    (void)ctx;
+    (void)path;
+    space->free_bytes = free_bytes;
+}
+
+/* The disk is full before it begins: it says so with the figures, and takes no time over it. */
+static void a_calibration_without_room_is_not_begun(void **state)
+{
+    struct sim_run run;
+    struct ttf_calibration calibration;
+    struct ttf_scene white;
+    struct ttf_box box;
+    struct ttf_guided_config config = {
+        .box = &box, .mains_hz = 50, .frames = 4, .reflectance = 0.9};
+    struct ttf_err err = {0};
+    char path[300];
+    int64_t begun_ns;
+
+    (void)state;
+    sim_run_init(&run);
+    config.shot = &run.plan.shots[0];
+    config.io = ttf_io_faulty_create(ttf_io_posix(), NULL, NULL);
+    assert_non_null(config.io);
+    ttf_io_faulty_space(config.io, say_room);
+    snprintf(path, sizeof(path), "%s/calibrations/new", run.folder);
+    config.folder = path;
+    ttf_calibration_init(&calibration);
+    assert_int_equal(ttf_scene_procedural("white", 1, TTF_NS_PER_DAY, &white, NULL), 0);
+    assert_int_equal(ttf_sim_box_create(&run.config, &white, &box, NULL), 0);
+    begun_ns = ttf_clock_now_ns(box.clock);
+    free_bytes = 100000;
+    assert_int_equal(ttf_guided_flat(&config, &calibration, &err), -ENOSPC);
+    assert_non_null(strstr(err.what, "0.1 MB are free"));
+    assert_false(calibration.has_flat);
+    assert_true(ttf_clock_now_ns(box.clock) - begun_ns < TTF_NS_PER_S); /* no lamp was lit */
+    free_bytes = 100000000;
+    assert_int_equal(ttf_guided_dark(&config, &calibration, &err), 0);
+    ttf_box_destroy(&box);
+    ttf_calibration_free(&calibration);
+    ttf_io_faulty_destroy(config.io);
+    sim_run_finish(&run);
+}
+
 static void the_same_seed_gives_the_same_frames(void **state)
 {
     struct sim_run a;
@@ -232,6 +280,7 @@ int main(void)
         cmocka_unit_test(a_calibrated_capture_shows_what_was_there),
         cmocka_unit_test(without_calibration_the_same_comparison_fails),
         cmocka_unit_test(a_flat_that_is_saturated_is_refused_with_a_reason),
+        cmocka_unit_test(a_calibration_without_room_is_not_begun),
         cmocka_unit_test(the_same_seed_gives_the_same_frames),
     };
 

@@ -142,6 +142,15 @@ async function a_calibration_is_made_and_used() {
   await page.getByRole("button", { name: "Use none" }).click();
   await use.waitFor();
   assert.equal((await daemon.ask("calibrations")).used, undefined);
+  const drop = row.getByRole("button", { name: "Delete from-the-page" });
+  await drop.click();
+  await browser.everywhere("calibrate-delete", shots);
+  await page.getByRole("button", { name: "Keep it" }).click();
+  assert.equal((await daemon.ask("calibrations")).calibrations.length, 1, "kept");
+  await drop.click();
+  await page.getByRole("button", { name: "Delete it" }).click();
+  await page.getByText("None yet.").waitFor();
+  assert.deepEqual((await daemon.ask("calibrations")).calibrations, []);
   await begin("sim.ambient: 10");
 }
 

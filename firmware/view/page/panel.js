@@ -2,7 +2,7 @@
 /* panel.js: one texture on the page: its picture, how one looks around in it, the life of a pixel. */
 "use strict";
 (() => {
-  const { Surface, pick, planeScale } = ttfSurface;
+  const { Surface, pick, planeScale, sphereRadius } = ttfSurface;
 
   function make(parent, name, properties, ...children) {
     const e = Object.assign(document.createElement(name), properties);
@@ -171,7 +171,7 @@
     move(dx, dy) {
       const { view, about, canvas } = this;
       if (view.shape === "sphere") {
-        const r = 0.46 * Math.min(canvas.width, canvas.height) * view.zoom;
+        const r = sphereRadius(view, canvas);
         view.yaw -= dx / r;
         view.pitch = Math.max(-1.5, Math.min(1.5, view.pitch - dy / r));
       } else {

@@ -84,14 +84,17 @@
     return { p, at };
   }
 
-  const SPHERE_SHARE = 0.46; /* of the canvas's shorter side, at zoom 1 */
+  /* Canvas pixels: at zoom 1 a little less than half of the canvas's shorter side. */
+  function sphereRadius(view, canvas) {
+    return 0.46 * Math.min(canvas.width, canvas.height) * view.zoom;
+  }
 
   /* Where a point of the canvas (in its pixels) lies on the shape: texture pixels, or null beside it. */
   function pick(view, width, height, canvas, x, y) {
     const ax = x - canvas.width / 2, ay = y - canvas.height / 2;
     let u, v;
     if (view.shape === "sphere") {
-      const r = SPHERE_SHARE * Math.min(canvas.width, canvas.height) * view.zoom;
+      const r = sphereRadius(view, canvas);
       const px = ax / r, py = -ay / r, r2 = px * px + py * py;
       if (r2 > 1)
         return null;
@@ -170,7 +173,7 @@
       gl.uniform1f(at.layer, view.frame);
       gl.uniform1f(at.gain, view.gain);
       gl.uniform1f(at.scale, planeScale(view, this.width, this.height, canvas));
-      gl.uniform1f(at.radius, SPHERE_SHARE * Math.min(canvas.width, canvas.height) * view.zoom);
+      gl.uniform1f(at.radius, sphereRadius(view, canvas));
       gl.uniform2f(at.canvas, canvas.width, canvas.height);
       gl.uniform2f(at.centre, view.x, view.y);
       gl.uniform2f(at.size, this.width, this.height);
@@ -201,5 +204,5 @@
     }
   }
 
-  globalThis.ttfSurface = { Surface, pick, planeScale };
+  globalThis.ttfSurface = { Surface, pick, planeScale, sphereRadius };
 })();

@@ -64,6 +64,22 @@ static void a_plan_that_fits_is_let_through(void **state)
     assert_int_equal(disk.slots_that_fit, 100);
 }
 
+static void what_has_no_room_hears_how_much_it_needs_and_there_is(void **state)
+{
+    struct ttf_err err = {0};
+    char path[96];
+
+    (void)state;
+    snprintf(path, sizeof(path), "%s/new/calibration", folder);
+    free_bytes = 2000000;
+    assert_int_equal(ttf_disk_room_check(&small, path, "a calibration", 2000000, &err), 0);
+    assert_int_equal(ttf_disk_room_check(&small, path, "a calibration", 2000001, &err), -ENOSPC);
+    assert_string_equal(err.what, "a calibration needs 2.0 MB; 2.0 MB are free");
+    read_only = true;
+    assert_int_equal(ttf_disk_room_check(&small, path, "a calibration", 1, &err), -EROFS);
+    read_only = false;
+}
+
 static void a_plan_that_does_not_fit_hears_what_would(void **state)
 {
     struct ttf_plan plan;
@@ -244,6 +260,7 @@ int main(void)
         cmocka_unit_test(a_disk_that_takes_nothing_is_refused_and_nothing_stays_on_it),
         cmocka_unit_test(a_second_storage_must_be_another_folder_that_is_there),
         cmocka_unit_test(a_plan_that_fits_is_let_through),
+        cmocka_unit_test(what_has_no_room_hears_how_much_it_needs_and_there_is),
         cmocka_unit_test(a_plan_that_does_not_fit_hears_what_would),
         cmocka_unit_test(speed_is_measured_in_real_time_and_leaves_nothing_behind),
     };

@@ -154,16 +154,20 @@ static void what_a_person_stopped_and_what_was_tried_in_vain_is_said_so(void **s
     in.boot_id = "first-boot";
     in.now_ns = slot10_ns + 5 * TTF_NS_PER_MIN + TTF_NS_PER_S;
     in.ready_ns = in.now_ns + TTF_NS_PER_MIN;
-    /* Not running for slot 10; stopped by a person during 11 and 12; then the guardian was away. */
-    in.absence.stopped_from_ns = slot10_ns + 1;
-    in.absence.stopped_until_ns = slot10_ns + 3 * TTF_NS_PER_MIN;
-    in.absence.trying_since_ns = in.absence.stopped_until_ns;
+    /* Not running for slot 10; stopped by a person during 11 and 12, and once more during 14; else the guardian was away. */
+    in.absence.n_stops = 2;
+    in.absence.stops[0].from_ns = slot10_ns + 1;
+    in.absence.stops[0].until_ns = slot10_ns + 3 * TTF_NS_PER_MIN;
+    in.absence.stops[1].from_ns = slot10_ns + 4 * TTF_NS_PER_MIN;
+    in.absence.stops[1].until_ns = slot10_ns + 5 * TTF_NS_PER_MIN;
+    in.absence.trying_since_ns = in.absence.stops[0].until_ns;
     assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
     assert_int_equal(r.lost_until, 17);
     assert_string_equal(lost(&r, 10, TTF_RESULT_MISSED), TTF_REASON_NOT_RUNNING);
     assert_string_equal(lost(&r, 11, TTF_RESULT_MISSED), TTF_REASON_STOPPED);
     assert_string_equal(lost(&r, 12, TTF_RESULT_MISSED), TTF_REASON_STOPPED);
     assert_string_equal(lost(&r, 13, TTF_RESULT_MISSED), TTF_REASON_TRYING);
+    assert_string_equal(lost(&r, 14, TTF_RESULT_MISSED), TTF_REASON_STOPPED);
     assert_string_equal(lost(&r, 15, TTF_RESULT_MISSED), TTF_REASON_TRYING);
     assert_string_equal(lost(&r, 16, TTF_RESULT_MISSED), TTF_REASON_NOT_READY);
     done.sealed = true; /* nobody could stop it any more */
@@ -181,8 +185,9 @@ static void a_stop_holds_over_a_boot_and_is_no_lack_of_power(void **state)
     (void)state;
     assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
     assert_string_equal(lost(&r, 12, TTF_RESULT_POWER), TTF_REASON_NO_POWER);
-    in.absence.stopped_from_ns = INT64_MIN;
-    in.absence.stopped_until_ns = in.now_ns;
+    in.absence.n_stops = 1;
+    in.absence.stops[0].from_ns = INT64_MIN;
+    in.absence.stops[0].until_ns = in.now_ns;
     assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
     assert_string_equal(lost(&r, 12, TTF_RESULT_MISSED), TTF_REASON_STOPPED);
 }

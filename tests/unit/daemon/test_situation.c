@@ -224,6 +224,67 @@ static void an_alarm_that_is_over_is_taken_back_also_by_another_run(void **state
     situation_destroy(s);
 }
 
+static unsigned alarms_until(struct situation *s, enum ttf_alarm_until until, int64_t run,
+                             const char *text)
+{
+    struct letter letter = letter_of(TTF_PROGRESS_ALARM, 1, 0);
+    json_t *status;
+    size_t n;
+
+    letter.run = run;
+    letter.until = until;
+    (void)snprintf(letter.text, sizeof letter.text, "%s", text);
+    (void)situation_letter(s, &letter);
+    status = status_of(s);
+    n = json_array_size(json_object_get(status, "alarms"));
+    json_decref(status);
+    return (unsigned)n;
+}
+
+/* A full disk ended it; there was room again, and it went on: the box says no more that a person is needed. */
+static void what_ended_a_run_is_over_when_one_is_armed_again(void **state)
+{
+    struct hand_clock clock = {.base = {.ops = &OPS}, .now_ns = TTF_NS_PER_S};
+    struct situation *s = situation_create(&clock.base);
+    struct order order = {.state = ORDER_RUN, .dataset = "grass"};
+    int64_t run;
+
+    (void)state;
+    if (!s) {
+        fail();
+        return;
+    }
+    run = situation_run(s, &order, NULL);
+    assert_int_equal(alarms_until(s, TTF_ALARM_UNTIL_ARMED, run, "disk full: the run ends"), 1);
+    assert_int_equal(alarms_until(s, TTF_ALARM_UNTIL_OVER, run, "no room"), 2);
+    assert_int_equal(alarms_until(s, TTF_ALARM_UNTIL_NEW, run, "goes on elsewhere"), 3);
+    assert_int_equal(alarms_after(s, TTF_PROGRESS_ARMED, run, ""), 2); /* of the same run */
+    strcpy(order.dataset, "moss");
+    run = situation_run(s, &order, NULL);
+    assert_int_equal(alarms_after(s, TTF_PROGRESS_ARMED, run, ""), 1); /* of another */
+    assert_int_equal(alarms_after(s, TTF_PROGRESS_ALARM_OVER, run, "no room"), 0);
+    situation_destroy(s);
+}
+
+static void what_kept_a_run_from_its_end_is_over_when_it_is_done(void **state)
+{
+    struct hand_clock clock = {.base = {.ops = &OPS}, .now_ns = TTF_NS_PER_S};
+    struct situation *s = situation_create(&clock.base);
+    const struct order order = {.state = ORDER_RUN, .dataset = "grass"};
+    int64_t run;
+
+    (void)state;
+    if (!s) {
+        fail();
+        return;
+    }
+    run = situation_run(s, &order, NULL);
+    assert_int_equal(alarms_until(s, TTF_ALARM_UNTIL_ARMED, run, "cannot be sealed"), 1);
+    situation_sealed(s);
+    assert_int_equal(alarms_after(s, TTF_PROGRESS_ALARM_OVER, run, ""), 0);
+    situation_destroy(s);
+}
+
 static void a_clock_that_nobody_vouches_for_gives_no_utc(void **state)
 {
     struct hand_clock clock = {.base = {.ops = &OPS}, .now_ns = TTF_NS_PER_S};
@@ -320,6 +381,8 @@ int main(void)
         cmocka_unit_test(a_run_is_followed_from_arming_to_its_end),
         cmocka_unit_test(a_run_waits_for_its_plans_start_and_captures_from_its_first_slot_on),
         cmocka_unit_test(an_alarm_that_is_over_is_taken_back_also_by_another_run),
+        cmocka_unit_test(what_ended_a_run_is_over_when_one_is_armed_again),
+        cmocka_unit_test(what_kept_a_run_from_its_end_is_over_when_it_is_done),
         cmocka_unit_test(a_clock_that_nobody_vouches_for_gives_no_utc),
         cmocka_unit_test(records_and_letters_of_the_run_before_are_not_counted_into_this_one),
         cmocka_unit_test(a_run_is_about_one_second_storage_at_a_time),

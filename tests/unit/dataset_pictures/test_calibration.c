@@ -346,6 +346,42 @@ static void a_save_that_is_refused_leaves_no_half_picture(void **state)
     ttf_calibration_free(&calibration);
 }
 
+static long operation, failing;
+
+static int fail_at(void *ctx, const char *op, const char *path)
+{
+    (void)ctx;
+    (void)op;
+    (void)path;
+    return ++operation == failing ? ENOSPC : 0;
+}
+
+/* Whichever of its operations finds no room. */
+static void a_first_save_that_is_refused_leaves_nothing(void **state)
+{
+    struct ttf_io *io = ttf_io_faulty_create(ttf_io_posix(), fail_at, NULL);
+    struct ttf_calibration calibration;
+    struct ttf_io_stat st;
+    int r = -ENOSPC;
+
+    fit_both(&calibration);
+    assert_int_equal(ttf_calibration_name(&calibration, NULL), 0);
+    assert_non_null(io);
+    for (failing = 1; r < 0; failing++) {
+        operation = 0;
+        r = ttf_calibration_save(&calibration, io, scratch_path(state, "cal"), NULL);
+        if (io->ops->stat(io, scratch_path(state, "cal/calibration.json"), &st) == 0) {
+            assert_true(failing > 10); /* it was there, and whole, before what failed */
+            break;
+        }
+        assert_true(r < 0);
+        if (failing > 3) /* the folder was made */
+            assert_int_equal(io->ops->stat(io, scratch_path(state, "cal"), &st), -ENOENT);
+    }
+    ttf_io_faulty_destroy(io);
+    ttf_calibration_free(&calibration);
+}
+
 static void a_changed_picture_is_damage(void **state)
 {
     struct ttf_calibration calibration, back;
@@ -477,6 +513,8 @@ int main(void)
         cmocka_unit_test(useless_flats_are_refused_with_the_reason),
         cmocka_unit_test(frames_that_do_not_fit_are_refused),
         cmocka_unit_test_setup_teardown(a_calibration_comes_back_from_its_folder, scratch_make,
+                                        scratch_remove),
+        cmocka_unit_test_setup_teardown(a_first_save_that_is_refused_leaves_nothing, scratch_make,
                                         scratch_remove),
         cmocka_unit_test_setup_teardown(a_save_that_is_refused_leaves_no_half_picture, scratch_make,
                                         scratch_remove),

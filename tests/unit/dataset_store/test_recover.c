@@ -68,6 +68,63 @@ static void finish(const char *path, int64_t acknowledged, bool sha256sum)
         assert_int_equal(sha256sum_check(path), 0);
 }
 
+/* Whether the calibration has its line, on a disk that does nothing from that operation on. */
+static bool copied(const char *path, const char *cal, long at)
+{
+    struct cue cue = {.error = EIO, .for_ever = true};
+    struct ttf_io *io = ttf_io_faulty_create(quick_io(), cue_fault, &cue);
+    struct ttf_writer *writer;
+    bool done;
+
+    assert_non_null(io);
+    assert_int_equal(ttf_writer_open(io, path, &writer, NULL), 0);
+    cue.at = cue.n + at;
+    done = ttf_writer_calibration(writer, "cal-1", cal, NULL) == 0;
+    ttf_writer_abandon(writer);
+    ttf_io_faulty_destroy(io);
+    return done;
+}
+
+/* The run is gone on with, with another calibration: nothing of the half one is left, or it is whole. */
+static void go_on_with_another(const char *path, const char *other)
+{
+    char cal_1[300];
+    struct ttf_writer *writer;
+    bool whole;
+
+    snprintf(cal_1, sizeof(cal_1), "%s", in(path, "calibration/cal-1"));
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+    whole = exists(in(cal_1, "calibration.json"));
+    assert_true(exists(in(cal_1, "dark.tif")) == whole);
+    assert_true(exists(in(cal_1, "flat.tif")) == whole);
+    assert_int_equal(ttf_writer_calibration(writer, "cal-2", other, NULL), 0);
+    assert_int_equal(small_slot(writer, 0), 0);
+    ttf_writer_close(writer);
+    assert_whole(path, whole);
+}
+
+static void a_calibration_is_copied_whole_or_not_at_all(void **state)
+{
+    char cal[300], other[300], path[300]; /* the buffers of in() come round */
+    bool done = false;
+    long at;
+
+    snprintf(cal, sizeof(cal), "%s", in(*state, "cal"));
+    snprintf(other, sizeof(other), "%s", in(*state, "other"));
+    snprintf(path, sizeof(path), "%s", in(*state, "d"));
+    assert_int_equal(run("mkdir '%s' '%s' && cd '%s' && echo {} | tee calibration.json dark.tif "
+                         ">flat.tif && cp * '%s'",
+                         cal, other, cal, other),
+                     0);
+    for (at = 1; !done; at++) {
+        ttf_writer_close(small_create(quick_io(), path));
+        done = copied(path, cal, at);
+        go_on_with_another(path, other);
+        assert_int_equal(run("rm -r '%s'", path), 0);
+    }
+    assert_true(at > 20); /* each of its operations was cut off */
+}
+
 /* A run on a disk that may fail: how many slots it was told are safe. */
 static int64_t run_on(struct ttf_io *io, const char *path, bool seal, bool power_cut)
 {
@@ -487,6 +544,7 @@ int main(void)
         T(files_of_one_uncommitted_slot_are_reclaimed_of_several_left_alone),
         T(a_file_entry_that_cannot_be_is_refused_before_anything_is_touched),
         T(events_are_written_on_a_full_disk),
+        T(a_calibration_is_copied_whole_or_not_at_all),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "ttf/dataset/export.h"
 #include "ttf/dataset/icc.h"
@@ -92,6 +93,31 @@ static void what_is_there_is_not_written_over_by_a_folder(void **state)
     c.kind = TTF_EXPORT_NPY;
     assert_int_equal(ttf_export(s, io, &c, NULL, NULL), -EISDIR);
     assert_int_equal(count_entries(c.output), 2);
+    ttf_sequence_destroy(s);
+}
+
+/* Names of temporary folders can be guessed, and /tmp is everybody's: a link that lies there in wait is removed, not what it leads to. */
+static void what_a_link_leads_to_is_not_removed_with_what_was_left(void **state)
+{
+    static const uint16_t frames[4 * 3 * 3];
+    const struct ttf_export_config c = {.kind = TTF_EXPORT_PNG,
+                                        .output = in_folder(state, "pictures")};
+    const char *left = in_folder(state, ".pictures.part-%ld", (long)getpid());
+    const char *mine = in_folder(state, "mine");
+    struct ttf_io *io = ttf_io_posix();
+    struct ttf_sequence *s = NULL;
+
+    assert_int_equal(io->ops->mkdir(io, mine), 0);
+    write_bytes(in_folder(state, "mine/thesis"), "x", 1);
+    assert_int_equal(io->ops->mkdir(io, left), 0);
+    assert_int_equal(io->ops->mkdir(io, in_folder(state, ".pictures.part-%ld/in", (long)getpid())),
+                     0);
+    assert_int_equal(symlink(mine, in_folder(state, ".pictures.part-%ld/in/link", (long)getpid())),
+                     0);
+    assert_int_equal(ttf_sequence_of_memory(frames, 4, 3, 1, &plain, &s, NULL), 0);
+    assert_int_equal(ttf_export(s, io, &c, NULL, NULL), 0);
+    assert_false(exists(left));
+    assert_true(exists(in_folder(state, "mine/thesis")));
     ttf_sequence_destroy(s);
 }
 
@@ -382,6 +408,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         T(exports_that_cannot_be_are_refused_and_make_nothing),
         T(what_is_there_is_not_written_over_by_a_folder),
+        T(what_a_link_leads_to_is_not_removed_with_what_was_left),
         T(narrow_pictures_keep_a_pixel),
         T(imports_that_cannot_be_are_refused_and_make_nothing),
         T(pictures_of_another_kind_than_the_first_are_refused),

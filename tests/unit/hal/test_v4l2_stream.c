@@ -65,6 +65,95 @@ static void what_another_hand_changed_shows_in_what_is_read_back(void **state)
     assert_true(bench_shoot(bench, 5, 1000).settings.exposure_ns == 77 * MS / 10);
 }
 
+/* Once or twice, to the same value: its processor begins anew with what it was made with. */
+static void a_camera_that_loses_its_settings_is_set_up_anew(void **state)
+{
+    struct bench *bench = *state;
+    struct ttf_frame frame;
+    int exposure = 0, gain = 0;
+
+    bench_start(bench);
+    (void)bench_warm(bench, 5);
+    for (unsigned i = 0; i < 2; i++) {
+        fake_control(&bench->fake, V4L2_CID_EXPOSURE_ABSOLUTE)->value = 77;
+        fake_control(&bench->fake, V4L2_CID_GAIN)->value = 3;
+        fake_control(&bench->fake, V4L2_CID_AUTOGAIN)->value = 1;
+        fake_control(&bench->fake, V4L2_CID_EXPOSURE_AUTO)->value = V4L2_EXPOSURE_APERTURE_PRIORITY;
+        assert_true(bench_shoot(bench, 5, 1000).settings.exposure_ns == 77 * MS / 10);
+        frame = bench_shoot(bench, 5, 1000);
+        assert_true(frame.settings.exposure_ns == 5 * MS && frame.settings.gain_milli == 1000);
+        fake_exposed_with(frame.data, &exposure, &gain);
+        assert_int_equal(exposure, 50);
+        assert_int_equal(gain, 64);
+        assert_int_equal(fake_control(&bench->fake, V4L2_CID_AUTOGAIN)->value, 0);
+        assert_int_equal(fake_control(&bench->fake, V4L2_CID_EXPOSURE_AUTO)->value,
+                         V4L2_EXPOSURE_MANUAL);
+    }
+}
+
+static void a_camera_that_cannot_be_set_up_anew_is_tried_again(void **state)
+{
+    struct bench *bench = *state;
+
+    bench_start(bench);
+    (void)bench_warm(bench, 5);
+    fake_control(&bench->fake, V4L2_CID_EXPOSURE_ABSOLUTE)->value = 77;
+    (void)bench_shoot(bench, 5, 1000);
+    bench->fake.failing = VIDIOC_S_EXT_CTRLS;
+    bench->fake.failure = -EPIPE;
+    bench->fake.failures = 3; /* both modes of exposure, and once more */
+    assert_int_equal(bench_submit(bench, 5, 1, 0), -EIO);
+    assert_int_equal(ttf_camera_recover(bench->camera, TTF_CAMERA_REQUEUE, NULL), 0);
+    bench->fake.failures = 0;
+    assert_true(bench_shoot(bench, 5, 1000).settings.exposure_ns == 5 * MS);
+    assert_int_equal(fake_control(&bench->fake, V4L2_CID_EXPOSURE_ABSOLUTE)->value, 50);
+}
+
+static void a_camera_that_obeys_late_is_asked_until_it_does(void **state)
+{
+    struct bench *bench = *state;
+    struct fake_control *exposure;
+
+    bench_start(bench);
+    (void)bench_warm(bench, 5);
+    exposure = fake_control(&bench->fake, V4L2_CID_EXPOSURE_ABSOLUTE);
+    exposure->value = 77;
+    exposure->stuck = true;
+    for (unsigned i = 0; i < 4; i++)
+        assert_true(bench_shoot(bench, 5, 1000).settings.exposure_ns == 77 * MS / 10);
+    exposure->stuck = false;
+    (void)bench_shoot(bench, 5, 1000);
+    assert_true(bench_shoot(bench, 5, 1000).settings.exposure_ns == 5 * MS);
+}
+
+static void a_driver_that_never_grants_what_is_asked_costs_no_frames_for_ever(void **state)
+{
+    struct bench *bench = *state;
+    uint64_t before;
+
+    bench_start(bench);
+    fake_control(&bench->fake, V4L2_CID_EXPOSURE_ABSOLUTE)->stuck = true;
+    (void)bench_warm(bench, 5);
+    (void)bench_warm(bench, 5); /* asked once more */
+    before = bench_warm(bench, 5);
+    assert_in_range(bench_shoot(bench, 5, 1000).sequence, before, before + 2);
+}
+
+static void a_refusal_is_told_in_the_camera_s_own_terms(void **state)
+{
+    struct bench *bench = *state;
+
+    bench_start(bench);
+    bench->fake.failing = VIDIOC_S_EXT_CTRLS;
+    bench->fake.failures = 2;
+    bench->fake.failure = -EILSEQ;
+    assert_int_equal(bench_submit(bench, 5, 1, 0), -EIO);
+    assert_says(bench, "not in the state that the camera is in");
+    bench->fake.failure = -EREMOTE;
+    assert_int_equal(bench_submit(bench, 5, 1, 0), -EIO);
+    assert_says(bench, "power");
+}
+
 static void a_driver_that_does_not_take_or_tell_settings_is_found_out(void **state)
 {
     struct bench *bench = *state;
@@ -491,6 +580,11 @@ int main(void)
         ON_BENCH(settings_reach_the_very_frames_they_are_asked_for),
         ON_BENCH(settings_that_stay_cost_no_frames),
         ON_BENCH(what_another_hand_changed_shows_in_what_is_read_back),
+        ON_BENCH(a_camera_that_loses_its_settings_is_set_up_anew),
+        ON_BENCH(a_camera_that_cannot_be_set_up_anew_is_tried_again),
+        ON_BENCH(a_camera_that_obeys_late_is_asked_until_it_does),
+        ON_BENCH(a_driver_that_never_grants_what_is_asked_costs_no_frames_for_ever),
+        ON_BENCH(a_refusal_is_told_in_the_camera_s_own_terms),
         ON_BENCH(a_driver_that_does_not_take_or_tell_settings_is_found_out),
         ON_BENCH(a_lost_frame_of_a_set_never_comes_and_the_next_says_so),
         ON_BENCH(a_set_whose_rest_is_lost_is_over),

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -123,6 +124,31 @@ static void the_list_has_datasets_alone_in_their_order(void **state)
     folder_close(&folder);
 }
 
+/* Whoever cannot look says so: a list without them would be taken for all there is. */
+static void without_free_descriptors_the_list_fails_and_hides_nothing(void **state)
+{
+    struct rlimit before, few;
+    char(*names)[65] = NULL;
+    struct folder folder;
+    int64_t n;
+    int next;
+
+    (void)state;
+    make(&folder);
+    next = dup(folder.fd);
+    assert_true(next >= 0);
+    (void)close(next);
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+    few = (struct rlimit){(rlim_t)next + 1, before.rlim_max}; /* for the folder itself */
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &few), 0);
+    n = folder_list(&folder, &names);
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
+    assert_int_equal(n, -EMFILE);
+    assert_int_equal(folder_list(&folder, &names), 1);
+    free(names);
+    folder_close(&folder);
+}
+
 static int64_t whole(const struct folder *folder, const char *text, size_t n)
 {
     struct stat st;
@@ -214,6 +240,7 @@ int main(void)
         IN_A_FOLDER(no_name_leads_out),
         IN_A_FOLDER(links_and_pipes_are_not_files),
         IN_A_FOLDER(the_list_has_datasets_alone_in_their_order),
+        IN_A_FOLDER(without_free_descriptors_the_list_fails_and_hides_nothing),
         IN_A_FOLDER(a_line_being_written_is_not_there_yet),
         IN_A_FOLDER(a_hash_is_the_list_s_own),
         IN_A_FOLDER(a_hash_is_found_in_a_long_list),

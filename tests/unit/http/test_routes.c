@@ -55,6 +55,25 @@ static void what_no_pattern_has_is_not_there(void **state)
     assert_int_equal(ttf_http_route_find("GET", url, &m), -ENOENT);
 }
 
+/* A thread of connections that does would hold up all of its connections: half of the socket's. */
+static void no_thread_of_connections_reads_a_whole_dataset(void **state)
+{
+    static const char *const URLS[] = {"/api/v1/datasets",
+                                       "/api/v1/datasets/grass",
+                                       "/api/v1/datasets/grass/tar",
+                                       "/api/v1/datasets/grass/charts",
+                                       "/api/v1/datasets/grass/thumbs/1",
+                                       NULL};
+    struct ttf_http_match m;
+
+    (void)state;
+    for (unsigned i = 0; URLS[i]; i++) {
+        assert_int_equal(ttf_http_route_find("GET", URLS[i], &m), 0);
+        if (m.route->lane == TTF_HTTP_AT_ONCE)
+            fail_msg("%s does", m.route->pattern);
+    }
+}
+
 static void a_dataset_cannot_be_changed(void **state)
 {
     static const char *const METHODS[] = {"POST", "PUT",     "DELETE", "PATCH",
@@ -71,6 +90,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_path_names_its_route_and_parts),
         cmocka_unit_test(what_no_pattern_has_is_not_there),
+        cmocka_unit_test(no_thread_of_connections_reads_a_whole_dataset),
         cmocka_unit_test(a_dataset_cannot_be_changed),
     };
 

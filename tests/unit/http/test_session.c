@@ -158,23 +158,20 @@ static void more_wrong_tokens_of_an_address_than_are_allowed_are_told_so(void **
     (void)address("2001:db8::ffff", &b); /* of the same /64 */
     (void)address("192.168.7.9", &c);
     for (unsigned i = 0; i < LIMITS_AT_ONCE; i++) {
-        assert_true(limits_allow(limits, (struct sockaddr *)&a));
-        limits_wrong(limits, (struct sockaddr *)&a);
+        assert_true(limits_wrong(limits, (struct sockaddr *)&a));
     }
-    assert_false(limits_allow(limits, (struct sockaddr *)&a));
-    assert_false(limits_allow(limits, (struct sockaddr *)&b));
-    assert_true(limits_allow(limits, (struct sockaddr *)&c));
-    assert_true(limits_allow(limits, NULL)); /* the cable */
+    assert_false(limits_wrong(limits, (struct sockaddr *)&a));
+    assert_false(limits_wrong(limits, (struct sockaddr *)&b));
+    assert_true(limits_wrong(limits, (struct sockaddr *)&c));
+    assert_true(limits_wrong(limits, NULL)); /* the cable */
     clock.now_ns += LIMITS_ONE_NS;
-    assert_true(limits_allow(limits, (struct sockaddr *)&a));
-    limits_wrong(limits, (struct sockaddr *)&a);
-    assert_false(limits_allow(limits, (struct sockaddr *)&a));
+    assert_true(limits_wrong(limits, (struct sockaddr *)&a));
+    assert_false(limits_wrong(limits, (struct sockaddr *)&a));
     clock.now_ns += 100 * LIMITS_ONE_NS;
     for (unsigned i = 0; i < LIMITS_AT_ONCE; i++) {
-        assert_true(limits_allow(limits, (struct sockaddr *)&a));
-        limits_wrong(limits, (struct sockaddr *)&a);
+        assert_true(limits_wrong(limits, (struct sockaddr *)&a));
     }
-    assert_false(limits_allow(limits, (struct sockaddr *)&a));
+    assert_false(limits_wrong(limits, (struct sockaddr *)&a));
     limits_destroy(limits);
 }
 

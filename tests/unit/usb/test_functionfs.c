@@ -200,6 +200,21 @@ static void a_write_that_loses_bytes_begins_everything_anew(void **state)
     assert_int_equal(after_writes(b, 1).kind, TTF_USB_UP);
 }
 
+static void a_folder_whose_name_is_too_long_is_refused_as_such(void **state)
+{
+    char folder[300];
+    struct ttf_usb_link *link = NULL;
+    int ep0 = open("/dev/null", O_RDWR | O_CLOEXEC);
+
+    (void)state;
+    assert_true(ep0 >= 0);
+    memset(folder, 'f', sizeof folder - 1);
+    folder[sizeof folder - 1] = '\0';
+    assert_int_equal(ttf_usb_functionfs_create(folder, ep0, &link, NULL), -ENAMETOOLONG);
+    assert_null(link);
+    assert_int_equal(fcntl(ep0, F_GETFD), -1); /* it was taken over, and closed */
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
 
 int main(void)
@@ -209,6 +224,7 @@ int main(void)
         TEST(a_box_whose_endpoint_was_disabled_unseen_is_down_and_sleeps),
         TEST(a_hosts_reset_starts_a_box_that_stands),
         TEST(a_write_that_loses_bytes_begins_everything_anew),
+        cmocka_unit_test(a_folder_whose_name_is_too_long_is_refused_as_such),
     };
 
     return cmocka_run_group_tests_name("functionfs", tests, NULL, NULL);

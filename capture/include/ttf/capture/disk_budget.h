@@ -34,6 +34,13 @@ TTF_MUST_USE int ttf_disk_budget_check(struct ttf_io *io, const char *path, stru
                                        struct ttf_disk_figures *ret, struct ttf_err *err);
 
 /*
+ * Whether there are so many bytes of room where `path` lies or will lie, for `what` (in the message). -ENOSPC, with the figures;
+ * -EROFS; or why nobody knows.
+ */
+TTF_MUST_USE int ttf_disk_room_check(struct ttf_io *io, const char *path, const char *what,
+                                     int64_t bytes, struct ttf_err *err);
+
+/*
  * Whether the plan's second storage can be used: a folder that is there and can be written, and not the first one's own (-EINVAL). -ENOENT, -ENOTDIR, -EROFS
  * or what writing gave, with where "storage.second". path: where the dataset lies or will lie. *ret_same (may be NULL):
  * both are of one file system, so that what fills or breaks one does the other. A plan without one is fine.

@@ -6,6 +6,7 @@
 #include "ttf/base/err.h"
 #include "ttf/capture/plan.h"
 #include "ttf/dataset/calibration.h"
+#include "ttf/dataset/io.h"
 #include "ttf/hal/box.h"
 
 struct ttf_guided_config {
@@ -19,6 +20,9 @@ struct ttf_guided_config {
         *stop; /* not 0: no further wait, no further set of frames: -ECANCELED; NULL: none */
     int64_t
         patience_ns; /* for the frames, once the lamps have settled: -EIO after it; 0: as long as it takes */
+    /* Where the calibration will be saved: without room for it there no lamp is lit and no frame taken, -ENOSPC. NULL: nowhere. */
+    struct ttf_io *io;
+    const char *folder;
 };
 
 /* For want of a plan's: the box's first camera under all its lamps, fully lit; the rest of the shot stays as it is. */

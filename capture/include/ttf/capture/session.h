@@ -30,8 +30,16 @@ enum ttf_progress_kind {
     TTF_PROGRESS_ALARM_OVER /* what an alarm of this text told is over; also where none was told */
 };
 
+/* Until when an alarm stands. */
+enum ttf_alarm_until {
+    TTF_ALARM_UNTIL_OVER = 0, /* it is told to be over, of whatever run */
+    TTF_ALARM_UNTIL_ARMED,    /* the run ended with it: a run is armed again, or this one is done */
+    TTF_ALARM_UNTIL_NEW       /* another run is armed */
+};
+
 struct ttf_progress {
     enum ttf_progress_kind kind;
+    enum ttf_alarm_until until; /* of an alarm */
     int64_t index, total;
     bool waits;        /* armed: for the plan's start, which is still to come */
     int result;        /* enum ttf_result of a slot */
@@ -43,9 +51,14 @@ struct ttf_progress {
 
 typedef void ttf_progress_fn(void *ctx, const struct ttf_progress *progress);
 
+#define TTF_ABSENCE_STOPS 16
+
 /* Why slots have no records, on this boot's clock. What it does not say is a program that was not running. */
 struct ttf_absence {
-    int64_t stopped_from_ns, stopped_until_ns; /* a person had stopped it; 0, 0: nobody had */
+    unsigned n_stops;
+    struct ttf_absence_stop {
+        int64_t from_ns, until_ns;
+    } stops[TTF_ABSENCE_STOPS]; /* a person had stopped it; the oldest first */
     int64_t trying_since_ns; /* the program was there, and the run could not go on; 0: it was not */
 };
 

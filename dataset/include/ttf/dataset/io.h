@@ -111,4 +111,10 @@ TTF_MUST_USE int ttf_io_write_file(struct ttf_io *io, const char *path, const vo
 /* Makes a folder and those above it, each synced. */
 TTF_MUST_USE int ttf_io_mkdirs(struct ttf_io *io, const char *path, struct ttf_err *err);
 
+/*
+ * Removes a file, or a folder with all that lies below it; a link itself, and nothing that it leads to. Allocates nothing. 0, or the first
+ * error: what could not be removed stays, with the folders above it.
+ */
+int ttf_io_remove_tree(struct ttf_io *io, const char *path);
+
 #endif

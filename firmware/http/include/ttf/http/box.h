@@ -110,6 +110,8 @@ struct ttf_http_box_ops {
                      char **ret_json, struct ttf_err *err);
     /* name: empty: the configuration's again */
     int (*calibration_use)(struct ttf_http_box *box, const char *name, struct ttf_err *err);
+    /* slow. -EBUSY: something needs it */
+    int (*calibration_delete)(struct ttf_http_box *box, const char *name, struct ttf_err *err);
     /* slow. A JPEG. -EBUSY: a run is under way */
     int (*live)(struct ttf_http_box *box, const struct ttf_http_view *view,
                 struct ttf_http_shown *ret, struct ttf_err *err);

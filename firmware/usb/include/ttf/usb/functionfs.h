@@ -14,8 +14,8 @@
 TTF_MUST_USE int ttf_usb_functionfs_prepare(const char *folder, struct ttf_err *err);
 
 /*
- * A link over it. ep0: of ttf_usb_functionfs_prepare, in this process or one before; the link's from now on. It may have been
- * bound long since. -ENOMEM; errors of eventfd and io_setup.
+ * A link over it. ep0: of ttf_usb_functionfs_prepare, in this process or one before; the link's from now on, also on failure. It may have been
+ * bound long since. -ENOMEM; -ENAMETOOLONG; errors of eventfd and fcntl.
  */
 TTF_MUST_USE int ttf_usb_functionfs_create(const char *folder, int ep0, struct ttf_usb_link **ret,
                                            struct ttf_err *err);

@@ -16,6 +16,7 @@
 
 #define TTF_VIEW_PANELS_MAX 2
 #define TTF_VIEW_FRAMES_MAX 256                     /* layers that every WebGL2 has */
+#define TTF_VIEW_SIDE_MAX   2048                    /* pixels that every WebGL2 takes */
 #define TTF_VIEW_BYTES_MAX  (INT64_C(30) * 1000000) /* of the file */
 
 /* One texture of the file. Texts are borrowed; NULL: not known. */
@@ -36,7 +37,7 @@ struct ttf_view_config {
     const char *output;  /* the file; what was there is replaced when the new one is whole */
     int64_t bytes_max;   /* 0: TTF_VIEW_BYTES_MAX, which it may not exceed */
     uint32_t frames_max; /* of each texture, evenly spread over its time; 0: 240 */
-    uint32_t side_max;   /* longest side in pixels; 0: 2048, which it may not exceed */
+    uint32_t side_max;   /* longest side in pixels; 0: TTF_VIEW_SIDE_MAX, which it may not exceed */
     double white;        /* value of the brightest code; 0: the brightest that is there */
     unsigned threads;    /* 0: one per processor; never changes a byte */
     ttf_view_progress_fn *progress; /* may be NULL */
@@ -53,7 +54,7 @@ struct ttf_view_result {
 
 /*
  * Writes the file, of one texture or of two beside each other. On failure what was at `output` is
- * still there and nothing new is. -EINVAL (wrong options), -EISDIR, -ECANCELED, -EFBIG (not even
+ * still there and nothing new is; but where its folder alone cannot be synced. -EINVAL (wrong options), -EISDIR, -ECANCELED, -EFBIG (not even
  * small pictures fit into bytes_max), errors of the disk and of the frames. ret may be NULL. Holds
  * one frame per thread, and no more, however long the sequences are.
  */
