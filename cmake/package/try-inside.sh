@@ -12,7 +12,7 @@ nobodys() { # files that no package owns
         ! -path '/etc/*-' | sort >/tmp/all
     cat /var/lib/dpkg/info/*.list | sort -u >/tmp/owned
     # Of a merged /usr, a package may own /lib/x that is found as /usr/lib/x.
-    sed -n 's|^/\(lib\|bin\|sbin\)|/usr/\1|p' /tmp/owned | sort -u - /tmp/owned >/tmp/owned2
+    sed -n 's#^/\(lib\|bin\|sbin\)/#/usr/\1/#p' /tmp/owned | sort -u - /tmp/owned >/tmp/owned2
     comm -23 /tmp/all /tmp/owned2
 }
 
