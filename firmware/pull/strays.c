@@ -21,7 +21,7 @@ struct names {
 
 static int add(struct names *names, const char *name, size_t n)
 {
-    if (names->n_bytes + n + 1 > names->room) {
+    if (!names->bytes || names->n_bytes + n + 1 > names->room) {
         size_t room = 2 * (names->room + n + 1);
         char *more = realloc(names->bytes, room);
 

@@ -2,6 +2,7 @@
 /* rig_camera_settings.c: settings asked of the webcam of rig_uvc, and what is seen of them in its pictures. */
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "rig_camera.h"
@@ -29,10 +30,10 @@ static int one(struct ttf_camera *camera, struct ttf_clock *clock, int64_t us, u
 
     if (r == 0)
         r = ttf_camera_next(camera, ttf_clock_now_ns(clock) + 10 * TTF_NS_PER_S, &frame, &err);
-    if (r < 0) {
+    if (r < 0 || !frame) {
         printf("asked %lld %u failed %s\n", (long long)us, gain,
                ttf_err_text(&err, text, sizeof(text)));
-        return r;
+        return r < 0 ? r : -EIO;
     }
     printf("asked %lld %u granted %lld %u lens %u flags %u mean %.5f\n", (long long)us, gain,
            (long long)(frame->settings.exposure_ns / TTF_NS_PER_US), frame->settings.gain_milli,
@@ -45,18 +46,22 @@ static int one(struct ttf_camera *camera, struct ttf_clock *clock, int64_t us, u
 
 static int each(struct ttf_camera *camera, struct ttf_clock *clock, const char *list)
 {
-    long long us;
-    unsigned gain;
-    int r = 0, used, failed = 0;
+    int failed = 0;
 
-    while (sscanf(list, "%lld:%u%n", &us, &gain, &used) == 2) {
-        r = one(camera, clock, us, gain);
-        failed += r < 0;
-        list += used;
-        if (*list == ',')
-            list++;
+    for (;;) {
+        char *rest;
+        long long us = strtoll(list, &rest, 10);
+        unsigned gain;
+
+        if (rest == list || *rest != ':')
+            return failed;
+        list = rest + 1;
+        gain = (unsigned)strtoul(list, &rest, 10);
+        if (rest == list)
+            return failed;
+        failed += one(camera, clock, us, gain) < 0;
+        list = *rest == ',' ? rest + 1 : rest;
     }
-    return failed;
 }
 
 int rig_settings(const char *list)

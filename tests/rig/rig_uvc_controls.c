@@ -2,6 +2,7 @@
 /* rig_uvc_controls.c: the webcam's controls, as the class's specification has them, and its faults. */
 #include <linux/usb/video.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "rig_uvc.h"
@@ -261,40 +262,62 @@ struct rig_uvc_light rig_uvc_controls_light(struct rig_uvc_controls *c, int fram
     return light;
 }
 
+/* n numbers, each behind a blank. */
+static bool numbers(const char *text, unsigned n, int *ret)
+{
+    for (unsigned i = 0; i < n; i++) {
+        char *rest;
+
+        ret[i] = (int)strtol(text, &rest, 10);
+        if (rest == text)
+            return false;
+        text = rest;
+    }
+    return true;
+}
+
+/* "WORD NUMBER..." */
+static bool says(const char *line, const char *word, unsigned n, int *ret)
+{
+    const size_t length = strlen(word);
+
+    return strncmp(line, word, length) == 0 && numbers(line + length, n, ret);
+}
+
 /* "stalls NAME TIMES ERROR" */
 static bool stalls(struct rig_uvc_controls *c, const char *line)
 {
     struct rig_uvc_control *control;
     char name[16];
-    unsigned times, error;
+    int used = 0, n[2];
 
-    if (sscanf(line, "stalls %15s %u %u", name, &times, &error) != 3)
+    if (sscanf(line, "stalls %15s%n", name, &used) != 1 || !numbers(line + used, 2, n))
         return false;
     control = named(c, name);
     if (!control)
         return false;
-    control->stalls = times;
-    c->stall_error = (uint8_t)error;
+    control->stalls = (unsigned)n[0];
+    c->stall_error = (uint8_t)n[1];
     return true;
 }
 
 bool rig_uvc_controls_fault(struct rig_uvc_controls *c, const char *line)
 {
-    int a, b;
+    int n[2];
 
-    if (sscanf(line, "grants %d", &a) == 1)
-        c->grants_permille = a;
-    else if (sscanf(line, "rounds %d", &a) == 1 && a > 0)
-        c->rounds = a;
-    else if (sscanf(line, "hides %d", &a) == 1)
-        c->hides_permille = a;
-    else if (sscanf(line, "sticks %d", &a) == 1)
-        c->sticks = a != 0;
+    if (says(line, "grants", 1, n))
+        c->grants_permille = n[0];
+    else if (says(line, "rounds", 1, n) && n[0] > 0)
+        c->rounds = n[0];
+    else if (says(line, "hides", 1, n))
+        c->hides_permille = n[0];
+    else if (says(line, "sticks", 1, n))
+        c->sticks = n[0] != 0;
     else if (strncmp(line, "hiccups", 7) == 0)
         power_on(c);
-    else if (sscanf(line, "wanders %d %d", &a, &b) == 2 && a > 0) {
-        c->wander_in = (unsigned)a;
-        c->wander_to = b;
+    else if (says(line, "wanders", 2, n) && n[0] > 0) {
+        c->wander_in = (unsigned)n[0];
+        c->wander_to = n[1];
     } else
         return stalls(c, line);
     return true;

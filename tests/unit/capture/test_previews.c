@@ -59,7 +59,7 @@ static void path_of(char *ret, size_t size, const char *name)
 
 static void make_folder(const char *name)
 {
-    char path[160];
+    char path[256];
 
     path_of(path, sizeof(path), name);
     assert_int_equal(mkdir(path, 0755), 0);
@@ -67,7 +67,7 @@ static void make_folder(const char *name)
 
 static void make(const char *name)
 {
-    char path[160];
+    char path[256];
     FILE *f;
 
     path_of(path, sizeof(path), name);
@@ -79,7 +79,7 @@ static void make(const char *name)
 
 static bool there(const char *name)
 {
-    char path[160];
+    char path[256];
 
     path_of(path, sizeof(path), name);
     return access(path, F_OK) == 0;
