@@ -20,7 +20,7 @@ static inline __m256i load_16(const int16_t *p)
 
 static inline __m256i add_squares_16(__m256i sum, const int16_t *a, __m256i b)
 {
-    __m256i d = _mm256_sub_epi16(load_16(a), b);
+    __m256i d = _mm256_sub_epi16(b, load_16(a)); /* this way around it is read by the subtraction */
 
 #ifdef __AVX512VNNI__
     return _mm256_dpwssd_epi32(sum, d, d);

@@ -98,7 +98,7 @@ static __m512i sixteen_positions(const int16_t *cells, const struct ttf_cell_tar
             _mm256_loadu_si256((const __m256i *)(const void *)targets[i].value));
 
         for (int k = 0; k < 8; k++)
-            sums[k] = add_squares(sums[k], load(at + (size_t)k * 2 * TTF_CELL_DIMS), target);
+            sums[k] = add_squares(sums[k], target, load(at + (size_t)k * 2 * TTF_CELL_DIMS));
     }
     return gather_sums(sums);
 }
