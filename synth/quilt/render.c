@@ -48,7 +48,7 @@ static bool is_narrow(const struct ttf_render_job *job)
 {
     const struct ttf_quilt_config *config = job->config;
 
-    return job->sink->frame8 && !job->figures && !config->per_frame && !config->rate &&
+    return job->sink->rows8 && !job->figures && !config->per_frame && !config->rate &&
            !job->map->times && job->map->n_layers == 0;
 }
 
@@ -131,7 +131,7 @@ static int hand_on(struct ttf_render *r, uint32_t t, const struct stage *stage, 
     if (r->job.figures)
         ttf_figures_add(r->job.figures, t, with_source ? stage->source : NULL, stage->output, pool);
     measured_ns = now_ns(r);
-    code = r->narrow ? sink->frame8(sink->ctx, t, stage->output, err)
+    code = r->narrow ? sink->rows8(sink->ctx, t, 0, r->job.config->height, stage->output, err)
                      : sink->frame(sink->ctx, t, stage->output, err);
     r->metrics_ns += measured_ns - start_ns;
     r->sink_ns += now_ns(r) - measured_ns;
@@ -177,7 +177,7 @@ static void round_tile(void *ctx, unsigned tile, unsigned worker)
 
     (void)worker;
     if (tile == 0) {
-        struct stage *stage = hand >= 0 ? &r->stages[hand % 3] : NULL;
+        struct stage *stage = hand >= r->job.first ? &r->stages[hand % 3] : NULL;
 
         if (stage && !r->narrow)
             ttf_compose_layers(r->job.map, stage->source, stage->output);
@@ -187,7 +187,7 @@ static void round_tile(void *ctx, unsigned tile, unsigned worker)
         if (hand + 2 < frames)
             r->read_code =
                 read_frame(r, (uint32_t)(hand + 2), r->stages[(hand + 2) % 3].source, &r->read_err);
-    } else if (hand + 1 >= 0 && hand + 1 < frames) {
+    } else if (hand + 1 >= r->job.first && hand + 1 < frames) {
         compose_part(r, hand + 1, tile - 2);
     }
 }
@@ -218,11 +218,12 @@ int ttf_render_all(struct ttf_render *r, struct ttf_err *err)
     int64_t frames = r->job.frames, start_ns = now_ns(r);
     int code = 0;
 
-    for (r->hand = r->timed ? 0 : -2; r->hand < frames && code == 0; r->hand++) {
+    for (r->hand = (int64_t)r->job.first - (r->timed ? 0 : 2); r->hand < frames && code == 0;
+         r->hand++) {
         if (config->cancel && *config->cancel)
             return ttf_err_set(err, -ECANCELED, NULL, "cancelled");
         code = r->timed ? ttf_render_one(r, (uint32_t)r->hand, err) : one_round(r, err);
-        if (r->hand >= 0)
+        if (r->hand >= r->job.first)
             show_progress(r, r->hand + 1);
     }
     if (!r->timed)
@@ -232,8 +233,8 @@ int ttf_render_all(struct ttf_render *r, struct ttf_err *err)
 
 void ttf_render_costs(const struct ttf_render *r, struct ttf_quilt_report *report)
 {
-    report->render_ns = r->render_ns;
-    report->sink_ns = r->sink_ns;
-    report->metrics_ns = r->metrics_ns;
-    report->frame_bytes = r->bytes;
+    report->render_ns += r->render_ns;
+    report->sink_ns += r->sink_ns;
+    report->metrics_ns += r->metrics_ns;
+    report->frame_bytes += r->bytes;
 }

@@ -21,7 +21,8 @@ struct ttf_render_job {
     struct ttf_figures *figures; /* NULL: none */
     const struct ttf_quilt_sink *sink;
     struct ttf_pool *pool;
-    uint32_t frames;
+    uint32_t first,
+        frames;           /* the first to be rendered (others were handed on before), and the end */
     double progress_from; /* the bar's place at the first frame */
 };
 
