@@ -235,6 +235,8 @@ int ttf_dng_write_in(const struct ttf_raw_sum *raw, const struct ttf_dng_info *i
         return r;
     r = set_tags(&client, raw, info, strip_rows, err);
     if (r == 0)
+        r = tiff_client_pixels(&client, (int64_t)raw->format.width * raw->format.height * 2, err);
+    if (r == 0)
         r = write_strips(&client, raw, strip_rows, scratch, err);
     if (r == 0 && !TIFFFlush(client.tiff))
         r = tiff_client_fail(&client, err, -EIO, "completing a DNG file");

@@ -32,21 +32,31 @@ static bool read_window(struct tiff_client *client, void *buf, size_t n)
     return true;
 }
 
+static bool keep_error(struct tiff_client *client, int r)
+{
+    if (r < 0 && client->io_error == 0)
+        client->io_error = r;
+    return r >= 0;
+}
+
+/* Whoever reads sees all that was written. */
+static bool release(struct tiff_client *client)
+{
+    return keep_error(client, tiff_order_release(&client->order, client->io, client->file));
+}
+
 static tmsize_t client_read(thandle_t handle, void *buf, tmsize_t n)
 {
     struct tiff_client *client = handle;
     int64_t got;
 
-    if (n < 0 || client->position < 0)
+    if (n < 0 || client->position < 0 || !release(client))
         return -1;
     if (read_window(client, buf, (size_t)n))
         return n;
     got = ttf_io_pread_all(client->io, client->file, buf, (size_t)n, client->position);
-    if (got < 0) {
-        if (client->io_error == 0)
-            client->io_error = (int)got;
+    if (!keep_error(client, got < 0 ? (int)got : 0))
         return -1;
-    }
     client->position += got;
     return (tmsize_t)got;
 }
@@ -59,12 +69,12 @@ static tmsize_t client_write(thandle_t handle, void *buf, tmsize_t n)
     if (n < 0 || client->position < 0)
         return -1;
     client->window_bytes = 0;
-    r = ttf_io_pwrite_all(client->io, client->file, buf, (size_t)n, client->position);
-    if (r < 0) {
-        if (client->io_error == 0)
-            client->io_error = r;
+    r = tiff_order_write(&client->order, client->io, client->file, client->position, buf,
+                         (size_t)n);
+    if (r == 0)
+        r = ttf_io_pwrite_all(client->io, client->file, buf, (size_t)n, client->position);
+    if (!keep_error(client, r))
         return -1;
-    }
     client->position += n;
     if (client->position > client->size)
         client->size = client->position;
@@ -146,10 +156,19 @@ int tiff_client_attach(struct tiff_client *client, struct ttf_io *io, int file, 
     r = io->ops->size(io, file, &client->size);
     if (r < 0)
         return ttf_err_set(err, r, NULL, "cannot tell the size of a file: %s", strerrordesc_np(-r));
+    if (mode[0] == 'w' && client->size == 0)
+        tiff_order_begin(&client->order);
     r = open_handle(client, mode);
     if (r < 0)
         return tiff_client_fail(client, err, r, "opening a TIFF file");
     return 0;
+}
+
+int tiff_client_pixels(struct tiff_client *client, int64_t bytes, struct ttf_err *err)
+{
+    int r = tiff_order_pixels(&client->order, client->io, client->file, client->size, bytes);
+
+    return keep_error(client, r) ? 0 : tiff_client_fail(client, err, r, "writing a TIFF file");
 }
 
 int tiff_client_open(struct tiff_client *client, struct ttf_io *io, const char *path,
@@ -182,6 +201,7 @@ void tiff_client_drop(struct tiff_client *client)
     if (client->tiff)
         TIFFCleanup(client->tiff);
     client->tiff = NULL;
+    client->order.n = 0;
     (void)tiff_client_close(client);
 }
 
@@ -192,6 +212,8 @@ int tiff_client_close(struct tiff_client *client)
     if (client->tiff)
         TIFFClose(client->tiff);
     client->tiff = NULL;
+    if (client->order.n > 0)
+        (void)release(client);
     r = client->io_error;
     if (client->owns_file) {
         int closed = client->io->ops->close(client->io, client->file);

@@ -9,6 +9,7 @@
 
 #include <tiffio.h>
 
+#include "tiff_order.h"
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
 #include "ttf/dataset/io.h"
@@ -32,6 +33,7 @@ struct tiff_client {
     int64_t window_at;
     size_t window_bytes; /* 0: none */
     unsigned char window[TIFF_WINDOW];
+    struct tiff_order order; /* of a file that is written */
 };
 
 /* Opens over an open handle; mode as TIFFOpen's. Nothing is printed, ever. */
@@ -40,6 +42,8 @@ TTF_MUST_USE int tiff_client_attach(struct tiff_client *client, struct ttf_io *i
 /* Opens a file for reading; the handle is closed by tiff_client_close. */
 TTF_MUST_USE int tiff_client_open(struct tiff_client *client, struct ttf_io *io, const char *path,
                                   struct ttf_err *err);
+/* So many bytes of pixels come next, just as they are; then the last folder. Without it, the file is written in libtiff's order. */
+TTF_MUST_USE int tiff_client_pixels(struct tiff_client *client, int64_t bytes, struct ttf_err *err);
 /* Flushes and closes; a zeroed client is fine. 0 or what the I/O table said. */
 int tiff_client_close(struct tiff_client *client);
 

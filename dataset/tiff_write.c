@@ -155,6 +155,8 @@ int ttf_tiff_writer_begin(struct ttf_tiff_writer *writer, const struct ttf_tiff_
     r = tiff_client_attach(&writer->client, io, file, writer->big ? "w8l" : "wl", err);
     if (r == 0)
         r = set_tags(writer, err);
+    if (r == 0 && writer->spec.compression == TTF_TIFF_NONE)
+        r = tiff_client_pixels(&writer->client, (int64_t)(writer->row_bytes * writer->height), err);
     if (r < 0)
         ttf_tiff_writer_drop(writer);
     return r;

@@ -16,7 +16,7 @@
 
 #define LOG_ROOM 6000
 #define SHARE    67
-#define SLOTS    2
+#define SLOTS    3
 
 static bool everything; /* set once, by main */
 

@@ -97,6 +97,90 @@ static void every_geometry_comes_back_to_the_bit(void **state)
     }
 }
 
+/* ---- the order of the file ---- */
+
+/* Hands on to the disk, and looks where. */
+struct watch {
+    struct ttf_io io;
+    int64_t at; /* where the next byte has to go */
+    bool jumped, read;
+};
+
+static int64_t watch_pwrite(struct ttf_io *io, int file, const void *buf, size_t n, int64_t offset)
+{
+    struct watch *watch = (struct watch *)io;
+
+    watch->jumped = watch->jumped || offset != watch->at;
+    watch->at = offset + (int64_t)n;
+    return ttf_io_posix()->ops->pwrite(ttf_io_posix(), file, buf, n, offset);
+}
+
+static int64_t watch_pread(struct ttf_io *io, int file, void *buf, size_t n, int64_t offset)
+{
+    ((struct watch *)io)->read = true;
+    return ttf_io_posix()->ops->pread(ttf_io_posix(), file, buf, n, offset);
+}
+
+/* Whoever hashes what is written has to read nothing again. */
+static void bytes_are_written_in_the_order_of_the_file(void **state)
+{
+    static const uint32_t sizes[][2] = {{1, 1}, {7, 3}, {301, 457}, {1, 5000}, {700, 500}};
+    struct ttf_io_ops ops = *ttf_io_posix()->ops;
+
+    ops.pwrite = watch_pwrite;
+    ops.pread = watch_pread;
+    for (unsigned s = 0; s < TTF_COUNT_OF(sizes); s++) {
+        for (unsigned k = 0; k < 8; k++) {
+            struct ttf_tiff_spec spec = {.icc = k & 1 ? TTF_ICC_LINEAR : TTF_ICC_NONE,
+                                         .software = "ttfbox"};
+            struct watch watch = {.io = {.ops = &ops}};
+            struct ttf_pixbuf buf, back;
+            int file = scratch_create(state, "order.tif");
+
+            spec.times = k & 2 ? times : (struct ttf_tiff_times){.start_utc_ns = TTF_NS_UNKNOWN};
+            noise(&buf, sizes[s][0], sizes[s][1], 3, k & 4 ? TTF_SAMPLE_U8 : TTF_SAMPLE_U16);
+            assert_int_equal(ttf_tiff_write(&watch.io, file, &buf, &spec, NULL), 0);
+            assert_false(watch.jumped || watch.read);
+            assert_int_equal(ttf_io_posix()->ops->close(ttf_io_posix(), file), 0);
+            assert_int_equal(
+                ttf_tiff_read(ttf_io_posix(), scratch_path(state, "order.tif"), 0, &back, NULL), 0);
+            assert_same(&buf, &back);
+            ttf_pixbuf_free(&buf);
+            ttf_pixbuf_free(&back);
+        }
+    }
+}
+
+/* A text longer than what is held back: the file is whole all the same, and what is read back is the text. */
+static void what_is_too_much_to_be_held_goes_as_it_comes(void **state)
+{
+    static char text[10000];
+    struct ttf_tiff_spec spec = {.description = text, .times = times};
+    struct ttf_io_ops ops = *ttf_io_posix()->ops;
+    struct watch watch = {.io = {.ops = &ops}};
+    struct ttf_pixbuf buf, back;
+    char *got = NULL;
+    TIFF *tiff;
+    int file = scratch_create(state, "long.tif");
+
+    ops.pwrite = watch_pwrite;
+    memset(text, 'x', sizeof(text) - 1);
+    noise(&buf, 301, 457, 3, TTF_SAMPLE_U16);
+    assert_int_equal(ttf_tiff_write(&watch.io, file, &buf, &spec, NULL), 0);
+    assert_true(watch.jumped);
+    assert_int_equal(ttf_io_posix()->ops->close(ttf_io_posix(), file), 0);
+    assert_int_equal(ttf_tiff_read(ttf_io_posix(), scratch_path(state, "long.tif"), 0, &back, NULL),
+                     0);
+    assert_same(&buf, &back);
+    tiff = TIFFOpen(scratch_path(state, "long.tif"), "r");
+    assert_non_null(tiff);
+    assert_int_equal(TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &got), 1);
+    assert_string_equal(got, text);
+    TIFFClose(tiff);
+    ttf_pixbuf_free(&buf);
+    ttf_pixbuf_free(&back);
+}
+
 static void times_and_exposure_come_back(void **state)
 {
     struct ttf_pixbuf buf;
@@ -209,6 +293,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(every_geometry_comes_back_to_the_bit, scratch_make,
+                                        scratch_remove),
+        cmocka_unit_test_setup_teardown(bytes_are_written_in_the_order_of_the_file, scratch_make,
+                                        scratch_remove),
+        cmocka_unit_test_setup_teardown(what_is_too_much_to_be_held_goes_as_it_comes, scratch_make,
                                         scratch_remove),
         cmocka_unit_test_setup_teardown(times_and_exposure_come_back, scratch_make, scratch_remove),
         cmocka_unit_test_setup_teardown(the_same_picture_gives_the_same_bytes, scratch_make,
