@@ -3,7 +3,19 @@
 import { h, facts } from "./dom.js";
 import { bytes, count, span, when } from "./words.js";
 
-export function planVerdict({ ok, findings = [], figures }) {
+/* When a plan's text has it begin, in milliseconds; undefined: at once; null: as only the box can tell. */
+export function startOf(text) {
+  const said = text.match(/^start:\s*"?([^"#\n]*)/m)?.[1].trim(), at = said && /(Z|[+-]\d\d:?\d\d)$/.test(said) ? Date.parse(said) : NaN;
+  return said === undefined || said === "now" ? undefined : Number.isNaN(at) ? null : at;
+}
+
+function until(ns, start) {
+  if (start === null)
+    return "";
+  return start === undefined ? `, until ${when(Date.now() * 1e6 + ns)} if begun now` : `, from ${when(start * 1e6)} until ${when(start * 1e6 + ns)}`;
+}
+
+export function planVerdict({ ok, findings = [], figures }, start) {
   const f = figures, fits = f?.slots_that_fit === undefined || f.slots_that_fit >= f.slots;
   return [
     h("p", { class: ok ? "good" : "bad" }, h("strong", {}, ok ? "This box can do it." : "This box cannot do it as it stands.")),
@@ -11,7 +23,7 @@ export function planVerdict({ ok, findings = [], figures }) {
       `${one.where ? `${one.where}: ` : ""}${one.text}${one.hint ? ` (${one.hint})` : ""}`))),
     f && facts([
       ["Pictures", f.slots.toLocaleString()],
-      ["Time", `${span(f.duration_ns)}, until ${when(Date.now() * 1e6 + f.duration_ns)} if begun now`],
+      ["Time", `${span(f.duration_ns)}${until(f.duration_ns, start)}`],
       ["Storage", `${bytes(f.bytes)}, ${bytes(f.slot_bytes)} a slot`],
       f.disk_free_bytes !== undefined && ["On this disk", h("span", { class: fits ? "" : "bad" },
         `${bytes(f.disk_free_bytes)} free${f.slots_that_fit !== undefined ? `, room for ${count(f.slots_that_fit, "slot")}` : ""}${fits ? "" : ": not enough"}`)],
