@@ -289,7 +289,7 @@ static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
 
 /* ---- the rest ---- */
 
-static void do_event(struct ttf_committer *c, const struct ttf_job *job)
+static void tell_event(struct ttf_committer *c, const struct ttf_job *job)
 {
     struct ttf_progress p = {.kind = TTF_PROGRESS_EVENT,
                              .index = c->ledger.next_index,
@@ -299,11 +299,33 @@ static void do_event(struct ttf_committer *c, const struct ttf_job *job)
                              .error_ns = TTF_NS_UNKNOWN,
                              .wakeup_ns = TTF_NS_UNKNOWN};
 
-    /* In order: one that cannot be written now waits, and those after it. */
-    if ((c->n_late > 0 || ttf_committer_write_event(c, job) < 0) &&
-        c->n_late < TTF_COMMIT_LATE_EVENTS)
-        c->late[c->n_late++] = *job;
     ttf_committer_tell(c, &p);
+}
+
+/* In order: one that cannot be written now waits, and those after it. */
+static void write_or_keep(struct ttf_committer *c, const struct ttf_job *job)
+{
+    if (c->late.n > 0 || ttf_committer_write_event(c, job) < 0)
+        ttf_late_events_keep(&c->late, job);
+}
+
+/* Of those that the queue had no place for nobody has heard. */
+static void tell_lost(struct ttf_committer *c, const struct ttf_lost *lost)
+{
+    struct ttf_job job;
+
+    if (lost->n == 0)
+        return;
+    ttf_late_events_lost(&job, lost);
+    write_or_keep(c, &job);
+    tell_event(c, &job);
+}
+
+static void do_event(struct ttf_committer *c, const struct ttf_job *job)
+{
+    tell_lost(c, &job->lost_before);
+    write_or_keep(c, job);
+    tell_event(c, job);
 }
 
 static void do_segment(struct ttf_committer *c, const struct ttf_job *job)
@@ -372,7 +394,7 @@ static void last_chance(struct ttf_committer *c)
     struct ttf_err err = {0};
     int r = 0;
 
-    if (ttf_committer_power_lost(c) || !(c->pending || c->n_late > 0 || c->n_late_segments > 0))
+    if (ttf_committer_power_lost(c) || !(c->pending || c->late.n > 0 || c->n_late_segments > 0))
         return;
     r = ttf_committer_catch_up(c, &err);
     if (r < 0 && r != -ENOMEM && r != -EINVAL &&
@@ -387,6 +409,21 @@ static void last_chance(struct ttf_committer *c)
     }
     if (r < 0 && !ttf_committer_power_lost(c))
         give_up(c, r, &err);
+}
+
+/* What can be written is; of the others at least the watcher hears how many they are. */
+static void last_events(struct ttf_committer *c)
+{
+    struct ttf_lost lost = ttf_queue_take_lost(c->queue);
+    struct ttf_job job;
+
+    tell_lost(c, &lost);
+    ttf_committer_write_late(c);
+    lost = ttf_late_events_all(&c->late);
+    if (lost.n == 0)
+        return;
+    ttf_late_events_lost(&job, &lost);
+    tell_event(c, &job);
 }
 
 /* The oldest job. True if it was the last. */
@@ -413,10 +450,10 @@ static void *run(void *arg)
     while (ttf_queue_length(c->queue) > 0)
         (void)do_next(c);
     if (!ttf_committer_power_lost(c))
-        ttf_committer_write_late(c);
+        last_events(c);
     while (c->pending)
         ttf_committer_drop_first(c);
-    c->n_late = 0;
+    c->late.n = 0;
     ttf_gate_open(c->queue->done);
     ttf_clock_leave(clock);
     return NULL;

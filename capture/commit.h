@@ -10,6 +10,7 @@
 #include "events.h"
 #include "focus_watch.h"
 #include "image_files.h"
+#include "late_events.h"
 #include "ledger.h"
 #include "pulse.h"
 #include "rehearsal.h"
@@ -18,9 +19,6 @@
 /* The run stops when so many slots on end could not be recorded, over at least so long. */
 #define TTF_COMMIT_STRIKES     3
 #define TTF_COMMIT_PATIENCE_NS TTF_NS_PER_MIN
-
-/* Events that wait for it. */
-#define TTF_COMMIT_LATE_EVENTS 64
 
 /* Records that wait for a storage that is away: a minute's at ten a second, and some. */
 #define TTF_COMMIT_PENDING 1024
@@ -65,8 +63,7 @@ struct ttf_committer {
     bool calibration_lost;
     struct ttf_slot_work *pending, *pending_tail; /* records that could not be written yet */
     unsigned n_pending;
-    struct ttf_job late[TTF_COMMIT_LATE_EVENTS]; /* events that could not be written yet: copies */
-    unsigned n_late;
+    struct ttf_late_events late; /* events that could not be written yet */
     /* corrections that could not be written yet, one of a segment */
     struct ttf_segment late_segments[TTF_PULSE_EARLIER + 1];
     unsigned n_late_segments;

@@ -194,10 +194,8 @@ void ttf_committer_write_late(struct ttf_committer *c)
     while (c->n_late_segments > 0 &&
            ttf_committer_write_correction(c, &c->late_segments[c->n_late_segments - 1]) == 0)
         c->n_late_segments--;
-    while (c->n_late > 0 && ttf_committer_write_event(c, &c->late[0]) == 0) {
-        c->n_late--;
-        memmove(&c->late[0], &c->late[1], c->n_late * sizeof(c->late[0]));
-    }
+    while (c->late.n > 0 && ttf_committer_write_event(c, &c->late.wait[0]) == 0)
+        ttf_late_events_drop_first(&c->late);
 }
 
 /* What waits for a storage that was away. 0 once all records are written. */

@@ -8,13 +8,17 @@ void ttf_events_emit(struct ttf_events *events, const char *kind, const char *fm
 {
     struct ttf_job *job = ttf_job_new(events->queue, TTF_JOB_EVENT);
     struct ttf_utc utc;
+    int64_t at_utc_ns;
     va_list args;
 
-    if (!job)
-        return; /* an event is not worth more than the run */
     ttf_clock_utc(events->clock, &utc);
+    at_utc_ns = utc.trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : utc.utc_ns;
+    if (!job) { /* an event is not worth more than the run */
+        ttf_queue_lose_event(events->queue, utc.boot_ns, at_utc_ns);
+        return;
+    }
     job->at_ns = utc.boot_ns;
-    job->at_utc_ns = utc.trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : utc.utc_ns;
+    job->at_utc_ns = at_utc_ns;
     snprintf(job->event, sizeof(job->event), "%s", kind);
     va_start(args, fmt);
     vsnprintf(job->text, sizeof(job->text), fmt, args);

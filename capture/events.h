@@ -10,7 +10,7 @@ struct ttf_events {
     struct ttf_clock *clock;
 };
 
-/* kind: "retry", "camera", "lamp-trip", "lamp-level", "clock-step", "clock", "resume", "plan", "pause", "disk", "storage", "door", "sensor", "focus", "dew", "supply", "button", "box", "watchdog", "stop". */
+/* kind: "retry", "camera", "lamp-trip", "lamp-level", "clock-step", "clock", "resume", "plan", "pause", "disk", "storage", "door", "sensor", "focus", "dew", "supply", "button", "box", "watchdog", "stop"; of the committer's own "lost". */
 void ttf_events_emit(struct ttf_events *events, const char *kind, const char *fmt, ...)
     TTF_PRINTF(3, 4);
 

@@ -67,14 +67,35 @@ void ttf_job_free(struct ttf_queue *queue, struct ttf_job *job)
     ttf_stock_give_job(&queue->stock, job);
 }
 
+/* Both with the mutex held. */
+static void lose(struct ttf_queue *queue, int64_t at_ns, int64_t at_utc_ns)
+{
+    if (queue->lost.n++ == 0) {
+        queue->lost.first_ns = at_ns;
+        queue->lost.first_utc_ns = at_utc_ns;
+    }
+    queue->lost.last_ns = at_ns;
+}
+
+static struct ttf_lost take_lost(struct ttf_queue *queue)
+{
+    struct ttf_lost lost = queue->lost;
+
+    queue->lost = (struct ttf_lost){0};
+    return lost;
+}
+
 void ttf_queue_push(struct ttf_queue *queue, struct ttf_job *job)
 {
     pthread_mutex_lock(&queue->mutex);
     if (job->kind == TTF_JOB_EVENT && queue->length >= TTF_QUEUE_EVENTS_MAX) {
+        lose(queue, job->at_ns, job->at_utc_ns);
         pthread_mutex_unlock(&queue->mutex);
         ttf_job_free(queue, job);
         return;
     }
+    if (job->kind == TTF_JOB_EVENT)
+        job->lost_before = take_lost(queue);
     if (queue->tail)
         queue->tail->next = job;
     else
@@ -83,6 +104,23 @@ void ttf_queue_push(struct ttf_queue *queue, struct ttf_job *job)
     queue->length++;
     pthread_mutex_unlock(&queue->mutex);
     ttf_gate_open(queue->work);
+}
+
+void ttf_queue_lose_event(struct ttf_queue *queue, int64_t at_ns, int64_t at_utc_ns)
+{
+    pthread_mutex_lock(&queue->mutex);
+    lose(queue, at_ns, at_utc_ns);
+    pthread_mutex_unlock(&queue->mutex);
+}
+
+struct ttf_lost ttf_queue_take_lost(struct ttf_queue *queue)
+{
+    struct ttf_lost lost;
+
+    pthread_mutex_lock(&queue->mutex);
+    lost = take_lost(queue);
+    pthread_mutex_unlock(&queue->mutex);
+    return lost;
 }
 
 unsigned ttf_queue_length(struct ttf_queue *queue)

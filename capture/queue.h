@@ -18,7 +18,7 @@
 
 #define TTF_QUEUE_RAW 2 /* raw sums: one being exposed, one being committed */
 
-/* Events beyond this many unwritten jobs are dropped (a disk that hangs); records never are. */
+/* Events beyond this many unwritten jobs are lost (a disk that hangs), and counted; records never are. */
 #define TTF_QUEUE_EVENTS_MAX 1024
 
 struct ttf_queue {
@@ -28,6 +28,7 @@ struct ttf_queue {
     struct ttf_gate *done; /* the committer has ended */
     struct ttf_job *head, *tail;
     unsigned length;
+    struct ttf_lost lost;   /* events, since the last one that found a place */
     struct ttf_stock stock; /* the memory of all that passes, and of what waits beyond */
     struct ttf_raw_sum raw[TTF_QUEUE_RAW];
     bool raw_taken[TTF_QUEUE_RAW];
@@ -52,8 +53,14 @@ void ttf_queue_finish(struct ttf_queue *queue);
 struct ttf_job *ttf_job_new(struct ttf_queue *queue, enum ttf_job_kind kind);
 void ttf_job_free(struct ttf_queue *queue, struct ttf_job *job);
 
-/* Passes ownership of the job. An event into a crowded queue is dropped. Never allocates. Any thread. */
+/* Passes ownership of the job. An event into a crowded queue is lost; the next that is not says how many. Never allocates. Any thread. */
 void ttf_queue_push(struct ttf_queue *queue, struct ttf_job *job);
+
+/* Counts an event for which there was no job. Any thread. */
+void ttf_queue_lose_event(struct ttf_queue *queue, int64_t at_ns, int64_t at_utc_ns);
+
+/* Those lost since the last one that found a place; they count as told then. Committer. */
+struct ttf_lost ttf_queue_take_lost(struct ttf_queue *queue);
 
 /* How many jobs wait. Any thread. */
 unsigned ttf_queue_length(struct ttf_queue *queue);

@@ -51,6 +51,12 @@ struct ttf_slot_work {
     struct ttf_plan_change *change; /* NULL: a slot; owned, with memory of its own */
 };
 
+/* Events that are lost, because nothing could take them for too long. */
+struct ttf_lost {
+    unsigned n; /* 0: none, and no times */
+    int64_t first_ns, first_utc_ns, last_ns;
+};
+
 struct ttf_job {
     enum ttf_job_kind kind;
     struct ttf_job *next;
@@ -63,6 +69,8 @@ struct ttf_job {
     int64_t at_ns, at_utc_ns;    /* EVENT */
     char event[32];              /* EVENT: kind */
     char text[256];              /* EVENT */
+    struct ttf_lost lost_before; /* EVENT: those before it that found no place in the queue */
+    struct ttf_lost lost;        /* EVENT of kind "lost": those it tells of; n is 0 of others */
     const struct ttf_note *note; /* NOTE: lent until it is answered */
     int64_t ask;                 /* NOTE: to be answered */
 };

@@ -118,7 +118,9 @@ static int64_t time_of(const char *path, const struct ttf_image_info *info,
         if (ns == TTF_NS_UNKNOWN)
             return ns;
     }
-    return ns - config->zone_offset_s * TTF_NS_PER_S;
+    if (__builtin_sub_overflow(ns, config->zone_offset_s * TTF_NS_PER_S, &ns))
+        return TTF_NS_UNKNOWN;
+    return ns;
 }
 
 static int add_pages(struct import_list *list, const char *path, const struct ttf_image_info *info,
@@ -260,6 +262,16 @@ static int slots_on_grid(struct import_list *list, int64_t interval_ns, struct t
 
 int import_list_slots(struct import_list *list, int64_t *interval_ns, struct ttf_err *err)
 {
+    int64_t span_ns; /* that it can be said is what all arithmetic on times here stands on */
+
+    if (list->timed && list->n > 0 &&
+        __builtin_sub_overflow(list->frame[list->n - 1].taken_utc_ns, list->frame[0].taken_utc_ns,
+                               &span_ns)) {
+        ttf_err_set(err, -EINVAL, list->frame[list->n - 1].path, "was taken 292 years after %s",
+                    staging_base(list->frame[0].path));
+        ttf_err_hint(err, "one of the two times is wrong: order by name and give an interval");
+        return -EINVAL;
+    }
     if (list->timed && *interval_ns > 0)
         return slots_on_grid(list, *interval_ns, err);
     for (size_t i = 0; i < list->n; i++)

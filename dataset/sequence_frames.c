@@ -112,24 +112,29 @@ static int64_t time_of(struct time_line *line, const struct ttf_slot_record *rec
 {
     int64_t utc_ns = ttf_reader_due_utc_ns(line->reader, record);
     struct ttf_segment segment;
-    int64_t time_ns = TTF_NS_UNKNOWN;
+    int64_t time_ns = TTF_NS_UNKNOWN, since_ns;
 
     if (!line->begun) {
         line->first_utc_ns = utc_ns;
         time_ns = 0;
-    } else if (record->segment == line->segment) {
-        time_ns = line->segment_time_ns + (record->due_ns - line->segment_due_ns);
+    } else if (record->segment == line->segment &&
+               !__builtin_sub_overflow(record->due_ns, line->segment_due_ns, &since_ns) &&
+               !__builtin_add_overflow(line->segment_time_ns, since_ns, &time_ns)) {
+        /* by the clock of one boot */
     } else if (utc_ns != TTF_NS_UNKNOWN && line->first_utc_ns != TTF_NS_UNKNOWN &&
-               utc_ns - line->first_utc_ns > line->last_time_ns) {
-        time_ns = utc_ns - line->first_utc_ns;
+               !__builtin_sub_overflow(utc_ns, line->first_utc_ns, &since_ns) &&
+               since_ns > line->last_time_ns) {
+        time_ns = since_ns;
     } else {
-        /* Nobody knows how long the outage was: as if the grid had gone on. */
+        /* Nobody knows how long the outage was, or the times are beyond all that can be said: as if the grid had gone on. */
         int64_t interval_ns = TTF_NS_PER_S;
 
         if (ttf_reader_segment(line->reader, record->segment, &segment) == 0 &&
             segment.interval_ns > 0)
             interval_ns = segment.interval_ns;
-        time_ns = line->last_time_ns + (record->index - line->last_index) * interval_ns;
+        if (__builtin_mul_overflow(record->index - line->last_index, interval_ns, &since_ns) ||
+            __builtin_add_overflow(line->last_time_ns, since_ns, &time_ns))
+            time_ns = INT64_MAX;
     }
     if (!line->begun || record->segment != line->segment) {
         line->segment = record->segment;

@@ -32,8 +32,9 @@ found() { # TARGET KIND...
 measured() {
     local log=build-fuzz/log/$1 cpu status executions edges
     TIMEFORMAT='%U %S'
-    # (The output is sent away inside: of the last command of all, "time" itself would write to the log.)
-    cpu=$({ time (run "$1" "$2" >"$log" 2>&1); } 2>&1) && status=0 || status=$?
+    # (The output is sent away inside: of the last command of all, "time" itself would write to the log. And the target
+    # is not the last thing that is timed: in the timed shell's own place it would leave nobody to print the time.)
+    cpu=$({ time { (run "$1" "$2" >"$log" 2>&1); status=$?; }; exit "$status"; } 2>&1) && status=0 || status=$?
     echo "$1 $cpu" >>build-fuzz/spent
     executions=$(sed -n 's/^stat::number_of_executed_units: //p' "$log")
     edges=$(grep -ao 'cov: [0-9]*' "$log" | tail -n 1)

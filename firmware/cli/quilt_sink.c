@@ -279,18 +279,23 @@ static int take(void *ctx, uint32_t t, const uint16_t *codes, struct ttf_err *er
     return append(s, s->display, err);
 }
 
-/* Display codes as they come: one write each. */
-static int take8(void *ctx, uint32_t t, const uint8_t *codes, struct ttf_err *err)
+/* Display codes as they come, each to its place. */
+static int take_rows8(void *ctx, uint32_t t, uint32_t y0, uint32_t y1, const uint8_t *codes,
+                      struct ttf_err *err)
 {
-    (void)t;
-    return append(ctx, codes, err);
+    struct quilt_sink *s = ctx;
+    size_t row = (size_t)s->spec.config->width * 3;
+    int64_t at = (int64_t)(((uint64_t)t * s->spec.config->height + y0) * row);
+    int r = ttf_io_pwrite_all(s->io, s->file, codes, (y1 - y0) * row, at);
+
+    return r < 0 ? ttf_err_set(err, r, s->path, "cannot be written: %s", strerrordesc_np(-r)) : 0;
 }
 
 struct ttf_quilt_sink quilt_sink_of(struct quilt_sink *sink)
 {
     bool narrow = sink->spec.kind == QUILT_SINK_RAW && !sink->edited;
 
-    return (struct ttf_quilt_sink){.frame = take, .frame8 = narrow ? take8 : NULL, .ctx = sink};
+    return (struct ttf_quilt_sink){.frame = take, .rows8 = narrow ? take_rows8 : NULL, .ctx = sink};
 }
 
 /* At the dataset's root, outside the seal: it holds times. */

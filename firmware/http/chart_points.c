@@ -145,6 +145,8 @@ static void add_lamps(struct chart_points *points, struct chart_lamps *lamps,
 static void add_values(struct chart_points *points, unsigned at, struct chart_lamps *lamps,
                        const struct ttf_slot_record *record)
 {
+    int64_t error_ns;
+
     for (unsigned i = 0; i < record->n_images; i++) {
         const struct ttf_image *image = &record->images[i];
 
@@ -155,9 +157,9 @@ static void add_values(struct chart_points *points, unsigned at, struct chart_la
             put(find(points, CHART_MEAN, image->stream, "", image->bracket), at, image->mean_level);
     }
     add_lamps(points, lamps, record);
-    if (record->middle_ns != TTF_NS_UNKNOWN)
-        put(find(points, CHART_ERROR, "", "", -1), at,
-            (double)(record->middle_ns - record->due_ns) / (double)TTF_NS_PER_S);
+    if (record->middle_ns != TTF_NS_UNKNOWN &&
+        !__builtin_sub_overflow(record->middle_ns, record->due_ns, &error_ns))
+        put(find(points, CHART_ERROR, "", "", -1), at, (double)error_ns / (double)TTF_NS_PER_S);
     for (unsigned i = 0; i < record->n_sensors; i++) {
         const struct ttf_slot_sensor *sensor = &record->sensors[i];
 

@@ -103,7 +103,7 @@ static int start(struct agreement *a, struct ttf_sequence *input, unsigned most,
         r = ttf_trajectories_load(input, 0, input->n, plain.metric, a->pool, plain.cancel,
                                   &a->trajectories, err);
     if (r == 0)
-        r = ttf_matching_build(&plain, &a->sources, 0, input->n, a->pool, &a->matching, err);
+        r = ttf_matching_build(&plain, &a->sources, 0, input->n, NULL, a->pool, &a->matching, err);
     if (r < 0)
         return r;
     a->known = malloc(largest_block(map) * sizeof(*a->known));

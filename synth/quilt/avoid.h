@@ -14,7 +14,7 @@
 
 /*
  * Positions that show the place of a block nearby, however turned, or one within config->avoid_px of it: of
- * all blocks before block i in raster order (plan.c, waves). Where that would leave no position at
+ * all blocks before block i in raster order (order.c). Where that would leave no position at
  * all, the distance is halved until one is left. Returns how many rectangles there are.
  */
 unsigned ttf_avoid_find(const struct ttf_plan *plan, unsigned i, struct ttf_position_rect *ret);

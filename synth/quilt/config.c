@@ -42,6 +42,7 @@ void ttf_quilt_defaults(struct ttf_quilt_config *config)
                                         .block_height = 64,
                                         .tolerance = 0.1,
                                         .seed = 1,
+                                        .keep_bytes = (size_t)96 << 20,
                                         .rank = 15,
                                         .jitter_every = 16,
                                         .measure = true,

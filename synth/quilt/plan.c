@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * The plan: the matching data, then all blocks. Block (column c, row r) overlaps (c-1, r),
- * (c-1, r-1), (c, r-1) and (c+1, r-1), which all lie on earlier waves c + 2 r: so the blocks of one
- * wave can be placed side by side, and the result is that of raster order. Where repetition is
- * avoided a block looks as far as (c+3, r-1), and waves are c + 4 r. (A tileable
- * output's edges meet blocks of other waves: it is placed in raster order.)
- */
+/* The plan: the matching data, then all blocks (order.h). */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "quilt/avoid.h"
 #include "quilt/map_of_sources.h"
+#include "quilt/order.h"
 #include "quilt/paste.h"
 #include "quilt/plan_private.h"
 #include "quilt/time_jitter.h"
@@ -98,84 +93,6 @@ static int plan_alloc(struct ttf_plan *plan, struct ttf_err *err)
                  : 0;
 }
 
-/* ---- the raster loop, in waves ---- */
-
-struct wave {
-    struct ttf_plan *plan;
-    uint32_t lag;       /* waves that a row is behind the one above */
-    uint32_t first_row; /* block of tile i: row first_row + i, on the wave */
-    uint32_t index;
-    int results[64]; /* by tile % 64; negative stays */
-};
-
-static void wave_tile(void *ctx, unsigned tile, unsigned worker)
-{
-    struct wave *wave = ctx;
-    uint32_t row = wave->first_row + tile, columns = wave->plan->placement.columns;
-    unsigned i = row * columns + (wave->index - wave->lag * row);
-    int r = ttf_place_block(wave->plan, &wave->plan->rooms[worker], i);
-
-    if (r < 0)
-        __atomic_store_n(&wave->results[tile % 64], r, __ATOMIC_RELAXED);
-}
-
-static int run_wave(struct wave *wave)
-{
-    uint32_t columns = wave->plan->placement.columns, rows = wave->plan->placement.rows;
-    uint32_t lag = wave->lag;
-    uint32_t first = wave->index + 1 > columns ? (wave->index + lag - columns) / lag : 0;
-    uint32_t last = wave->index / lag < rows - 1 ? wave->index / lag : rows - 1;
-
-    wave->first_row = first;
-    if (first <= last)
-        ttf_pool_run(wave->plan->pool, last - first + 1, wave_tile, wave);
-    for (int i = 0; i < 64; i++) {
-        if (wave->results[i] < 0)
-            return wave->results[i];
-    }
-    return 0;
-}
-
-static int place_in_waves(struct ttf_plan *plan, struct ttf_err *err)
-{
-    const struct ttf_quilt_config *config = plan->config;
-    uint32_t lag = config->avoid_px > 0 ? TTF_AVOID_BLOCKS + 1 : 2;
-    uint32_t waves = plan->placement.columns + lag * (plan->placement.rows - 1);
-    struct wave wave = {.plan = plan, .lag = lag};
-    int r;
-
-    for (uint32_t i = 0; i < waves; i++) {
-        if (config->cancel && *config->cancel)
-            return ttf_err_set(err, -ECANCELED, NULL, "cancelled");
-        wave.index = i;
-        r = run_wave(&wave);
-        if (r < 0)
-            return ttf_err_set(err, r, NULL, "no memory to place the blocks");
-        if (config->progress)
-            config->progress(config->progress_ctx, (i + 1.0) / waves);
-    }
-    return 0;
-}
-
-static int place_in_order(struct ttf_plan *plan, struct ttf_err *err)
-{
-    const struct ttf_quilt_config *config = plan->config;
-
-    for (unsigned i = 0; i < plan->map.n_blocks; i++) {
-        int r;
-
-        if (config->cancel && *config->cancel)
-            return ttf_err_set(err, -ECANCELED, NULL, "cancelled");
-        r = ttf_place_block(plan, &plan->rooms[0], i);
-        if (r < 0)
-            return ttf_err_set(err, r, NULL, "no memory to place block %u of %u", i,
-                               plan->map.n_blocks);
-        if (config->progress)
-            config->progress(config->progress_ctx, (i + 1.0) / plan->map.n_blocks);
-    }
-    return 0;
-}
-
 /* ---- matching data ---- */
 
 static uint32_t narrowest(const struct ttf_plan *plan)
@@ -210,14 +127,15 @@ static int prepare_full(struct ttf_plan *plan, uint32_t first, uint32_t frames, 
                  : 0;
 }
 
-static int prepare_rank(struct ttf_plan *plan, uint32_t first, uint32_t frames, struct ttf_err *err)
+static int prepare_rank(struct ttf_plan *plan, uint32_t first, uint32_t frames,
+                        struct ttf_kept *kept, struct ttf_err *err)
 {
     const struct ttf_quilt_config *config = plan->config;
     struct ttf_quilt_search_figures *figures = &plan->map.figures;
     uint32_t narrow = narrowest(plan);
     int64_t start_ns = now_ns(config), loaded_ns;
-    int r =
-        ttf_matching_build(config, &plan->sources, first, frames, plan->pool, &plan->matching, err);
+    int r = ttf_matching_build(config, &plan->sources, first, frames, kept, plan->pool,
+                               &plan->matching, err);
 
     if (r < 0)
         return r;
@@ -260,7 +178,7 @@ static void sum_up(struct ttf_plan *plan)
 
 static int plan_range(const struct ttf_quilt_config *config, struct ttf_sequence *input,
                       uint32_t first, uint32_t frames, uint64_t seed, struct ttf_pool *pool,
-                      struct ttf_quilt_map *ret, struct ttf_err *err)
+                      struct ttf_ahead *ahead, struct ttf_quilt_map *ret, struct ttf_err *err)
 {
     struct ttf_plan plan = {.config = config, .pool = pool, .seed = seed};
     bool full = config->rank == TTF_QUILT_RANK_FULL && !(config->rank_error > 0.0);
@@ -274,10 +192,11 @@ static int plan_range(const struct ttf_quilt_config *config, struct ttf_sequence
     r = plan_alloc(&plan, err);
     if (r == 0)
         r = full ? prepare_full(&plan, first, frames, err)
-                 : prepare_rank(&plan, first, frames, err);
+                 : prepare_rank(&plan, first, frames, ahead ? ttf_ahead_kept(ahead) : NULL, err);
     plan.map.figures.matching_bytes = ttf_quilt_matching_bytes(config, plan.sources.pixels, frames);
     if (r == 0)
-        r = full || config->tileable ? place_in_order(&plan, err) : place_in_waves(&plan, err);
+        r = full || config->tileable ? ttf_order_raster(&plan, err)
+                                     : ttf_order_rows(&plan, ahead, err);
     if (r == 0 && (config->feather_px > 1 ? ttf_paste_all(&plan.map) : 0) < 0)
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory to blend seams");
     if (r == 0 && ttf_quilt_map_index(&plan.map) < 0)
@@ -296,12 +215,19 @@ static int plan_range(const struct ttf_quilt_config *config, struct ttf_sequence
     return r;
 }
 
-int ttf_quilt_plan(const struct ttf_quilt_config *config, struct ttf_sequence *input,
-                   struct ttf_pool *pool, struct ttf_quilt_map *ret, struct ttf_err *err)
+int ttf_plan_ahead(const struct ttf_quilt_config *config, struct ttf_sequence *input,
+                   struct ttf_pool *pool, struct ttf_ahead *ahead, struct ttf_quilt_map *ret,
+                   struct ttf_err *err)
 {
     if (config->per_frame)
         return ttf_err_set(err, -EINVAL, "per_frame", "quilting each frame alone has no one map");
-    return plan_range(config, input, 0, input->n, config->seed, pool, ret, err);
+    return plan_range(config, input, 0, input->n, config->seed, pool, ahead, ret, err);
+}
+
+int ttf_quilt_plan(const struct ttf_quilt_config *config, struct ttf_sequence *input,
+                   struct ttf_pool *pool, struct ttf_quilt_map *ret, struct ttf_err *err)
+{
+    return ttf_plan_ahead(config, input, pool, NULL, ret, err);
 }
 
 int ttf_quilt_frame_map(const struct ttf_quilt_config *config, struct ttf_sequence *input,
@@ -315,5 +241,5 @@ int ttf_quilt_frame_map(const struct ttf_quilt_config *config, struct ttf_sequen
     alone.per_frame = true;
     alone.jitter_frames = 0;
     return plan_range(&alone, input, t, 1, ttf_random64(config->seed, TTF_PURPOSE_FRAME, t), pool,
-                      ret, err);
+                      NULL, ret, err);
 }

@@ -56,7 +56,8 @@ int ttf_quilt_rank_curve(const struct ttf_quilt_config *config, struct ttf_seque
                            sources.pixels);
     }
     ttf_metric_table(config->metric, &sources.list[0]->encoding, table);
-    r = ttf_learner_add(&learner, &sources, 0, sources.frames, table, config->cancel, pool, err);
+    r = ttf_learner_add(&learner, &sources, 0, sources.frames, table, NULL, config->cancel, pool,
+                        err);
     if (r == 0)
         fill(&learner, config->rank, ret);
     ttf_learner_free(&learner);

@@ -14,6 +14,9 @@
 /* Parts that composing a frame is cut into: enough for any number of threads there is. */
 #define PARTS 16u
 
+/* What else is done in a round: a frame is handed on, measured, and another read. The longest first. */
+#define OTHERS 3u
+
 /* A frame on its way: read, put together, handed on. Three are in work at once. */
 struct stage {
     void *source, *output; /* 16-bit codes, or 8-bit ones */
@@ -30,7 +33,7 @@ struct ttf_render {
     bool is_timed;
     size_t bytes;
     int64_t render_ns, sink_ns, metrics_ns;
-    /* of the running round: frame `hand` is handed on, hand + 1 put together, hand + 2 read */
+    /* of the running round: frame `hand` is handed on and measured, hand + 1 put together, hand + 2 read */
     int64_t hand;
     int read_code, hand_code;
     struct ttf_err read_err, hand_err;
@@ -48,7 +51,7 @@ static bool is_narrow(const struct ttf_render_job *job)
 {
     const struct ttf_quilt_config *config = job->config;
 
-    return job->sink->frame8 && !job->figures && !config->per_frame && !config->rate &&
+    return job->sink->rows8 && !job->figures && !config->per_frame && !config->rate &&
            !job->map->times && job->map->n_layers == 0;
 }
 
@@ -120,21 +123,25 @@ static int read_frame(struct ttf_render *r, uint32_t t, void *dst, struct ttf_er
     return ttf_sources_read(r->job.sources, t, dst, err);
 }
 
-/* Figures, then the sink. source: NULL where the input has no such frame. */
-static int hand_on(struct ttf_render *r, uint32_t t, const struct stage *stage, bool with_source,
-                   struct ttf_pool *pool, struct ttf_err *err)
+/* Figures of a frame. with_source: the input has such a frame. */
+static void measure(struct ttf_render *r, uint32_t t, const struct stage *stage, bool with_source,
+                    struct ttf_pool *pool)
 {
-    const struct ttf_quilt_sink *sink = r->job.sink;
-    int64_t start_ns = now_ns(r), measured_ns;
-    int code;
+    int64_t start_ns = now_ns(r);
 
     if (r->job.figures)
         ttf_figures_add(r->job.figures, t, with_source ? stage->source : NULL, stage->output, pool);
-    measured_ns = now_ns(r);
-    code = r->narrow ? sink->frame8(sink->ctx, t, stage->output, err)
-                     : sink->frame(sink->ctx, t, stage->output, err);
-    r->metrics_ns += measured_ns - start_ns;
-    r->sink_ns += now_ns(r) - measured_ns;
+    r->metrics_ns += now_ns(r) - start_ns;
+}
+
+static int hand_on(struct ttf_render *r, uint32_t t, const struct stage *stage, struct ttf_err *err)
+{
+    const struct ttf_quilt_sink *sink = r->job.sink;
+    int64_t start_ns = now_ns(r);
+    int code = r->narrow ? sink->rows8(sink->ctx, t, 0, r->job.config->height, stage->output, err)
+                         : sink->frame(sink->ctx, t, stage->output, err);
+
+    r->sink_ns += now_ns(r) - start_ns;
     return code < 0 ? code : 0;
 }
 
@@ -152,7 +159,10 @@ int ttf_render_one(struct ttf_render *r, uint32_t t, struct ttf_err *err)
     else if (code == 0)
         ttf_compose_frame(r->job.map, r->job.pool, stage->source, stage->output);
     r->render_ns += now_ns(r) - start_ns;
-    return code < 0 ? code : hand_on(r, t, stage, with_source, r->job.pool, err);
+    if (code < 0)
+        return code;
+    measure(r, t, stage, with_source, r->job.pool);
+    return hand_on(r, t, stage, err);
 }
 
 /* ---- the pipeline ---- */
@@ -174,27 +184,31 @@ static void round_tile(void *ctx, unsigned tile, unsigned worker)
 {
     struct ttf_render *r = ctx;
     int64_t frames = r->job.frames, hand = r->hand;
+    const struct stage *done = hand >= r->job.first ? &r->stages[hand % 3] : NULL;
 
     (void)worker;
     if (tile == 0) {
-        struct stage *stage = hand >= 0 ? &r->stages[hand % 3] : NULL;
-
-        if (stage && !r->narrow)
-            ttf_compose_layers(r->job.map, stage->source, stage->output);
-        if (stage)
-            r->hand_code = hand_on(r, (uint32_t)hand, stage, true, NULL, &r->hand_err);
+        if (done)
+            r->hand_code = hand_on(r, (uint32_t)hand, done, &r->hand_err);
     } else if (tile == 1) {
+        if (done)
+            measure(r, (uint32_t)hand, done, true, NULL);
+    } else if (tile == 2) {
         if (hand + 2 < frames)
             r->read_code =
                 read_frame(r, (uint32_t)(hand + 2), r->stages[(hand + 2) % 3].source, &r->read_err);
-    } else if (hand + 1 >= 0 && hand + 1 < frames) {
-        compose_part(r, hand + 1, tile - 2);
+    } else if (hand + 1 >= r->job.first && hand + 1 < frames) {
+        compose_part(r, hand + 1, tile - OTHERS);
     }
 }
 
 static int one_round(struct ttf_render *r, struct ttf_err *err)
 {
-    ttf_pool_run(r->job.pool, 2 + PARTS, round_tile, r);
+    int64_t next = r->hand + 1;
+
+    ttf_pool_run(r->job.pool, OTHERS + PARTS, round_tile, r);
+    if (!r->narrow && next >= r->job.first && next < r->job.frames)
+        ttf_compose_layers(r->job.map, r->stages[next % 3].source, r->stages[next % 3].output);
     if (r->hand_code < 0 || r->read_code < 0) {
         if (err)
             *err = r->hand_code < 0 ? r->hand_err : r->read_err;
@@ -218,11 +232,12 @@ int ttf_render_all(struct ttf_render *r, struct ttf_err *err)
     int64_t frames = r->job.frames, start_ns = now_ns(r);
     int code = 0;
 
-    for (r->hand = r->timed ? 0 : -2; r->hand < frames && code == 0; r->hand++) {
+    for (r->hand = (int64_t)r->job.first - (r->timed ? 0 : 2); r->hand < frames && code == 0;
+         r->hand++) {
         if (config->cancel && *config->cancel)
             return ttf_err_set(err, -ECANCELED, NULL, "cancelled");
         code = r->timed ? ttf_render_one(r, (uint32_t)r->hand, err) : one_round(r, err);
-        if (r->hand >= 0)
+        if (r->hand >= r->job.first)
             show_progress(r, r->hand + 1);
     }
     if (!r->timed)
@@ -232,8 +247,8 @@ int ttf_render_all(struct ttf_render *r, struct ttf_err *err)
 
 void ttf_render_costs(const struct ttf_render *r, struct ttf_quilt_report *report)
 {
-    report->render_ns = r->render_ns;
-    report->sink_ns = r->sink_ns;
-    report->metrics_ns = r->metrics_ns;
-    report->frame_bytes = r->bytes;
+    report->render_ns += r->render_ns;
+    report->sink_ns += r->sink_ns;
+    report->metrics_ns += r->metrics_ns;
+    report->frame_bytes += r->bytes;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * render.h: frames through a map into a sink, streamed. While one thread measures and hands on a
- * frame, the others put together the next one and read the one after it.
+ * render.h: frames through a map into a sink, streamed. While one thread hands on a
+ * frame, the others measure it, put together the next one and read the one after it.
  */
 #ifndef TTF_SYNTH_QUILT_RENDER_H
 #define TTF_SYNTH_QUILT_RENDER_H
@@ -21,7 +21,8 @@ struct ttf_render_job {
     struct ttf_figures *figures; /* NULL: none */
     const struct ttf_quilt_sink *sink;
     struct ttf_pool *pool;
-    uint32_t frames;
+    uint32_t first,
+        frames;           /* the first to be rendered (others were handed on before), and the end */
     double progress_from; /* the bar's place at the first frame */
 };
 

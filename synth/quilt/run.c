@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "quilt/ahead.h"
 #include "quilt/map_of_sources.h"
 #include "quilt/render.h"
 #include "search/hash.h"
@@ -22,6 +23,8 @@ struct run {
     struct ttf_quilt_map map;
     struct ttf_figures *figures; /* NULL: nothing is measured */
     uint32_t frames;             /* of the output */
+    struct ttf_kept kept;        /* frames whose rows are handed on while blocks are looked for */
+    struct ttf_ahead *ahead;     /* NULL: none are */
     struct ttf_quilt_report report;
 };
 
@@ -62,6 +65,8 @@ static int start(struct run *run, struct ttf_err *err)
 
 static void finish(struct run *run)
 {
+    ttf_ahead_destroy(run->ahead);
+    ttf_kept_free(&run->kept);
     ttf_quilt_map_free(&run->map);
     ttf_figures_destroy(run->figures);
 }
@@ -152,12 +157,49 @@ static int replay(struct run *run, const struct ttf_quilt_map *kept, struct ttf_
                : 0;
 }
 
+/* Can rows be final before the whole map is, as the codes that blocks are matched by? */
+static bool may_go_ahead(const struct run *run)
+{
+    const struct ttf_quilt_config *config = run->config;
+
+    return run->sink->rows8 && config->metric == TTF_METRIC_DISPLAY && !run->figures &&
+           !config->rate && config->jitter_frames == 0 && config->feather_px <= 1 &&
+           !config->tileable && !config->known.bytes &&
+           (config->rank != TTF_QUILT_RANK_FULL || config->rank_error > 0.0);
+}
+
+static int go_ahead(struct run *run, struct ttf_err *err)
+{
+    const struct ttf_quilt_config *config = run->config;
+    size_t bytes = config->keep_bytes, pixels = run->sources.pixels;
+    int r;
+
+    if (config->memory_bytes > 0) {
+        size_t left = config->memory_bytes -
+                      ttf_quilt_matching_bytes(config, (uint32_t)pixels, run->sources.frames);
+
+        bytes = left < bytes ? left : bytes;
+    }
+    r = ttf_kept_create(pixels, run->sources.frames, bytes, &run->kept);
+    if (r == 0 && run->kept.frames > 0)
+        r = ttf_ahead_create(config, &run->kept, run->sink, ttf_pool_threads(run->pool),
+                             &run->ahead);
+    return r < 0 ? ttf_err_set(err, r, NULL, "no memory to keep frames of %zu pixels", pixels) : 0;
+}
+
+static int search_map(struct run *run, struct ttf_err *err)
+{
+    int r = may_go_ahead(run) ? go_ahead(run, err) : 0;
+
+    return r < 0 ? r
+                 : ttf_plan_ahead(&run->inner, run->sources.list[0], run->pool, run->ahead,
+                                  &run->map, err);
+}
+
 static int find_map(struct run *run, struct ttf_err *err)
 {
     const struct ttf_quilt_config *config = run->config;
-    int r = config->replay
-                ? replay(run, config->replay, err)
-                : ttf_quilt_plan(&run->inner, run->sources.list[0], run->pool, &run->map, err);
+    int r = config->replay ? replay(run, config->replay, err) : search_map(run, err);
 
     if (r == 0 && config->agreement_queries > 0)
         r = ttf_quilt_agreement(config, run->sources.list[0], &run->map, config->agreement_queries,
@@ -195,6 +237,8 @@ static int sum_up(struct run *run, const struct ttf_quilt_map *map, struct ttf_r
 
     sum_up_blocks(map, run->config->per_frame ? 1 : run->sources.frames, report);
     ttf_render_costs(render, report);
+    if (run->ahead)
+        ttf_ahead_costs(run->ahead, report);
     if (run->figures)
         report->frame_bytes += ttf_figures_bytes(run->figures);
     if ((run->figures ? ttf_figures_finish(run->figures, map, report)
@@ -211,6 +255,7 @@ static int render_all(struct run *run, struct ttf_quilt_map *ret_first, struct t
                                        .figures = run->figures,
                                        .sink = run->sink,
                                        .pool = run->pool,
+                                       .first = run->kept.frames,
                                        .frames = run->frames,
                                        .progress_from = PLAN_SHARE};
     struct ttf_render *render;

@@ -26,7 +26,8 @@ struct work {
     struct ttf_pool *pool;
     unsigned batch_frames;
     struct batch batches[2];
-    uint8_t *block; /* all batches' codes */
+    struct ttf_kept *kept; /* where the codes of the first frames go; NULL: none */
+    uint8_t *block;        /* both batches' codes */
     uint16_t *scratch;
     /* of one round: learn this, read that */
     const struct batch *learn;
@@ -83,6 +84,18 @@ static void round_tile(void *ctx, unsigned tile, unsigned worker)
                                      work->read->codes[tile - 1], &result->err);
 }
 
+/* Where the codes of a batch from frame `from` on go: what is kept is read into its place. */
+static void place_codes(const struct work *work, struct batch *batch, uint32_t from)
+{
+    size_t frame = (size_t)work->sources->pixels * 3;
+    uint8_t *own = work->block + (batch == &work->batches[1]) * work->batch_frames * frame;
+
+    for (unsigned i = 0; i < batch->n; i++)
+        batch->codes[i] = work->kept && from + i < work->kept->frames
+                              ? work->kept->codes + (from + i) * frame
+                              : own + i * frame;
+}
+
 /* Learns one batch while the next is read; then turns all pixels. */
 static int one_round(struct work *work, const struct batch *learn, struct batch *read,
                      uint32_t from, unsigned n, struct ttf_err *err)
@@ -91,6 +104,7 @@ static int one_round(struct work *work, const struct batch *learn, struct batch 
     work->read = read;
     work->read_from = from;
     read->n = n;
+    place_codes(work, read, from);
     memset(work->results, 0, sizeof(work->results));
     ttf_pool_run(work->pool, 1 + n, round_tile, work);
     for (unsigned i = 0; i < n; i++) {
@@ -119,18 +133,19 @@ static int make_room(struct work *work, struct ttf_err *err)
     if (!work->block || !work->scratch)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory for %u frames of %u pixels",
                            2 * work->batch_frames, work->sources->pixels);
-    for (unsigned i = 0; i < 2 * work->batch_frames; i++)
-        work->batches[i / work->batch_frames].codes[i % work->batch_frames] =
-            work->block + i * frame;
     return 0;
 }
 
 int ttf_learner_add(struct ttf_learner *learner, const struct ttf_sources *sources, uint32_t from,
-                    uint32_t to, const uint8_t *table, const volatile int *cancel,
-                    struct ttf_pool *pool, struct ttf_err *err)
+                    uint32_t to, const uint8_t *table, struct ttf_kept *kept,
+                    const volatile int *cancel, struct ttf_pool *pool, struct ttf_err *err)
 {
-    struct work work = {
-        .learner = learner, .sources = sources, .table = table, .cancel = cancel, .pool = pool};
+    struct work work = {.learner = learner,
+                        .sources = sources,
+                        .table = table,
+                        .kept = from == 0 ? kept : NULL,
+                        .cancel = cancel,
+                        .pool = pool};
     const struct batch *learn = NULL;
     unsigned turn = 0;
     int r = make_room(&work, err);

@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "search/factors.h"
+#include "search/kept.h"
 #include "search/second_differences.h"
 #include "search/sources.h"
 #include "ttf/base/attr.h"
@@ -30,11 +31,11 @@ TTF_MUST_USE int ttf_learner_create(size_t pixels, unsigned room, bool per_chann
                                     struct ttf_learner *ret);
 void ttf_learner_free(struct ttf_learner *learner); /* a zeroed one is fine */
 
-/* Adds frames from..to-1 and finishes. table: 16-bit codes to what is compared. */
+/* Adds frames from..to-1 and finishes. table: 16-bit codes to what is compared. kept: gets the codes of its frames, where `from` is 0; NULL: none are kept. */
 TTF_MUST_USE int ttf_learner_add(struct ttf_learner *learner, const struct ttf_sources *sources,
                                  uint32_t from, uint32_t to, const uint8_t *table,
-                                 const volatile int *cancel, struct ttf_pool *pool,
-                                 struct ttf_err *err);
+                                 struct ttf_kept *kept, const volatile int *cancel,
+                                 struct ttf_pool *pool, struct ttf_err *err);
 
 /* All of it as bytes, to be freed. -ENOMEM. */
 TTF_MUST_USE int ttf_learner_pack(const struct ttf_learner *learner, enum ttf_metric metric,

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "search/lanes.h"
 #include "search/learner.h"
 #include "search/rank_kernels.h"
 #include "search/trajectories.h"
@@ -185,7 +186,7 @@ int ttf_matching_of_factors(const struct ttf_factors *factors, unsigned n, unsig
     float largest = 0.0f;
 
     out.stride = (out.k + TTF_COEF_LANES - 1) / TTF_COEF_LANES * TTF_COEF_LANES;
-    out.coefs = calloc(out.pixels * out.stride + TTF_COEF_LANES, sizeof(*out.coefs));
+    out.coefs = ttf_lanes_alloc(out.pixels * out.stride + TTF_COEF_LANES);
     out.missed = calloc(out.pixels + 1, sizeof(*out.missed));
     if (!out.coefs || !out.missed || !q.largest) {
         ttf_matching_free(&out);
@@ -212,7 +213,7 @@ int ttf_matching_of_factors(const struct ttf_factors *factors, unsigned n, unsig
 /* ---- all of it ---- */
 
 static int learn(const struct ttf_quilt_config *config, const struct ttf_sources *sources,
-                 uint32_t first, uint32_t frames, struct ttf_pool *pool,
+                 uint32_t first, uint32_t frames, struct ttf_kept *kept, struct ttf_pool *pool,
                  struct ttf_learner *learner, struct ttf_err *err)
 {
     uint8_t *table = malloc(65536);
@@ -232,8 +233,8 @@ static int learn(const struct ttf_quilt_config *config, const struct ttf_sources
             ttf_err_set(err, r, NULL, "no memory for the factors of %u pixels", sources->pixels);
     }
     if (r == 0)
-        r = ttf_learner_add(learner, sources, from, first + frames, table, config->cancel, pool,
-                            err);
+        r = ttf_learner_add(learner, sources, from, first + frames, table, kept, config->cancel,
+                            pool, err);
     free(table);
     return r;
 }
@@ -255,12 +256,12 @@ static int keep(const struct ttf_quilt_config *config, const struct ttf_learner 
 }
 
 int ttf_matching_build(const struct ttf_quilt_config *config, const struct ttf_sources *sources,
-                       uint32_t first, uint32_t frames, struct ttf_pool *pool,
-                       struct ttf_matching *ret, struct ttf_err *err)
+                       uint32_t first, uint32_t frames, struct ttf_kept *kept,
+                       struct ttf_pool *pool, struct ttf_matching *ret, struct ttf_err *err)
 {
     struct ttf_learner learner = {0};
     double noise;
-    int r = learn(config, sources, first, frames, pool, &learner, err);
+    int r = learn(config, sources, first, frames, kept, pool, &learner, err);
 
     if (r == 0)
         r = keep(config, &learner, err);

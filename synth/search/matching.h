@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "search/factors.h"
+#include "search/kept.h"
 #include "search/sources.h"
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
@@ -28,10 +29,10 @@ struct ttf_matching {
     struct ttf_quilt_rank_figures figures;
 };
 
-/* Frames first .. first+frames-1 of the sources. -ENOMEM, -ECANCELED, the sequences' errors. */
+/* Frames first .. first+frames-1 of the sources. kept: gets those of the first frames, if config->known has none; NULL: none are kept. -ENOMEM, -ECANCELED, the sequences' errors. */
 TTF_MUST_USE int ttf_matching_build(const struct ttf_quilt_config *config,
                                     const struct ttf_sources *sources, uint32_t first,
-                                    uint32_t frames, struct ttf_pool *pool,
+                                    uint32_t frames, struct ttf_kept *kept, struct ttf_pool *pool,
                                     struct ttf_matching *ret, struct ttf_err *err);
 
 /*

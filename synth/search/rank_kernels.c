@@ -20,16 +20,15 @@ static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
     return sum;
 }
 
-static uint64_t ssd_runs(const int16_t *a, const struct ttf_run_place *runs, size_t n_runs,
-                         const int16_t *b, uint64_t limit)
+static void ssd_at4(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b, size_t n,
+                    uint64_t limit, uint64_t ret[4])
 {
-    uint64_t sum = 0;
-
-    for (size_t i = 0; i < n_runs && sum <= limit; i++) {
-        sum += ssd_i16(a + runs[i].at, b, runs[i].n);
-        b += runs[i].n;
+    for (int k = 0; k < 4; k++) {
+        ret[k] = 0;
+        for (size_t i = 0; i < n && ret[k] <= limit; i++)
+            ret[k] += ssd_i16(a[k] + (size_t)offsets[i] * TTF_COEF_LANES, b + i * TTF_COEF_LANES,
+                              TTF_COEF_LANES);
     }
-    return sum;
 }
 
 static void bound_cells(const int16_t *cells, const struct ttf_cell_target *targets,
@@ -71,7 +70,8 @@ const struct ttf_rank_kernels *ttf_rank_kernels_scalar(void)
     static const struct ttf_rank_kernels kernels = {
         .name = "scalar",
         .ssd_i16 = ssd_i16,
-        .ssd_runs = ssd_runs,
+        .ssd_at4 = ssd_at4,
+        .cells_at4 = ssd_at4,
         .bound_cells = bound_cells,
         .rotate4 = rotate4_plain,
     };
@@ -84,7 +84,8 @@ const struct ttf_rank_kernels *ttf_rank_kernels_best(void)
     static const struct ttf_rank_kernels vector = {
         .name = "vector",
         .ssd_i16 = ssd_i16,
-        .ssd_runs = ssd_runs,
+        .ssd_at4 = ssd_at4,
+        .cells_at4 = ssd_at4,
         .bound_cells = bound_cells,
         .rotate4 = rotate4,
     };

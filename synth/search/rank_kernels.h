@@ -23,21 +23,19 @@ struct ttf_cell_target {
     uint32_t offset;
 };
 
-/* Numbers of a run: where they begin, and how many (a multiple of TTF_COEF_LANES). */
-struct ttf_run_place {
-    size_t at, n;
-};
-
 struct ttf_rank_kernels {
     const char *name;
     /* Sum of squared differences; n a multiple of TTF_COEF_LANES, values within TTF_COEF_MAX. */
     uint64_t (*ssd_i16)(const int16_t *a, const int16_t *b, size_t n);
     /*
-     * The same of several runs, a's at the given places behind one another in b. Once the sum is beyond
-     * `limit` any larger number may be given.
+     * Of four places at once, into ret: sum over n vectors of TTF_COEF_LANES numbers of squared differences, vector i
+     * of a place lying offsets[i] vectors from it on. Done when all four are beyond `limit`, with any larger numbers.
      */
-    uint64_t (*ssd_runs)(const int16_t *a, const struct ttf_run_place *runs, size_t n_runs,
-                         const int16_t *b, uint64_t limit);
+    void (*ssd_at4)(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b, size_t n,
+                    uint64_t limit, uint64_t ret[4]);
+    /* The same of cells: of values within TTF_CELL_MAX. */
+    void (*cells_at4)(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b,
+                      size_t n, uint64_t limit, uint64_t ret[4]);
     /*
      * Of n neighbouring positions: sum over cells of squared differences, clipped at TTF_BOUND_MAX. cells: the view's values
      * from the first position's corner on. Of a position beyond `limit`, any number beyond it.

@@ -2,6 +2,7 @@
 /* Compiled with -mavx2 on x86-64 (synth/CMakeLists.txt); never entered without a look at the processor. */
 #include <immintrin.h>
 
+#include "search/rank_four.h"
 #include "search/rank_kernels.h"
 #include "search/rank_rotate.h"
 
@@ -54,25 +55,6 @@ static __m256i add_run(__m256i sum, const int16_t *a, const int16_t *b, size_t n
 static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
 {
     return sum_of(add_run(_mm256_setzero_si256(), a, b, n));
-}
-
-/* Runs between looks at the limit. */
-#define RUNS_AT_ONCE 4
-
-static uint64_t ssd_runs(const int16_t *a, const struct ttf_run_place *runs, size_t n_runs,
-                         const int16_t *b, uint64_t limit)
-{
-    uint64_t all = 0;
-
-    for (size_t i = 0; i < n_runs && all <= limit;) {
-        size_t end = n_runs - i < RUNS_AT_ONCE ? n_runs : i + RUNS_AT_ONCE;
-        __m256i sum = _mm256_setzero_si256();
-
-        for (; i < end; b += runs[i++].n)
-            sum = add_run(sum, a + runs[i].at, b, runs[i].n);
-        all += sum_of(sum);
-    }
-    return all;
 }
 
 /* The sums of the lanes of eight vectors, in order. */
@@ -143,7 +125,8 @@ const struct ttf_rank_kernels *ttf_rank_kernels_avx2(void)
     static const struct ttf_rank_kernels kernels = {
         .name = "avx2",
         .ssd_i16 = ssd_i16,
-        .ssd_runs = ssd_runs,
+        .ssd_at4 = ssd_at4,
+        .cells_at4 = cells_at4,
         .bound_cells = bound_cells,
         .rotate4 = rotate4,
     };

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Compiled with -mavx512bw on x86-64 (synth/CMakeLists.txt); never entered without a look at the processor. */
+/* Compiled with -mavx512bw, -mavx512vl, -mavx512dq and -mavx512vnni on x86-64 (synth/CMakeLists.txt); never entered without a look at the processor. */
 #include <immintrin.h>
 
+#include "search/rank_four.h"
 #include "search/rank_kernels.h"
 #include "search/rank_rotate.h"
 
@@ -13,29 +14,43 @@ static __m512i load(const int16_t *p)
     return _mm512_loadu_si512((const void *)p);
 }
 
-static __m512i squares(__m512i a, __m512i b)
+/* Adds the squares of the differences of neighbouring pairs to each lane. */
+static __m512i add_squares(__m512i sum, __m512i a, __m512i b)
 {
     __m512i d = _mm512_sub_epi16(a, b);
 
-    return _mm512_madd_epi16(d, d);
+    return _mm512_dpwssd_epi32(sum, d, d);
 }
 
-/* Eight vectors of squares keep a lane below 2^31; then into 64 bits. What is no whole vector is masked. */
+static __m512i load_half(const int16_t *p)
+{
+    return _mm512_maskz_loadu_epi16(0xffff, p);
+}
+
+/* Lanes of 32 bits, taken as unsigned, added to those of 64. */
+static __m512i widen(__m512i sum, __m512i part)
+{
+    sum = _mm512_add_epi64(sum, _mm512_cvtepu32_epi64(_mm512_castsi512_si256(part)));
+    return _mm512_add_epi64(sum, _mm512_cvtepu32_epi64(_mm512_extracti64x4_epi64(part, 1)));
+}
+
+/* Numbers whose squares fit a lane: 16 vectors of two times 8180^2. */
+#define PART_NUMBERS 512u
+
+/* What is no whole vector is masked. */
 static __m512i add_run(__m512i sum, const int16_t *a, const int16_t *b, size_t n)
 {
     for (size_t i = 0; i < n;) {
-        size_t end = n - i < 256 ? n : i + 256;
+        size_t end = n - i < PART_NUMBERS ? n : i + PART_NUMBERS;
         __m512i part = _mm512_setzero_si512();
 
         for (; i + 32 <= end; i += 32)
-            part = _mm512_add_epi32(part, squares(load(a + i), load(b + i)));
+            part = add_squares(part, load(a + i), load(b + i));
         if (i < end) {
-            part = _mm512_add_epi32(part, squares(_mm512_maskz_loadu_epi16(0xffff, a + i),
-                                                  _mm512_maskz_loadu_epi16(0xffff, b + i)));
+            part = add_squares(part, load_half(a + i), load_half(b + i));
             i = end;
         }
-        sum = _mm512_add_epi64(sum, _mm512_cvtepu32_epi64(_mm512_castsi512_si256(part)));
-        sum = _mm512_add_epi64(sum, _mm512_cvtepu32_epi64(_mm512_extracti64x4_epi64(part, 1)));
+        sum = widen(sum, part);
     }
     return sum;
 }
@@ -43,25 +58,6 @@ static __m512i add_run(__m512i sum, const int16_t *a, const int16_t *b, size_t n
 static uint64_t ssd_i16(const int16_t *a, const int16_t *b, size_t n)
 {
     return (uint64_t)_mm512_reduce_add_epi64(add_run(_mm512_setzero_si512(), a, b, n));
-}
-
-/* Runs between looks at the limit. */
-#define RUNS_AT_ONCE 4
-
-static uint64_t ssd_runs(const int16_t *a, const struct ttf_run_place *runs, size_t n_runs,
-                         const int16_t *b, uint64_t limit)
-{
-    uint64_t all = 0;
-
-    for (size_t i = 0; i < n_runs && all <= limit;) {
-        size_t end = n_runs - i < RUNS_AT_ONCE ? n_runs : i + RUNS_AT_ONCE;
-        __m512i sum = _mm512_setzero_si512();
-
-        for (; i < end; b += runs[i++].n)
-            sum = add_run(sum, a + runs[i].at, b, runs[i].n);
-        all += (uint64_t)_mm512_reduce_add_epi64(sum);
-    }
-    return all;
 }
 
 /*
@@ -102,8 +98,7 @@ static __m512i sixteen_positions(const int16_t *cells, const struct ttf_cell_tar
             _mm256_loadu_si256((const __m256i *)(const void *)targets[i].value));
 
         for (int k = 0; k < 8; k++)
-            sums[k] = _mm512_add_epi32(sums[k],
-                                       squares(load(at + (size_t)k * 2 * TTF_CELL_DIMS), target));
+            sums[k] = add_squares(sums[k], target, load(at + (size_t)k * 2 * TTF_CELL_DIMS));
     }
     return gather_sums(sums);
 }
@@ -176,10 +171,14 @@ const struct ttf_rank_kernels *ttf_rank_kernels_avx512(void)
     static const struct ttf_rank_kernels kernels = {
         .name = "avx512",
         .ssd_i16 = ssd_i16,
-        .ssd_runs = ssd_runs,
+        .ssd_at4 = ssd_at4,
+        .cells_at4 = cells_at4,
         .bound_cells = bound_cells,
         .rotate4 = rotate4_wide,
     };
 
-    return __builtin_cpu_supports("avx512bw") ? &kernels : NULL;
+    return __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") &&
+                   __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vnni")
+               ? &kernels
+               : NULL;
 }

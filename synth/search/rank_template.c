@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "search/lanes.h"
+
 static int make_room(struct ttf_rank_template *template, size_t pixels, size_t stride)
 {
     if (pixels <= template->room_pixels)
@@ -14,10 +16,11 @@ static int make_room(struct ttf_rank_template *template, size_t pixels, size_t s
     template->runs = malloc(pixels * sizeof(*template->runs));
     for (int level = 0; level < TTF_CELL_LEVELS; level++)
         template->cells[level] = malloc(pixels * sizeof(*template->cells[level]));
-    template->coefs = malloc(pixels * stride * sizeof(*template->coefs));
+    template->coefs = ttf_lanes_alloc(pixels * stride);
     template->taken = malloc(pixels);
+    template->fine = ttf_lanes_alloc(pixels * TTF_CELL_DIMS);
     if (!template->runs || !template->cells[0] || !template->cells[1] || !template->coefs ||
-        !template->taken) {
+        !template->taken || !template->fine) {
         ttf_rank_template_free(template);
         return -ENOMEM;
     }
@@ -161,9 +164,12 @@ void ttf_rank_template_refine(struct ttf_rank_template *template,
                               const struct ttf_rank_query *query)
 {
     gather_cells(template, search, query, 1);
+    for (size_t i = 0; i < template->n_cells[1]; i++)
+        memcpy(template->fine + i * TTF_CELL_DIMS, template->cells[1][i].target.value,
+               sizeof(template->cells[1][i].target.value));
     template->n_runs = template->n_pixels = 0;
     gather_runs(template, search->matching, query, false);
-    template->n_rest = template->n_runs;
+    template->n_rest = template->n_pixels;
     gather_runs(template, search->matching, query, true);
 }
 
@@ -174,5 +180,6 @@ void ttf_rank_template_free(struct ttf_rank_template *template)
         free(template->cells[level]);
     free(template->coefs);
     free(template->taken);
+    free(template->fine);
     memset(template, 0, sizeof(*template));
 }

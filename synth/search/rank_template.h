@@ -20,8 +20,9 @@ struct ttf_rank_cell {
 struct ttf_rank_template {
     size_t n_pixels, n_runs, n_cells[TTF_CELL_LEVELS];
     struct ttf_rank_run *runs;
-    size_t n_rest; /* runs, the first, of pixels that no fine cell holds; 0 before refining */
+    size_t n_rest; /* pixels, the first, that no fine cell holds; 0 before refining */
     struct ttf_rank_cell *cells[TTF_CELL_LEVELS];
+    int16_t *fine;      /* n_cells[1] x TTF_CELL_DIMS */
     int16_t *coefs;     /* n_pixels x stride */
     uint8_t *taken;     /* of the block's pixels: in a cell already */
     size_t room_pixels; /* of blocks */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "search/lanes.h"
 #include "search/rank_kernels.h"
 
 void ttf_view_geometry(uint32_t width, uint32_t height, uint32_t first, unsigned turn,
@@ -92,7 +93,7 @@ static int fill_view(struct ttf_view *view, const struct ttf_views *views,
     struct fill fill = {.view = view, .matching = matching};
 
     if (view->turn != 0) {
-        view->own = malloc(pixels * matching->stride * sizeof(*view->own));
+        view->own = ttf_lanes_alloc(pixels * matching->stride);
         if (!view->own)
             return -ENOMEM;
         ttf_pool_run(pool, view->height, copy_row, &fill);
@@ -101,7 +102,7 @@ static int fill_view(struct ttf_view *view, const struct ttf_views *views,
     for (unsigned level = 0; level < TTF_CELL_LEVELS; level++) {
         uint32_t side = views->levels[level].side;
 
-        view->cells[level] = calloc(pixels * TTF_CELL_DIMS, sizeof(*view->cells[level]));
+        view->cells[level] = ttf_lanes_alloc(pixels * TTF_CELL_DIMS);
         if (!view->cells[level])
             return -ENOMEM;
         fill.cells = &views->levels[level];

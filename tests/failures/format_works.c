@@ -341,6 +341,11 @@ void format_works_on(struct ttf_io *on)
     io = on;
 }
 
+struct ttf_io *format_io(void)
+{
+    return io;
+}
+
 void format_open_new(void)
 {
     (void)io->ops->unlink(io, format_in("new"));
@@ -353,7 +358,7 @@ int format_close_new(void)
     return io->ops->close(io, handle);
 }
 
-static void keep(const char *name, int (*write)(struct ttf_err *err))
+void format_keep(const char *name, int (*write)(struct ttf_err *err))
 {
     struct ttf_err err = {0};
     char from[100];
@@ -371,11 +376,11 @@ void format_works_files(void)
     assert_int_equal(ttf_io_mkdirs(io, format_in("calibration"), NULL), 0);
     assert_int_equal(ttf_io_mkdirs(io, format_in("saved"), NULL), 0);
     assert_int_equal(ttf_calibration_save(&calibration, io, format_in("calibration"), NULL), 0);
-    keep("picture.tif", format_write_tiff);
-    keep("floats.tif", format_write_floats);
-    keep("picture.png", format_write_png);
-    keep("picture.jpg", format_write_jpeg);
-    keep("raw.dng", format_write_dng);
+    format_keep("picture.tif", format_write_tiff);
+    format_keep("floats.tif", format_write_floats);
+    format_keep("picture.png", format_write_png);
+    format_keep("picture.jpg", format_write_jpeg);
+    format_keep("raw.dng", format_write_dng);
 }
 
 void format_works_end(void)

@@ -22,6 +22,11 @@ void format_works_files(void);
 /* From now on in the folder of that name of another table. */
 void format_works_on(struct ttf_io *on);
 
+struct ttf_io *format_io(void);
+
+/* A file of that name, as a work that writes into "new" writes it. Asserts. */
+void format_keep(const char *name, int (*write)(struct ttf_err *err));
+
 /* A file in the folder; good until the next call. */
 const char *format_in(const char *name);
 

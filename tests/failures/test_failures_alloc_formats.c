@@ -19,6 +19,7 @@
 
 #include "each_allocation.h"
 #include "format_works.h"
+#include "more_works.h"
 
 static struct alloc_run run_of_all; /* set once, by main */
 static char folder[] = "/tmp/ttf-alloc-formats-XXXXXX";
@@ -83,6 +84,8 @@ static void a_picture_is_read_as_it_is_or_not_at_all(void **state)
         {.name = "looking at pictures", .work = format_probe, .ours_only = true},
         {.name = "reading DNG", .work = format_read_dng, .ours_only = true},
         {.name = "a picture as a sequence", .work = format_read_sequence},
+        {.name = "small pictures", .work = more_show_small, .ours_only = true},
+        {.name = "floats of a dataset", .work = more_read_float_dataset, .ours_only = true},
     };
 
     RUN_EACH(pieces);
@@ -96,6 +99,8 @@ static void a_calibration_is_whole_or_none(void **state)
         {.name = "fitting a calibration", .work = format_fit},
         {.name = "saving one", .work = format_save, .ours_only = true},
         {.name = "loading one", .work = format_load, .ours_only = true},
+        {.name = "measuring a printed grid", .work = more_measure_grid},
+        {.name = "measuring flicker", .work = more_measure_flicker},
     };
 
     RUN_EACH(pieces);
@@ -154,6 +159,13 @@ static void what_is_imported_or_exported_is_whole_or_not_there(void **state)
          .may_do_without = true, /* the dataset's reserve */
          .share = 3,
          .share_of_all = 61},
+        {.name = "importing by time",
+         .begin = begin_output,
+         .work = more_import_by_time,
+         .ours_only = true,
+         .end = end_output,
+         .may_do_without = true, /* the dataset's reserve */
+         .share = 3},
         {.name = "exporting PNG",
          .begin = begin_output,
          .work = format_export_png,
@@ -189,11 +201,14 @@ static int make(void **state)
         return -1;
     format_works_begin(ttf_io_posix(), folder);
     format_works_files();
+    more_works_begin();
+    more_works_files();
     return 0;
 }
 
 static int clear(void **state)
 {
+    more_works_end();
     format_works_end();
     remove_tree(folder);
     return 0;

@@ -13,6 +13,7 @@
 
 #include "format_works.h"
 #include "model_disk.h"
+#include "more_works.h"
 
 #define SHARE 5
 
@@ -160,6 +161,9 @@ static void pictures_say_what_failed(void **state)
         {"looking at pictures", format_probe, false},
         {"reading DNG", format_read_dng, false},
         {"a picture as a sequence", format_read_sequence, false},
+        {"small pictures", more_show_small, false},
+        {"floats of a dataset", more_read_float_dataset, false},
+        {"a note", more_note, false},
     };
 
     EACH(pieces);
@@ -179,6 +183,7 @@ static void imports_and_exports_leave_nothing_half_done(void **state)
 {
     static const struct piece pieces[] = {
         {"importing pictures", format_import_pictures, false},
+        {"importing by time", more_import_by_time, false},
         {"exporting PNG", format_export_png, false},
         {"exporting TIFF", format_export_tiff, false},
         {"exporting NPY", format_export_npy, false},
@@ -194,11 +199,14 @@ static int make(void **state)
     model_disk_init(&clean);
     format_works_begin(&clean.io, "/m");
     format_works_files();
+    more_works_begin();
+    more_works_files();
     return 0;
 }
 
 static int clear(void **state)
 {
+    more_works_end();
     format_works_end();
     model_disk_free(&clean);
     return 0;

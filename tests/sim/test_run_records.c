@@ -12,7 +12,8 @@
 
 static unsigned failed; /* operations */
 static int fails_with;
-static unsigned dark; /* operations of a box without power */
+static unsigned dark;        /* operations of a box without power */
+static char last_event[300]; /* told */
 
 static void with_fault(struct sim_run *run,
                        int (*fault)(struct sim_run *, const char *, const char *))
@@ -164,6 +165,126 @@ static void events_are_written_in_the_order_they_came_in(void **state)
     snprintf(path, sizeof(path), "%s/events.jsonl", run.path);
     assert_int_equal(ttf_io_slurp(ttf_io_posix(), path, 1 << 20, &text, &bytes, NULL), 0);
     assert_true(where_is(text, "\"opened\"") < where_is(text, "\"closed\""));
+    free(text);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+/* The door opens 40 times, for a second each, every other second, while there is no room; and once more when there is. */
+#define DOORS      40
+#define DOOR_NS    (2 * TTF_NS_PER_S)
+#define NO_ROOM_NS (DOORS * DOOR_NS + 5 * TTF_NS_PER_S)
+
+static int64_t room_again_ns;
+
+static int no_room_for_events(struct sim_run *run, const char *op, const char *path)
+{
+    bool event = sim_run_path_ends(path, "events.jsonl") && strcmp(op, "append") == 0;
+
+    if (!event && !sim_run_path_ends(path, ".events-reserve"))
+        return 0;
+    if (now_ns(run) < OPENED_NS || now_ns(run) > room_again_ns)
+        return 0;
+    failed++;
+    return ENOSPC;
+}
+
+static void with_a_restless_door(struct sim_run *run)
+{
+    with_fault(run, no_room_for_events);
+    room_again_ns = OPENED_NS + NO_ROOM_NS;
+    run->config.lamps[0].info.interlock_door = false; /* no other events */
+    for (int i = 0; i < DOORS; i++)
+        sim_run_fault(run, TTF_FAULT_DOOR_OPEN, OPENED_NS + i * DOOR_NS)->duration_ns =
+            TTF_NS_PER_S;
+    sim_run_fault(run, TTF_FAULT_DOOR_OPEN, OPENED_NS + NO_ROOM_NS + 40 * TTF_NS_PER_S)
+        ->duration_ns = TTF_NS_PER_S;
+}
+
+static void what_the_last_event_says(struct sim_run *run, const struct ttf_progress *progress)
+{
+    (void)run;
+    if (progress->kind == TTF_PROGRESS_EVENT)
+        snprintf(last_event, sizeof(last_event), "%.290s", progress->text);
+}
+
+static void events_that_find_no_place_to_wait_are_counted_where_they_would_stand(void **state)
+{
+    struct sim_run run;
+    char *text;
+
+    (void)state;
+    with_a_restless_door(&run);
+    assert_int_equal(sim_run_boot(&run), 0);
+    text = sim_run_text(&run, "events.jsonl");
+    assert_non_null(text);
+    assert_int_equal(sim_run_events(&run, "door", NULL), 64 + 2);
+    assert_int_equal(sim_run_events(&run, "lost", "16 events are lost, within "), 1);
+    assert_true(where_is(text, "\"lost\"") > where_is(text, "\"closed\""));
+    assert_non_null(strstr(strstr(text, "\"lost\""), "\"opened\"")); /* the last one follows */
+    free(text);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+static void events_that_no_storage_took_to_the_end_are_told_by_their_number(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_a_restless_door(&run);
+    room_again_ns = INT64_MAX;
+    run.on_progress = what_the_last_event_says;
+    last_event[0] = '\0';
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(sim_run_events(&run, "door", NULL), 0);
+    assert_non_null(strstr(last_event, "82 events are lost, within "));
+    sim_run_expect(&run, "cccccc");
+    sim_run_finish(&run);
+}
+
+/* The disk hangs for some minutes, and the door goes seven times in each four seconds of them. */
+#define BEATS 80
+
+static void a_disk_hangs_while_the_door_goes(struct sim_run *run)
+{
+    struct ttf_clock *clock = run->box->clock;
+
+    if (run->committed != 2 || failed++ > 0)
+        return;
+    for (int i = 0; i < BEATS; i++) {
+        for (int k = 0; k < 7; k++) {
+            assert_int_equal(ttf_sim_panel_push(run->box, TTF_PANEL_DOOR_OPENED), 0);
+            assert_int_equal(ttf_sim_panel_push(run->box, TTF_PANEL_DOOR_CLOSED), 0);
+        }
+        (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + 4 * TTF_NS_PER_S);
+    }
+}
+
+static void events_that_a_hanging_disk_leaves_no_place_for_are_counted(void **state)
+{
+    struct sim_run run;
+    char *text, *said;
+    long lost;
+
+    (void)state;
+    with_fault(&run, NULL);
+    run.on_file = a_disk_hangs_while_the_door_goes;
+    run.on_progress = what_the_last_event_says;
+    run.config.lamps[0].info.interlock_door = false;
+    run.plan.count = 12;
+    /* Once more when all is well: lost ones are told with the next event. */
+    sim_run_fault(&run, TTF_FAULT_DOOR_OPEN, OPENED_NS + 400 * TTF_NS_PER_S)->duration_ns =
+        TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    text = sim_run_text(&run, "events.jsonl");
+    assert_non_null(text);
+    assert_int_equal(sim_run_events(&run, "lost", NULL), 1);
+    said = strstr(strstr(text, "\"lost\""), "\"text\":\"");
+    assert_non_null(said);
+    lost = strtol(said + strlen("\"text\":\""), &said, 10);
+    assert_non_null(strstr(said, " events are lost, within 28 s"));
+    assert_int_equal((long)sim_run_events(&run, "door", NULL) + lost, BEATS * 14 + 2);
     free(text);
     sim_run_expect_whole(&run, true);
     sim_run_finish(&run);
@@ -328,6 +449,9 @@ int main(void)
         cmocka_unit_test(
             a_slot_whose_files_were_cleared_away_is_recorded_as_failed_at_the_second_try),
         cmocka_unit_test(events_are_written_in_the_order_they_came_in),
+        cmocka_unit_test(events_that_find_no_place_to_wait_are_counted_where_they_would_stand),
+        cmocka_unit_test(events_that_no_storage_took_to_the_end_are_told_by_their_number),
+        cmocka_unit_test(events_that_a_hanging_disk_leaves_no_place_for_are_counted),
         cmocka_unit_test(the_newest_correction_of_a_segment_is_the_one_that_is_written),
         cmocka_unit_test(a_box_without_power_writes_nothing_that_waited),
         cmocka_unit_test(a_last_record_waits_for_whatever_may_pass),

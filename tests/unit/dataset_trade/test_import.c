@@ -306,6 +306,22 @@ static void missing_times_and_intervals_are_asked_for(void **state)
     refused(state, &config, -EINVAL, NULL, "negative");
 }
 
+static void times_that_lie_centuries_apart_are_refused_by_name(void **state)
+{
+    const char *const inputs[] = {in_folder(state, "21990101_000000.png"),
+                                  in_folder(state, "19000101_000000.png")};
+    struct ttf_import_config config = {.inputs = inputs,
+                                       .n_inputs = 2,
+                                       .output = in_folder(state, "data"),
+                                       .order = TTF_IMPORT_NAME_TIME};
+
+    for (unsigned i = 0; i < 2; i++)
+        picture_file(inputs[i], W, H, i);
+    refused(state, &config, -EINVAL, inputs[0], "292 years after 19000101_000000.png");
+    config.interval_ns = TTF_NS_PER_DAY;
+    refused(state, &config, -EINVAL, inputs[0], "292 years after 19000101_000000.png");
+}
+
 static void an_existing_dataset_is_left_alone(void **state)
 {
     const char *const inputs[] = {in_folder(state, "1.png")};
@@ -579,6 +595,7 @@ int main(void)
         IN_FOLDER(the_odd_picture_out_is_named_and_nothing_is_left),
         IN_FOLDER(colour_after_grey_is_refused_but_grey_after_colour_is_widened),
         IN_FOLDER(missing_times_and_intervals_are_asked_for),
+        IN_FOLDER(times_that_lie_centuries_apart_are_refused_by_name),
         IN_FOLDER(an_existing_dataset_is_left_alone),
         IN_FOLDER(a_float_stack_keeps_its_values),
         IN_FOLDER(floats_are_kept_in_the_range_asked_for_or_their_own),

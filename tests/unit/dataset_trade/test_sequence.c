@@ -156,6 +156,55 @@ static void time_goes_on_over_boots_by_utc_or_else_by_the_grid(void **state)
     ttf_pixbuf_free(&a);
 }
 
+/* As no box writes them, and somebody else's program may: the frames are there all the same, and their times are no accident. */
+static void times_beyond_all_that_can_be_said_are_as_if_the_grid_had_gone_on(void **state)
+{
+    const char *path = in_folder(state, "data");
+    struct ttf_pixbuf a = make_picture(W, H, 3, TTF_SAMPLE_U16, 1);
+    const struct shot shot = {"main", -1, 0, &a};
+    struct ttf_manifest manifest;
+    struct ttf_writer *writer;
+    struct ttf_reader *reader;
+    struct ttf_sequence *sequence;
+
+    assert_int_equal(ttf_manifest_init(&manifest, NULL), 0);
+    add_stream(&manifest, "main", 3, TTF_SAMPLE_U16);
+    writer = create(path, &manifest);
+    add_segment(writer, 0, 0, INT64_MIN + 2 * TTF_NS_PER_H);
+    add_slot(writer, 0, 0, TTF_NS_PER_H, &shot, 1);
+    add_segment(writer, 1, 1, INT64_MAX - 2 * TTF_NS_PER_H);
+    add_slot(writer, 1, 1, 0, &shot, 1);
+    add_slot(writer, 2, 1, INT64_MAX - TTF_NS_PER_H, &shot, 1);
+    add_segment(writer, 2, 3, TTF_NS_UNKNOWN);
+    add_slot(writer, 3, 2, 0, &shot, 1);
+    add_segment(writer, 3, 4, TTF_NS_UNKNOWN);
+    for (int64_t i = 4; i < 6; i++)
+        add_slot(writer, i, 3, INT64_MAX, &shot, 1);
+    ttf_writer_close(writer);
+    reader = open_reader(path);
+    sequence = open_stream(reader, NULL);
+    assert_int_equal(sequence->n, 6);
+    assert_true(sequence->time_ns[1] == TTF_NS_PER_MIN);
+    assert_true(sequence->time_ns[2] == INT64_MAX - TTF_NS_PER_H + TTF_NS_PER_MIN);
+    assert_true(sequence->time_ns[3] == sequence->time_ns[2] + TTF_NS_PER_MIN);
+    assert_true(sequence->time_ns[5] == sequence->time_ns[4]);
+    ttf_sequence_destroy(sequence);
+    ttf_reader_close(reader);
+
+    path = in_folder(state, "backwards");
+    writer = create(path, &manifest);
+    add_segment(writer, 0, 0, TTF_NS_UNKNOWN);
+    add_slot(writer, 0, 0, 2, &shot, 1);
+    add_slot(writer, 1, 0, INT64_MIN + 1, &shot, 1);
+    ttf_writer_close(writer);
+    reader = open_reader(path);
+    sequence = open_stream(reader, NULL);
+    assert_true(sequence->time_ns[1] == TTF_NS_PER_MIN);
+    ttf_sequence_destroy(sequence);
+    ttf_reader_close(reader);
+    ttf_pixbuf_free(&a);
+}
+
 struct reading {
     struct ttf_sequence *sequence;
     const struct ttf_pixbuf *frames;
@@ -279,6 +328,7 @@ int main(void)
         IN_FOLDER(of_a_bracket_the_reference_is_read_and_holes_are_left_out),
         IN_FOLDER(grey_and_eight_bit_streams_read_as_sixteen_bit_rgb),
         IN_FOLDER(time_goes_on_over_boots_by_utc_or_else_by_the_grid),
+        IN_FOLDER(times_beyond_all_that_can_be_said_are_as_if_the_grid_had_gone_on),
         IN_FOLDER(many_threads_read_one_sequence_with_bounded_open_files),
         IN_FOLDER(an_image_of_another_size_than_its_stream_is_damage),
         IN_FOLDER(a_picture_file_is_a_sequence_of_one_frame),

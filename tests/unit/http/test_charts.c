@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -279,6 +280,122 @@ static void a_boot_s_outage_is_not_counted(void **state)
     assert_true(fabs(hours_of(&lamps, 100, 109, S) * 3600 - 9.02) < 1e-6);
 }
 
+/* ---- as no box writes them ---- */
+
+#define EARLIEST (INT64_MIN + 1) /* that is not "unknown" */
+
+static void add_absurd(struct chart_points *points, struct chart_lamps *lamps, int64_t index,
+                       const int64_t times[4])
+{
+    struct ttf_slot_record record;
+    struct ttf_shot *shot;
+
+    ttf_slot_record_init(&record);
+    record.index = index;
+    record.segment = lamps->segment.segment;
+    record.due_ns = times[0];
+    record.middle_ns = times[1];
+    assert_int_equal(ttf_slot_record_images(&record, 1), 0);
+    assert_int_equal(ttf_image_shots(&record.images[0], 1), 0);
+    shot = &record.images[0].shots[0];
+    shot->start_ns = times[2];
+    shot->end_ns = times[3];
+    shot->n_lamps = 1;
+    memcpy(shot->lamps[0].name, "left", 5);
+    shot->lamps[0].commanded_permille = 1000;
+    assert_int_equal(chart_points_add(points, lamps, &record), 0);
+    ttf_slot_record_free(&record);
+}
+
+static void an_error_beyond_all_times_is_none(void **state)
+{
+    static const int64_t BEYOND[4] = {EARLIEST, 1, 0, 0}, JUST[4] = {EARLIEST, 0, 0, 0};
+    struct chart_points points = {0};
+
+    (void)state;
+    add_absurd(&points, &no_plan, 0, BEYOND);
+    add_absurd(&points, &no_plan, 1, JUST);
+    assert_int_equal(series(&points, CHART_ERROR)->value[0].n, 0);
+    assert_true(series(&points, CHART_ERROR)->value[1].min > 9e9);
+    chart_points_free(&points);
+}
+
+#define SPAN_H (9223372036854775807.0 / 3600e9) /* all that can be said */
+
+static void a_lamp_that_burned_since_before_all_times_burned_no_longer_than_they(void **state)
+{
+    static const int64_t ALL[4] = {0, 0, EARLIEST, INT64_MAX};
+    static const char *const PLANS[] = {
+        "{\"lamps\":{\"mode\":\"continuous\",\"settle_ns\":9223372036854775807}," SHOTS "}",
+        "{\"lamps\":{\"mode\":\"capture-only\",\"settle_ns\":9223372036854775807}," SHOTS "}",
+        "{\"lamps\":{\"mode\":\"photoperiod\",\"settle_ns\":0,\"day_ns\":9223372036854775807,"
+        "\"period_ns\":2,\"day_levels_permille\":{\"left\":800}}," SHOTS "}",
+        "not to be read"};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof PLANS / sizeof *PLANS; i++) {
+        struct chart_points points = {0};
+        struct chart_lamps lamps;
+
+        plan(&lamps, PLANS[i], S);
+        add_absurd(&points, &lamps, 0, ALL);
+        assert_true(series(&points, CHART_LAMP)->total <= SPAN_H);
+        assert_true(series(&points, CHART_LAMP)->total > 0.99 * SPAN_H);
+        chart_points_free(&points);
+    }
+}
+
+static uint32_t any(uint32_t *chance, uint32_t n)
+{
+    *chance = *chance * 1664525 + 1013904223;
+    return *chance / 65536 % n;
+}
+
+/* Whatever stands there in whatever order: hours that are none are a bug, and arithmetic that overflows is for the sanitizer to say. */
+static void absurd_times_give_hours(void **state)
+{
+    static const int64_t TIMES[] = {EARLIEST, EARLIEST + 1,  -S,        -1,           0, 1,
+                                    S,        INT64_MAX / 2, INT64_MAX, INT64_MAX - 1};
+    static const char DAYS[] =
+        "{\"lamps\":{\"mode\":\"photoperiod\",\"settle_ns\":-9223372036854775807,"
+        "\"day_ns\":%s,\"period_ns\":%s,\"phase_ns\":%s,\"local\":%s,"
+        "\"day_start_s\":-9223372036854775807,\"day_levels_permille\":{\"left\":800}}," SHOTS "}";
+    static const char *const WHOLE[] = {"-9223372036854775807", "1", "7", "9223372036854775807"};
+    uint32_t chance = 1;
+
+    (void)state;
+    for (int round = 0; round < 20000; round++) {
+        struct ttf_segment segment = {.segment = 0, .zone_offset_s = round % 3 * 86400 - 86400};
+        struct chart_points points = {0};
+        struct chart_lamps lamps;
+        const char *whole[3];
+        char text[512];
+
+        segment.origin_ns = TIMES[any(&chance, 10)];
+        segment.origin_utc_ns = TIMES[any(&chance, 10)];
+        segment.interval_ns = TIMES[any(&chance, 10)];
+        segment.run_ns = TIMES[any(&chance, 10)];
+        segment.first_index = round;
+        for (int k = 0; k < 3; k++)
+            whole[k] = WHOLE[any(&chance, 4)];
+        (void)snprintf(text, sizeof text, DAYS, whole[0], whole[1], whole[2],
+                       round % 2 ? "true" : "false");
+        memset(&lamps, 0, sizeof lamps);
+        chart_lamps_plan(&lamps, text, strlen(text));
+        chart_lamps_segment(&lamps, &segment);
+        for (int i = 0; i < 4; i++) {
+            int64_t times[4];
+
+            for (int t = 0; t < 4; t++)
+                times[t] = TIMES[any(&chance, 10)];
+
+            add_absurd(&points, &lamps, i == 3 ? INT64_MAX - 1 : i, times);
+        }
+        assert_true(series(&points, CHART_LAMP)->total >= 0);
+        chart_points_free(&points);
+    }
+}
+
 static void columns_are_bounded(void **state)
 {
     struct chart_points points = {0};
@@ -337,6 +454,9 @@ int main(void)
         cmocka_unit_test(a_lamp_for_the_frames_alone_counts_with_its_settling),
         cmocka_unit_test(by_day_a_lamp_counts_whole_and_at_night_for_the_frames),
         cmocka_unit_test(a_boot_s_outage_is_not_counted),
+        cmocka_unit_test(an_error_beyond_all_times_is_none),
+        cmocka_unit_test(a_lamp_that_burned_since_before_all_times_burned_no_longer_than_they),
+        cmocka_unit_test(absurd_times_give_hours),
         cmocka_unit_test(columns_are_bounded),
         cmocka_unit_test(times_are_those_of_the_segment_as_corrected),
     };

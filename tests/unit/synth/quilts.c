@@ -114,23 +114,57 @@ static int take16(void *ctx, uint32_t t, const uint16_t *codes, struct ttf_err *
     return take(taker, t, taker->codes, codes, taker->frame * sizeof(*codes), err);
 }
 
-static int take8(void *ctx, uint32_t t, const uint8_t *codes, struct ttf_err *err)
+/* From several threads at once. */
+static int take_rows8(void *ctx, uint32_t t, uint32_t y0, uint32_t y1, const uint8_t *codes,
+                      struct ttf_err *err)
 {
     struct quilt_taker *taker = ctx;
+    size_t row = taker->frame / taker->height;
 
-    return take(taker, t, taker->codes8, codes, taker->frame, err);
+    if (t == taker->fail_at)
+        return ttf_err_set(err, -ENOSPC, "disk", "is full");
+    if (t == taker->cancel_at)
+        __atomic_store_n(&taker->cancel, 1, __ATOMIC_RELAXED);
+    if (t >= taker->room || y0 >= y1 || y1 > taker->height) {
+        __atomic_store_n(&taker->out_of_order, true, __ATOMIC_RELAXED);
+        return 0;
+    }
+    for (uint32_t y = y0; y < y1; y++)
+        __atomic_add_fetch(&taker->rows[(size_t)t * taker->height + y], 1, __ATOMIC_RELAXED);
+    memcpy(taker->codes8 + t * taker->frame + y0 * row, codes, (y1 - y0) * row);
+    return 0;
+}
+
+bool quilt_taker_has_all_rows(const struct quilt_taker *taker)
+{
+    for (size_t i = 0; i < (size_t)taker->room * taker->height; i++) {
+        if (taker->rows[i] != 1)
+            return false;
+    }
+    return !taker->out_of_order;
+}
+
+void quilt_taker_reset(struct quilt_taker *taker)
+{
+    taker->next = 0;
+    taker->out_of_order = false;
+    taker->cancel = 0;
+    memset(taker->codes8, 0, taker->room * taker->frame);
+    memset(taker->rows, 0, (size_t)taker->room * taker->height);
 }
 
 struct quilt_taker quilt_taker_make(const struct ttf_quilt_config *config, uint32_t frames)
 {
     struct quilt_taker taker = {.frame = (size_t)config->width * config->height * 3,
+                                .height = config->height,
                                 .room = frames,
                                 .fail_at = UINT32_MAX,
                                 .cancel_at = UINT32_MAX};
 
     taker.codes = calloc(frames * taker.frame, sizeof(*taker.codes));
     taker.codes8 = calloc(frames * taker.frame, sizeof(*taker.codes8));
-    assert_true(taker.codes && taker.codes8);
+    taker.rows = calloc(frames, config->height);
+    assert_true(taker.codes && taker.codes8 && taker.rows);
     return taker;
 }
 
@@ -138,11 +172,13 @@ void quilt_taker_free(struct quilt_taker *taker)
 {
     free(taker->codes);
     free(taker->codes8);
+    free(taker->rows);
 }
 
 struct ttf_quilt_sink quilt_sink(struct quilt_taker *taker, bool narrow)
 {
-    return (struct ttf_quilt_sink){.frame = take16, .frame8 = narrow ? take8 : NULL, .ctx = taker};
+    return (struct ttf_quilt_sink){
+        .frame = take16, .rows8 = narrow ? take_rows8 : NULL, .ctx = taker};
 }
 
 void quilt_run_ok(const struct ttf_quilt_config *config, struct ttf_sequence *input,

@@ -30,8 +30,10 @@ void quilt_blocks_are_what_is_shown(const struct ttf_quilt_map *map);
  * not asserted.
  */
 struct quilt_taker {
-    uint16_t *codes; /* room frames; of frame8: NULL */
-    uint8_t *codes8;
+    uint16_t *codes; /* room frames */
+    uint8_t *codes8; /* of rows8 */
+    uint8_t *rows;   /* how often each row of each frame came by rows8 */
+    uint32_t height;
     size_t frame; /* codes of one */
     uint32_t room, next, fail_at, cancel_at;
     bool out_of_order;
@@ -40,7 +42,13 @@ struct quilt_taker {
 struct quilt_taker quilt_taker_make(const struct ttf_quilt_config *config, uint32_t frames);
 void quilt_taker_free(struct quilt_taker *taker);
 
-/* narrow: with a frame8 as well. */
+/* Each row of each frame came by rows8, once. */
+bool quilt_taker_has_all_rows(const struct quilt_taker *taker);
+
+/* As if nothing had been taken. */
+void quilt_taker_reset(struct quilt_taker *taker);
+
+/* narrow: with rows8 as well. */
 struct ttf_quilt_sink quilt_sink(struct quilt_taker *taker, bool narrow);
 
 /* A whole run of the 16-bit sink, all frames in order. */

@@ -83,7 +83,8 @@ static void learn(struct texture_sequence *texture, uint32_t n, unsigned room, b
     struct ttf_sources sources = sources_of(texture);
 
     assert_int_equal(ttf_learner_create(W * H, room, per_channel, ret), 0);
-    assert_int_equal(ttf_learner_add(ret, &sources, 0, n, table_of_display(), NULL, pool, NULL), 0);
+    assert_int_equal(
+        ttf_learner_add(ret, &sources, 0, n, table_of_display(), NULL, NULL, pool, NULL), 0);
 }
 
 static void streamed_factors_are_nearly_as_good_as_the_whole_decomposition(void **state)
@@ -173,8 +174,9 @@ static void a_grown_dataset_is_gone_on_with(void **state)
                                         table_of_display(), &grown, NULL),
                      0);
     assert_int_equal(grown.known, N / 2);
-    assert_int_equal(
-        ttf_learner_add(&grown, &sources, grown.known, N, table_of_display(), NULL, NULL, NULL), 0);
+    assert_int_equal(ttf_learner_add(&grown, &sources, grown.known, N, table_of_display(), NULL,
+                                     NULL, NULL, NULL),
+                     0);
     assert_int_equal(grown.factors[0].frames, N);
     assert_true(ttf_factors_energy(&grown.factors[0]) == ttf_factors_energy(&whole.factors[0]));
     assert_memory_equal(grown.noise.counts, whole.noise.counts, sizeof(whole.noise.counts));
@@ -234,8 +236,8 @@ static void build(const struct ttf_quilt_config *config, struct texture_sequence
 {
     struct ttf_sources sources = sources_of(texture);
 
-    assert_int_equal(ttf_matching_build(config, &sources, 0, texture->sequence->n, pool, ret, NULL),
-                     0);
+    assert_int_equal(
+        ttf_matching_build(config, &sources, 0, texture->sequence->n, NULL, pool, ret, NULL), 0);
 }
 
 static void threads_change_no_bit_of_the_numbers(void **state)

@@ -41,10 +41,10 @@ static void is_the_16_bit_run_as_display_codes(const struct ttf_quilt_config *co
     for (unsigned threads = 1; threads <= 5; threads += 2) {
         struct ttf_pool *pool = ttf_pool_create(threads);
 
-        narrow.next = 0;
-        memset(narrow.codes8, 0, N * narrow.frame);
+        quilt_taker_reset(&narrow);
         assert_int_equal(ttf_quilt_run(config, input, pool, &sink, NULL, NULL, NULL), 0);
-        assert_true(narrow.next == N && !narrow.out_of_order);
+        assert_true(quilt_taker_has_all_rows(&narrow));
+        assert_int_equal(narrow.next, 0); /* nothing as 16 bits */
         for (size_t i = 0; i < N * wide.frame; i++)
             assert_int_equal(narrow.codes8[i], table[wide.codes[i]]);
         ttf_pool_destroy(pool);
@@ -70,6 +70,60 @@ static void eight_bit_frames_are_the_16_bit_ones_as_display_codes(void **state)
     is_the_16_bit_run_as_display_codes(&config, input.sequence);
     texture_free(&input);
     texture_free(&other);
+}
+
+/* Rows leave before the last block lies, of as many frames as may be kept: of all, some, or none; all come to the same. */
+static void rows_that_go_ahead_are_those_of_the_whole(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_NOISE, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    size_t frame = (size_t)W * H * 3;
+    const size_t keep[] = {
+        0, frame - 1, frame + 64, 7 * frame + 64, N * frame + 63, N * frame + 64};
+
+    (void)state;
+    config.measure = false;
+    config.width = 256; /* strips end where pages do */
+    config.height = 150;
+    for (size_t i = 0; i < sizeof(keep) / sizeof(keep[0]); i++) {
+        config.keep_bytes = keep[i];
+        is_the_16_bit_run_as_display_codes(&config, input.sequence);
+    }
+    config.avoid_px = 8; /* rows stay further behind one another */
+    is_the_16_bit_run_as_display_codes(&config, input.sequence);
+    config.avoid_px = 0;
+    config.width = 20; /* one column, one row */
+    is_the_16_bit_run_as_display_codes(&config, input.sequence);
+    config.height = 20;
+    is_the_16_bit_run_as_display_codes(&config, input.sequence);
+    texture_free(&input);
+}
+
+/* What is kept counts: within the memory that is allowed, and only where rows can go ahead. */
+static void what_is_kept_stays_within_the_memory_allowed(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_NOISE, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N);
+    const struct ttf_quilt_sink sink = quilt_sink(&taker, true);
+    size_t matching = ttf_quilt_matching_bytes(&config, W * H, N), frame = (size_t)W * H * 3;
+    struct ttf_quilt_report all, some, tight, none;
+
+    (void)state;
+    config.measure = false;
+    assert_int_equal(ttf_quilt_run(&config, input.sequence, NULL, &sink, &all, NULL, NULL), 0);
+    config.memory_bytes = matching + 5 * frame + 64;
+    assert_int_equal(ttf_quilt_run(&config, input.sequence, NULL, &sink, &some, NULL, NULL), 0);
+    config.memory_bytes = matching;
+    assert_int_equal(ttf_quilt_run(&config, input.sequence, NULL, &sink, &tight, NULL, NULL), 0);
+    config.memory_bytes = 0;
+    config.keep_bytes = 0;
+    assert_int_equal(ttf_quilt_run(&config, input.sequence, NULL, &sink, &none, NULL, NULL), 0);
+    assert_int_equal(all.frame_bytes - some.frame_bytes, (N - 5) * frame);
+    assert_int_equal(tight.frame_bytes, none.frame_bytes);
+    assert_true(none.frame_bytes < some.frame_bytes);
+    quilt_taker_free(&taker);
+    texture_free(&input);
 }
 
 /* Blends and times between frames need 16 bits: then the 16-bit sink is used, also for a replayed map. */
@@ -273,27 +327,36 @@ static void errors_in_the_pipeline_end_it_as_what_they_are(unsigned threads, boo
     const struct ttf_quilt_sink sink = quilt_sink(&taker, narrow);
     struct ttf_pool *pool = ttf_pool_create(threads);
     struct ttf_err err = {0};
+    bool by_rows = narrow && jitter == 0;
 
     leaky.base.ops = &ops;
     config.measure = false;
     config.jitter_frames = jitter;
+    config.keep_bytes = 6 * (size_t)W * H * 3; /* five frames: the others are read a second time */
     taker.fail_at = 4;
     assert_int_equal(ttf_quilt_run(&config, input.sequence, pool, &sink, NULL, NULL, &err),
                      -ENOSPC);
     assert_string_equal(err.where, "disk");
-    assert_int_equal(taker.next, 5);
-    taker.next = 0;
+    assert_int_equal(taker.next, by_rows ? 0 : 5);
+    quilt_taker_reset(&taker);
     taker.fail_at = UINT32_MAX;
     assert_int_equal(ttf_quilt_run(&config, &leaky.base, pool, &sink, NULL, NULL, &err), -EIO);
     assert_string_equal(err.where, "frame");
-    assert_true(taker.next <= 10 && taker.next >= 5);
-    taker.next = 0;
+    assert_true(by_rows || (taker.next <= 10 && taker.next >= 5));
+    assert_false(quilt_taker_has_all_rows(&taker));
+    quilt_taker_reset(&taker);
     taker.cancel_at = 7;
     config.cancel = &taker.cancel;
     assert_int_equal(ttf_quilt_run(&config, input.sequence, pool, &sink, NULL, NULL, &err),
                      -ECANCELED);
-    assert_int_equal(taker.next, 8);
+    assert_int_equal(taker.next, by_rows ? 0 : 8);
     assert_false(taker.out_of_order);
+    assert_false(quilt_taker_has_all_rows(&taker));
+    quilt_taker_reset(&taker);
+    taker.cancel_at = 2; /* a frame whose rows go ahead */
+    assert_int_equal(ttf_quilt_run(&config, input.sequence, pool, &sink, NULL, NULL, &err),
+                     -ECANCELED);
+    assert_false(quilt_taker_has_all_rows(&taker));
     ttf_pool_destroy(pool);
     quilt_taker_free(&taker);
     texture_free(&input);
@@ -313,6 +376,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(eight_bit_frames_are_the_16_bit_ones_as_display_codes),
+        cmocka_unit_test(rows_that_go_ahead_are_those_of_the_whole),
+        cmocka_unit_test(what_is_kept_stays_within_the_memory_allowed),
         cmocka_unit_test(blends_and_times_between_frames_stay_16_bit),
         cmocka_unit_test(several_inputs_are_copied_bit_for_bit),
         cmocka_unit_test(a_map_is_replayed_on_another_exposure),

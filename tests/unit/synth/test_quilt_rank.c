@@ -43,7 +43,8 @@ static void input_matches_reference(struct ttf_sequence *input,
     assert_non_null(pool);
     quilt_plan_ok(config, input, pool, &map);
     assert_int_equal(ttf_sources_of(config, input, &sources, NULL), 0);
-    assert_int_equal(ttf_matching_build(config, &sources, 0, input->n, NULL, &matching, NULL), 0);
+    assert_int_equal(ttf_matching_build(config, &sources, 0, input->n, NULL, NULL, &matching, NULL),
+                     0);
     reference = reference_of_matching(&matching, input->width);
     want = reference_plan(&reference, config);
     assert_memory_equal(map.source, want, (size_t)config->width * config->height * sizeof(*want));
@@ -135,7 +136,7 @@ static void elongated_blocks_and_wide_overlaps_work_as_well(void **state)
     config.block_height = 8;
     matches_reference(TEXTURE_SPOTS, 40, 36, 12, &config, 2);
     config.overlap_x = 15;
-    config.overlap_y = 4; /* half a block: the most waves must keep apart */
+    config.overlap_y = 4; /* half a block: the most that rows must stay apart */
     matches_reference(TEXTURE_SPOTS, 40, 36, 12, &config, 5);
     config.block_width = config.block_height = 4; /* the smallest */
     config.overlap_x = config.overlap_y = 0;

@@ -123,7 +123,8 @@ static void is_made_of_cheapest_seams(const struct ttf_quilt_config *config,
     assert_non_null(again.source);
     quilt_plan_ok(config, input, NULL, &map);
     assert_int_equal(ttf_sources_of(config, input, &sources, NULL), 0);
-    assert_int_equal(ttf_matching_build(config, &sources, 0, input->n, NULL, &matching, NULL), 0);
+    assert_int_equal(ttf_matching_build(config, &sources, 0, input->n, NULL, NULL, &matching, NULL),
+                     0);
     for (unsigned i = 0; i < map.n_blocks; i++)
         lay(&again, &map.blocks[i]);
     assert_memory_equal(again.source, map.source, pixels * sizeof(*map.source));

@@ -29,28 +29,32 @@ static int16_t value(uint32_t key, int most)
     return (int16_t)((int)(random % (2u * (unsigned)most + 1)) - most);
 }
 
-static void same_runs_as_scalar(const struct ttf_rank_kernels *kernels, const int16_t *a,
-                                const int16_t *b)
+/* Four places, of which the limit leaves all, some or none. */
+static void same_at_four_as_scalar(const struct ttf_rank_kernels *kernels, const int16_t *a,
+                                   const int16_t *b, size_t most, bool cells)
 {
-    struct ttf_run_place runs[9];
-    uint64_t want, got;
+    const int16_t *at[4] = {a, a + 16, a + 48, a + 16};
+    uint32_t offsets[600];
+    uint64_t want[4], got[4];
 
-    for (uint32_t i = 0; i < 9; i++)
-        runs[i] = (struct ttf_run_place){texture_hash(i, 5, 1) % 3000,
-                                         16 * (1 + texture_hash(i, 6, 1) % 20)};
-    for (size_t n = 1; n <= 9; n++) {
-        want = ttf_rank_kernels_scalar()->ssd_runs(a, runs, n, b, UINT64_MAX);
-        assert_int_equal(kernels->ssd_runs(a, runs, n, b, UINT64_MAX), want);
-        assert_int_equal(kernels->ssd_runs(a, runs, n, b, want), want);
-        got = kernels->ssd_runs(a, runs, n, b, want / 2);
-        assert_true(got > want / 2);
+    for (uint32_t i = 0; i < 600; i++)
+        offsets[i] = texture_hash(i, 5, 1) % 250;
+    for (size_t n = 1; n <= most; n += n < 40 ? 1 : 37) {
+        ttf_rank_kernels_scalar()->ssd_at4(at, offsets, b, n, UINT64_MAX, want);
+        for (int k = -1; k < 4; k++) {
+            uint64_t limit = k < 0 ? UINT64_MAX : want[k] - (k == 3);
+
+            (cells ? kernels->cells_at4 : kernels->ssd_at4)(at, offsets, b, n, limit, got);
+            for (int i = 0; i < 4; i++)
+                assert_true(want[i] <= limit ? got[i] == want[i] : got[i] > limit);
+        }
     }
 }
 
 static void same_as_scalar(const struct ttf_rank_kernels *kernels)
 {
     const struct ttf_rank_kernels *scalar = ttf_rank_kernels_scalar();
-    static int16_t a[4096], b[4096];
+    static int16_t a[4096], b[4096], cells_of_b[16 * TTF_CELLS_MAX];
     static struct ttf_cell_target targets[TTF_CELLS_MAX];
     uint32_t want[40], got[40];
     static float w[120 * 32], in[4 * 128];
@@ -62,9 +66,12 @@ static void same_as_scalar(const struct ttf_rank_kernels *kernels)
     }
     for (size_t n = 16; n <= 4096; n += n < 400 ? 16 : 336)
         assert_int_equal(kernels->ssd_i16(a, b, n), scalar->ssd_i16(a, b, n));
-    same_runs_as_scalar(kernels, a, b);
+    same_at_four_as_scalar(kernels, a, b, 256, false);
     for (uint32_t i = 0; i < 4096; i++)
         a[i] = value(i + 77, TTF_CELL_MAX);
+    for (uint32_t i = 0; i < 16 * TTF_CELLS_MAX; i++)
+        cells_of_b[i] = value(i + 7, TTF_CELL_MAX);
+    same_at_four_as_scalar(kernels, a, cells_of_b, TTF_CELLS_MAX, true);
     for (uint32_t i = 0; i < TTF_CELLS_MAX; i++) {
         for (int d = 0; d < TTF_CELL_DIMS; d++)
             targets[i].value[d] = value(i * 8 + (uint32_t)d + 55, TTF_CELL_MAX);
@@ -126,7 +133,7 @@ static void bed_make(struct bed *bed, enum texture texture, unsigned inputs, uns
     assert_int_equal(ttf_sources_of(&bed->config, bed->texture[0].sequence, &bed->sources, NULL),
                      0);
     assert_int_equal(
-        ttf_matching_build(&bed->config, &bed->sources, 0, N, NULL, &bed->matching, NULL), 0);
+        ttf_matching_build(&bed->config, &bed->sources, 0, N, NULL, NULL, &bed->matching, NULL), 0);
     assert_int_equal(
         ttf_views_create(&bed->sources, &bed->matching, turns, overlap, NULL, &bed->views), 0);
     bed->search = (struct ttf_rank_search){&bed->matching, &bed->views, kernels, 0.1};

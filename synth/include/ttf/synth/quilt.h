@@ -51,6 +51,9 @@ struct ttf_quilt_config {
     double tolerance;                   /* of the best-within-tolerance rule; default 0.1; 0..10 */
     uint64_t seed;
     size_t memory_bytes; /* refuse (-EFBIG) to hold more matching data than this; 0: no limit */
+    /* Of a sink of 8-bit rows: so many bytes of frames stay in memory, and their rows leave while blocks are looked for;
+       within memory_bytes with the matching data. Default 96 MiB; 0: none, rows leave when all blocks lie. */
+    size_t keep_bytes;
     enum ttf_metric metric;
     bool per_frame;      /* the baseline that flickers: each frame quilted alone */
     uint32_t feather_px; /* width of a blend across the seam, in linear light; 0: none */
@@ -89,7 +92,9 @@ struct ttf_quilt_config {
     /* for the report's times, from any of the pool's threads, several at once; NULL: no times */
     int64_t (*now_ns)(void *ctx);
     void *now_ctx;
-    void (*progress)(void *ctx, double done); /* 0..1; NULL allowed */
+    void (*progress)(
+        void *ctx,
+        double done); /* 0..1, from any of the pool's threads, one at a time; NULL allowed */
     void *progress_ctx;
     const volatile int *cancel; /* non-zero: -ECANCELED; NULL allowed */
 };

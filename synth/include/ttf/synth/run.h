@@ -22,10 +22,12 @@ struct ttf_quilt_sink {
      */
     int (*frame)(void *ctx, uint32_t t, const uint16_t *codes, struct ttf_err *err);
     /*
-     * The same as 8-bit display codes, for a sink that wants no more: used instead where no
-     * blend or time between frames needs more (and nothing is measured). NULL: never.
+     * Rows y0 .. y1-1 of frame t as 8-bit display codes, for a sink that wants no more: used instead where no
+     * blend or time between frames needs more (and nothing is measured). Each row of each frame once, in any order (rows
+     * of all frames may come before the next rows of any), from several of the pool's threads at once. NULL: never.
      */
-    int (*frame8)(void *ctx, uint32_t t, const uint8_t *codes, struct ttf_err *err);
+    int (*rows8)(void *ctx, uint32_t t, uint32_t y0, uint32_t y1, const uint8_t *codes,
+                 struct ttf_err *err);
     void *ctx;
 };
 

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "quilt/ahead.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Frames of one piece: long enough that taking it costs nothing, short enough to share the last strip. */
+#define PIECE_FRAMES 8u
+
+/* Of one frame's strip: half of what a core's own cache holds, so that it is still there when it is written. */
+#define STRIP_BYTES ((size_t)384 << 10)
+
+/* Strips end between pages of the file where they can. */
+#define PAGE 4096u
+
+/* Copied at once: what is too much is overwritten by the next run. */
+#define CHUNK 64u
+
+struct run {
+    uint32_t from, bytes; /* of a frame's codes */
+};
+
+/* What a thread has to itself. */
+struct desk {
+    uint8_t *codes;
+    int64_t render_ns, sink_ns;
+};
+
+struct ttf_ahead {
+    const struct ttf_quilt_config *config;
+    struct ttf_kept *kept;
+    struct ttf_quilt_sink sink;
+    uint32_t rows_step, rows_max; /* of a strip */
+    /* the strip */
+    uint32_t y0, y1;
+    uint32_t next; /* frame */
+    unsigned working;
+    struct run *runs;
+    size_t n_runs, room_runs;
+    unsigned n_desks;
+    struct desk *desks;
+};
+
+static int64_t now_ns(const struct ttf_ahead *ahead)
+{
+    const struct ttf_quilt_config *config = ahead->config;
+
+    return config->now_ns ? config->now_ns(config->now_ctx) : 0;
+}
+
+static size_t row_bytes(const struct ttf_ahead *ahead)
+{
+    return (size_t)ahead->config->width * 3;
+}
+
+/* The least number of rows that is a number of pages; 1 where that would be many. */
+static uint32_t rows_of_pages(size_t row)
+{
+    uint32_t rows = 1;
+
+    while (rows * row % PAGE != 0)
+        rows *= 2;
+    return rows * row <= STRIP_BYTES ? rows : 1;
+}
+
+int ttf_ahead_create(const struct ttf_quilt_config *config, struct ttf_kept *kept,
+                     const struct ttf_quilt_sink *sink, unsigned threads, struct ttf_ahead **ret)
+{
+    struct ttf_ahead *ahead = calloc(1, sizeof(*ahead));
+
+    if (!ahead)
+        return -ENOMEM;
+    *ahead = (struct ttf_ahead){.config = config, .kept = kept, .sink = *sink, .n_desks = threads};
+    ahead->next = kept->frames;
+    ahead->rows_step = rows_of_pages(row_bytes(ahead));
+    ahead->rows_max = (uint32_t)(STRIP_BYTES / row_bytes(ahead));
+    ahead->rows_max -= ahead->rows_max % ahead->rows_step;
+    ahead->rows_max = ahead->rows_max > 0 ? ahead->rows_max : 1;
+    ahead->desks = calloc(threads, sizeof(*ahead->desks));
+    for (unsigned i = 0; ahead->desks && i < threads; i++) {
+        ahead->desks[i].codes = malloc(ahead->rows_max * row_bytes(ahead) + CHUNK);
+        if (!ahead->desks[i].codes) {
+            ttf_ahead_destroy(ahead);
+            return -ENOMEM;
+        }
+    }
+    if (!ahead->desks) {
+        ttf_ahead_destroy(ahead);
+        return -ENOMEM;
+    }
+    *ret = ahead;
+    return 0;
+}
+
+void ttf_ahead_destroy(struct ttf_ahead *ahead)
+{
+    if (!ahead)
+        return;
+    for (unsigned i = 0; ahead->desks && i < ahead->n_desks; i++)
+        free(ahead->desks[i].codes);
+    free(ahead->desks);
+    free(ahead->runs);
+    free(ahead);
+}
+
+struct ttf_kept *ttf_ahead_kept(struct ttf_ahead *ahead)
+{
+    return ahead->kept;
+}
+
+/* ---- strips ---- */
+
+static int add_run(struct ttf_ahead *ahead, uint32_t source, uint32_t pixels)
+{
+    if (ahead->n_runs == ahead->room_runs) {
+        size_t room = ahead->room_runs ? 2 * ahead->room_runs : 4096;
+        struct run *runs = realloc(ahead->runs, room * sizeof(*runs));
+
+        if (!runs)
+            return -ENOMEM;
+        ahead->runs = runs;
+        ahead->room_runs = room;
+    }
+    ahead->runs[ahead->n_runs++] = (struct run){source * 3, pixels * 3};
+    return 0;
+}
+
+/* Neighbours that are neighbours in the source, too. A run may go on in the next row. */
+static int find_runs(struct ttf_ahead *ahead, const struct ttf_quilt_map *map)
+{
+    const uint32_t *source = map->source + (size_t)ahead->y0 * map->width;
+    size_t n = (size_t)(ahead->y1 - ahead->y0) * map->width;
+    int r = 0;
+
+    ahead->n_runs = 0;
+    for (size_t at = 0; at < n && r == 0;) {
+        size_t end = at + 1;
+
+        while (end < n && source[end] == source[end - 1] + 1)
+            end++;
+        r = add_run(ahead, source[at], (uint32_t)(end - at));
+        at = end;
+    }
+    return r;
+}
+
+/* The last row that a strip from y0 on may end before; y0: there is none yet. */
+static uint32_t strip_end(const struct ttf_ahead *ahead, uint32_t final_rows)
+{
+    uint32_t end = final_rows;
+
+    if (end < ahead->config->height)
+        end -= end % ahead->rows_step;
+    if (end <= ahead->y1)
+        return ahead->y1;
+    return end - ahead->y1 > ahead->rows_max ? ahead->y1 + ahead->rows_max : end;
+}
+
+int ttf_ahead_take(struct ttf_ahead *ahead, const struct ttf_quilt_map *map, uint32_t final_rows,
+                   bool alone, struct ttf_ahead_piece *ret)
+{
+    uint32_t frames = ahead->kept->frames, end;
+    int r;
+
+    if (alone && ahead->working > 0)
+        return 0;
+    if (ahead->next == frames) {
+        end = strip_end(ahead, final_rows);
+        if (ahead->working > 0 || end == ahead->y1)
+            return 0;
+        ahead->y0 = ahead->y1;
+        ahead->y1 = end;
+        r = find_runs(ahead, map);
+        if (r < 0)
+            return r;
+        ahead->next = 0;
+    }
+    ret->from = ahead->next;
+    ret->to = frames - ret->from < PIECE_FRAMES ? frames : ret->from + PIECE_FRAMES;
+    ahead->next = ret->to;
+    ahead->working++;
+    return 1;
+}
+
+void ttf_ahead_done(struct ttf_ahead *ahead)
+{
+    ahead->working--;
+}
+
+bool ttf_ahead_finished(const struct ttf_ahead *ahead)
+{
+    return ahead->y1 == ahead->config->height && ahead->next == ahead->kept->frames &&
+           ahead->working == 0;
+}
+
+/* ---- pieces ---- */
+
+/*
+ * Whole chunks: faster than the exact length, and what is too much lies within the slack behind either. The next frame's are asked for
+ * meanwhile: they are far from the processor, and no pattern that it would guess.
+ */
+static void copy_strip(const struct ttf_ahead *ahead, const uint8_t *source, uint8_t *to)
+{
+    for (size_t i = 0; i < ahead->n_runs; i++) {
+        const struct run *run = &ahead->runs[i];
+        const uint8_t *from = source + run->from;
+
+        for (uint32_t k = 0; k < run->bytes; k += CHUNK) {
+            __builtin_prefetch(from + ahead->kept->frame + k);
+            memcpy(to + k, from + k, CHUNK);
+        }
+        to += run->bytes;
+    }
+}
+
+int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece, unsigned worker,
+                  struct ttf_err *err)
+{
+    struct desk *desk = &ahead->desks[worker];
+    int64_t start_ns = now_ns(ahead);
+    int r = 0;
+
+    for (uint32_t t = piece->from; t < piece->to && r == 0; t++) {
+        int64_t copied_ns;
+
+        copy_strip(ahead, ahead->kept->codes + t * ahead->kept->frame, desk->codes);
+        copied_ns = now_ns(ahead);
+        r = ahead->sink.rows8(ahead->sink.ctx, t, ahead->y0, ahead->y1, desk->codes, err);
+        desk->sink_ns += now_ns(ahead) - copied_ns;
+    }
+    desk->render_ns += now_ns(ahead) - start_ns;
+    return r < 0 ? r : 0;
+}
+
+void ttf_ahead_costs(const struct ttf_ahead *ahead, struct ttf_quilt_report *report)
+{
+    for (unsigned i = 0; i < ahead->n_desks; i++) {
+        report->render_ns += ahead->desks[i].render_ns;
+        report->sink_ns += ahead->desks[i].sink_ns;
+    }
+    report->frame_bytes +=
+        ttf_kept_bytes(ahead->kept) + ahead->n_desks * (ahead->rows_max * row_bytes(ahead) + CHUNK);
+}

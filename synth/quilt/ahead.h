@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * ahead.h: rows of output that are handed on while blocks further down are still looked for. What a file system takes, it takes from
+ * one thread at a time; so one thread writes what is final already while the others search.
+ *
+ * A strip is some rows that are final, of all kept frames; a piece is a strip of some frames, the work of one thread at a time.
+ *
+ * Threads: take and done under one lock of the caller's; `run` from any, each piece once.
+ */
+#ifndef TTF_SYNTH_QUILT_AHEAD_H
+#define TTF_SYNTH_QUILT_AHEAD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "search/kept.h"
+#include "ttf/base/attr.h"
+#include "ttf/base/err.h"
+#include "ttf/synth/run.h"
+
+struct ttf_ahead;
+
+struct ttf_ahead_piece {
+    uint32_t from, to; /* frames */
+};
+
+/* All borrowed; kept: read before the first piece. -ENOMEM. */
+TTF_MUST_USE int ttf_ahead_create(const struct ttf_quilt_config *config, struct ttf_kept *kept,
+                                  const struct ttf_quilt_sink *sink, unsigned threads,
+                                  struct ttf_ahead **ret);
+void ttf_ahead_destroy(struct ttf_ahead *ahead); /* NULL allowed */
+
+struct ttf_kept *ttf_ahead_kept(struct ttf_ahead *ahead);
+
+/*
+ * Is there a piece to hand on, of the map's first final_rows rows? alone: only if no other thread is at one. -ENOMEM; 0: there is none now;
+ * 1: *ret, to be run and reported as done.
+ */
+TTF_MUST_USE int ttf_ahead_take(struct ttf_ahead *ahead, const struct ttf_quilt_map *map,
+                                uint32_t final_rows, bool alone, struct ttf_ahead_piece *ret);
+
+/* The sink's errors. */
+TTF_MUST_USE int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece,
+                               unsigned worker, struct ttf_err *err);
+void ttf_ahead_done(struct ttf_ahead *ahead);
+
+/* Are all rows handed on? */
+bool ttf_ahead_finished(const struct ttf_ahead *ahead);
+
+/* ttf_quilt_plan, which hands rows on as they become final (in k-space and not tileable: only there are there any before the end). */
+TTF_MUST_USE int ttf_plan_ahead(const struct ttf_quilt_config *config, struct ttf_sequence *input,
+                                struct ttf_pool *pool, struct ttf_ahead *ahead,
+                                struct ttf_quilt_map *ret, struct ttf_err *err);
+
+/* Adds times and memory to the report. */
+void ttf_ahead_costs(const struct ttf_ahead *ahead, struct ttf_quilt_report *report);
+
+#endif

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "search/kept.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+/* Pages of this size, where the system has them, cost one fault each instead of 512. */
+#define LARGE_PAGE ((size_t)2 << 20)
+
+size_t ttf_kept_bytes(const struct ttf_kept *kept)
+{
+    return kept->frames > 0 ? kept->frames * kept->frame + TTF_KEPT_SLACK : 0;
+}
+
+int ttf_kept_create(size_t pixels, uint32_t frames, size_t bytes_max, struct ttf_kept *ret)
+{
+    struct ttf_kept kept = {.frame = pixels * 3};
+    size_t fit = bytes_max > TTF_KEPT_SLACK ? (bytes_max - TTF_KEPT_SLACK) / kept.frame : 0;
+    size_t bytes;
+    void *codes = NULL;
+
+    kept.frames = fit < frames ? (uint32_t)fit : frames;
+    bytes = ttf_kept_bytes(&kept);
+    if (bytes > 0 && posix_memalign(&codes, LARGE_PAGE, bytes) != 0)
+        return -ENOMEM;
+    if (bytes > 0)
+        (void)madvise(codes, bytes,
+                      MADV_HUGEPAGE); /* a wish: without it all is the same, but slower */
+    kept.codes = codes;
+    *ret = kept;
+    return 0;
+}
+
+void ttf_kept_free(struct ttf_kept *kept)
+{
+    free(kept->codes);
+    memset(kept, 0, sizeof(*kept));
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * kept.h: the first frames of the sources as the 8-bit codes that they are matched by, kept as they are read for the
+ * factors, so that putting output together needs no second reading.
+ */
+#ifndef TTF_SYNTH_SEARCH_KEPT_H
+#define TTF_SYNTH_SEARCH_KEPT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ttf/base/attr.h"
+
+/* After each frame's codes so many bytes may be read (they mean nothing). */
+#define TTF_KEPT_SLACK 64u
+
+struct ttf_kept {
+    uint32_t frames; /* the first so many */
+    size_t frame;    /* bytes of one: pixels x 3 */
+    uint8_t *codes;  /* frames x frame, and slack */
+};
+
+/* As many of `frames` as fit into bytes_max; none (no error) where not one does. -ENOMEM. */
+TTF_MUST_USE int ttf_kept_create(size_t pixels, uint32_t frames, size_t bytes_max,
+                                 struct ttf_kept *ret);
+void ttf_kept_free(struct ttf_kept *kept); /* a zeroed one is fine */
+
+/* Memory of it. */
+size_t ttf_kept_bytes(const struct ttf_kept *kept);
+
+#endif
