@@ -6,7 +6,7 @@
 . "$(dirname "$0")/server.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
-bench_box
+bench_box 'lamps: {left: {backend: sim}}' 'sensors: {box-temp: {backend: sim, kind: temperature}}'
 data_in_memory
 printf 'board: ./box.yaml\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0", "unix:cable"]\nnames: [one, two, three, four, five, greenhouse]\n' >ttfboxd.yaml
 
@@ -129,7 +129,7 @@ get "$URL/boards/check" 401 -H 'Content-Type: application/yaml' --data-binary @w
 json_of "$SOURCE/boards/rpi4/board.yaml" "$URL/boards/rpi4" 405 -X PUT
 
 # ---- plans: checked before they are in place ----
-plan first.yaml 'interval: 500ms' 'count: 900' 'shot: {exposure: 10ms}' 'keep: both' 'reserve: 0B'
+plan first.yaml 'interval: 500ms' 'count: 900' 'lamps: {mode: continuous}' 'shot: {exposure: 10ms, lamps: {left: 100%}}' 'keep: both' 'reserve: 0B'
 plan wrong.yaml 'interval: 500ms' 'count: 24' 'shot: {exposure: 10s}' 'reserve: 0B'
 json_of first.yaml "$URL/plans/check" 200
 is ok true
@@ -259,6 +259,18 @@ is run.dataset two
 is run.asked_by request
 [ "$(json run.done)" -ge "$before" ] || fail "it began anew"
 heard '<5>resuming'
+
+# ---- who listened before that start, or to what is not remembered, is told that something was missed; who missed nothing is not ----
+first_event() { # LAST-EVENT-ID
+    timeout 20 curl -sSN "${ME[@]}" ${1:+-H "Last-Event-ID: $1"} "$URL/events" 2>/dev/null | sed -n '/^id: /{s///;h}; /^event: /{G;s/\n/ /;p;q}'
+}
+before=$(sed -n 's/^id: //p' told | tail -n 1)
+[ -n "$before" ] || fail "events have no ids"
+case $(first_event "$before") in 'event: missed'*) ;; *) fail "what it did before that start was not missed: $(first_event "$before")" ;; esac
+now=$(first_event "")
+case $now in 'event: missed'*) fail "who listens for the first time missed nothing" ;; esac
+case $(first_event "${now##* }") in 'event: missed'*) fail "who heard $now missed nothing" ;; esac
+case $(first_event "${now##* }0000000") in 'event: missed'*) ;; *) fail "of what is to come nobody has heard" ;; esac
 
 # ---- stopped, it stays so, over a boot too, until it is gone on with ----
 get "$URL/run/stop" 202 "${ME[@]}" -X POST
