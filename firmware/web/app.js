@@ -170,8 +170,7 @@ document.querySelector(".skip").addEventListener("click", (e) => { /* a part's a
   e.preventDefault();
   $("main").focus();
 });
-for (const kind of ["status", "lost"])
-  box.addEventListener(kind, above);
+box.on({ status: above, lost: above });
 /* What a part shows to those who may change something, and not to others, it sees to by itself: what was typed into it stays. */
 let could_read = null;
 box.addEventListener("session", () => {

@@ -309,6 +309,16 @@ export class Box extends EventTarget {
     });
   }
 
+  /* {kind: listener, ...}, until what this gives back is called. */
+  on(listeners) {
+    for (const [kind, listener] of Object.entries(listeners))
+      this.addEventListener(kind, listener);
+    return () => {
+      for (const [kind, listener] of Object.entries(listeners))
+        this.removeEventListener(kind, listener);
+    };
+  }
+
   /* Nanoseconds until the next slot, now; undefined where none is to come. */
   next_in_ns() {
     const next = this.status?.run?.next;

@@ -175,15 +175,12 @@ export function calibrate(main, box) {
       h("p", { class: "quiet" }, "Region and reference go into the plan, the corners into the chart."))));
 
   get("plans").then(({ plans }) => plans.filter((p) => !p.error).forEach((p) => plan.append(h("option", { value: p.name }, p.name)))).catch(() => { /* without one it works as well */ });
-  const listeners = { status: enable, session: look, stale: look };
-  for (const [kind, listener] of Object.entries(listeners))
-    box.addEventListener(kind, listener);
+  const off = box.on({ status: enable, session: look, stale: look });
   enable();
   look();
   return () => {
     ended = true;
     clearTimeout(timer);
-    for (const [kind, listener] of Object.entries(listeners))
-      box.removeEventListener(kind, listener);
+    off();
   };
 }

@@ -111,15 +111,12 @@ export function dataset(main, box, name) {
     }, REFRESH_MS);
   }
 
-  const listeners = { slot: ({ detail }) => detail.dataset === name && soon(), state: soon, stale: soon };
-  for (const [kind, listener] of Object.entries(listeners))
-    box.addEventListener(kind, listener);
+  const off = box.on({ slot: ({ detail }) => detail.dataset === name && soon(), state: soon, stale: soon });
   refresh();
   return () => {
     ended = true;
     clearTimeout(timer);
-    for (const [kind, listener] of Object.entries(listeners))
-      box.removeEventListener(kind, listener);
+    off();
     for (const end of [written.end, scrubber.end, looked.end, grown_view])
       end();
   };

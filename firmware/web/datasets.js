@@ -4,8 +4,10 @@ import { h, fill, renew, say } from "./dom.js";
 import { get } from "./api.js";
 import { results } from "./state.js";
 
+const SLOT_MS = 5000;
+
 export function datasets(main, box) {
-  let ended = false;
+  let ended = false, timer = 0;
   const list = h("div", { class: "cards" }, h("p", { role: "status" }, "…")), wrong = h("p", { class: "bad", role: "alert" });
   fill(main, h("h1", {}, "Datasets"), wrong, list);
 
@@ -27,13 +29,20 @@ export function datasets(main, box) {
     }
   }
 
+  /* Slots may come several times a second; the list need not. */
+  function later() {
+    timer ||= setTimeout(() => {
+      timer = 0;
+      if (!document.hidden)
+        refresh();
+    }, SLOT_MS);
+  }
+
+  const off = box.on({ state: refresh, stale: refresh, slot: later });
   refresh();
-  const state = () => refresh();
-  for (const kind of ["state", "stale"])
-    box.addEventListener(kind, state);
   return () => {
     ended = true;
-    for (const kind of ["state", "stale"])
-      box.removeEventListener(kind, state);
+    clearTimeout(timer);
+    off();
   };
 }

@@ -56,7 +56,7 @@ export function live(main, box) {
   const bars = h("canvas", { class: "histogram", role: "img", "aria-label": "Histogram" });
   const meter = h("p", { class: "meter" }, "–"), meter_best = h("p", { class: "quiet" }, ""), loupe = h("canvas", { class: "loupe", role: "img", "aria-label": "Loupe" });
   const clipping = check("Mark what is clipped or black", true), peaking = check("Mark sharp edges", false);
-  const play = h("button", { class: "main", "aria-pressed": "false", disabled: true, onclick: toggle }, "Start live view"), once = h("button", { disabled: true, onclick: shoot }, "One picture");
+  const play = h("button", { class: "main", disabled: true, onclick: toggle }, "Start live view"), once = h("button", { disabled: true, onclick: shoot }, "One picture");
   const side = h("div", { class: "stack" }), picks = h("div", { class: "stack" });
 
   function check(text, on) {
@@ -76,7 +76,6 @@ export function live(main, box) {
   function set_running(on) {
     running = on;
     clearTimeout(timer);
-    play.setAttribute("aria-pressed", String(running));
     play.textContent = running ? "Stop live view" : "Start live view";
   }
 
@@ -272,14 +271,11 @@ export function live(main, box) {
       shoot();
   }
 
-  const listeners = { session: begin, stale: again };
-  for (const [kind, listener] of Object.entries(listeners))
-    box.addEventListener(kind, listener);
+  const off = box.on({ session: begin, stale: again });
   again();
   return () => {
     ended = true;
     clearTimeout(timer);
-    for (const [kind, listener] of Object.entries(listeners))
-      box.removeEventListener(kind, listener);
+    off();
   };
 }

@@ -56,8 +56,7 @@ export function notes(parent, box, name) {
     h("label", {}, exclude, "leave this slot out of what is made of the dataset"), h("div", { class: "row" }, button), may_not, said);
   fill(parent, h("h2", {}, "Notes"), list, h("h3", {}, "A new one"), form);
   const look = () => refresh().catch((error) => say(said, error.text || error.message));
-  box.addEventListener("session", allow);
-  box.addEventListener("stale", look);
+  const off = box.on({ session: allow, stale: look });
   allow();
   look();
   return {
@@ -71,8 +70,7 @@ export function notes(parent, box, name) {
     },
     end() {
       ended = true;
-      box.removeEventListener("session", allow);
-      box.removeEventListener("stale", look);
+      off();
     },
   };
 }

@@ -149,7 +149,7 @@ export function now(main, box) {
 
   /* ---- the picture ---- */
 
-  let shown = null, asked = false, wanted = false;
+  let shown = null, asked = false, wanted = false, ended = false;
   async function picture(sure = false) {
     if (asked || document.hidden) { /* nobody sees it now; who comes back does ("stale") */
       wanted = asked && sure;
@@ -161,6 +161,8 @@ export function now(main, box) {
     asked = true;
     try {
       const got = await getPicture("latest");
+      if (ended)
+        return;
       if (shown)
         URL.revokeObjectURL(shown);
       shown = URL.createObjectURL(got.blob);
@@ -208,7 +210,7 @@ export function now(main, box) {
       happened.lastChild.remove();
   }
 
-  const listeners = {
+  const off = box.on({
     status: refresh, lost: tick, stale: () => picture(), session: () => { drawn = ""; refresh(); },
     slot: ({ detail }) => {
       if (detail.result === "captured" || detail.result === "partial")
@@ -218,17 +220,15 @@ export function now(main, box) {
     },
     event: ({ detail }) => tell(detail.text),
     alarm: ({ detail }) => tell(`Alarm: ${detail.text}`),
-  };
-  for (const [kind, listener] of Object.entries(listeners))
-    box.addEventListener(kind, listener);
+  });
   const timer = setInterval(tick, 200);
   refresh();
   tick();
   picture();
   return () => {
+    ended = true;
     clearInterval(timer);
-    for (const [kind, listener] of Object.entries(listeners))
-      box.removeEventListener(kind, listener);
+    off();
     if (shown)
       URL.revokeObjectURL(shown);
   };

@@ -4,7 +4,7 @@ import { h, fill, renew, say, ask } from "./dom.js";
 import { get, getText, post, postPlan, putPlan, remove } from "./api.js";
 import { PRESETS, UNITS, nameOf, planText, presetChoice } from "./presets.js";
 import { picked, withinRegion } from "./picker.js";
-import { planVerdict, startOf } from "./verdict.js";
+import { figures, judgement, startOf } from "./verdict.js";
 import { exposureWords, span, today } from "./words.js";
 
 const ZONE = Intl.DateTimeFormat().resolvedOptions().timeZone;
@@ -27,7 +27,7 @@ function select(label, options, again) {
 
 export function plan(main, box) {
   let ended = false, timer = 0, by_hand = false, named_by_hand = false, check_number = 0, about = null, ok = false, own = null; /* the plan that was opened or saved here */
-  const verdict = h("div", { role: "status" }), text = h("textarea", { rows: 18, spellcheck: "false", oninput: () => { by_hand = true; say(hand, "Changed by hand: the form above no longer changes it."); later(); } });
+  const judged = h("div", { role: "status" }), takes = h("div"), text = h("textarea", { rows: 18, spellcheck: "false", oninput: () => { by_hand = true; say(hand, "Changed by hand: the form above no longer changes it."); later(); } });
   const hand = h("p", { class: "quiet" }), said = h("p", { class: "bad", role: "alert" }), well = h("p", { class: "good", role: "status" }), list = h("div");
 
   /* ---- the form ---- */
@@ -134,11 +134,17 @@ export function plan(main, box) {
     timer = setTimeout(check, 350);
   }
 
+  /* Where there are no figures. */
+  function judge(p) {
+    renew(judged, p.textContent, () => p);
+    fill(takes);
+  }
+
   async function check() {
     const number = ++check_number;
     if (!box.session.change) { /* it would be refused */
       ok = false;
-      fill(verdict, h("p", {}, "With the token, the box says here what a plan takes."));
+      judge(h("p", {}, "With the token, the box says here what a plan takes."));
       allow();
       return;
     }
@@ -147,12 +153,13 @@ export function plan(main, box) {
       if (ended || number !== check_number)
         return;
       ok = got.ok;
-      fill(verdict, planVerdict(got, startOf(text.value)));
+      renew(judged, [got.ok, got.findings], () => judgement(got)); /* read out when it is another one, and without its figures */
+      fill(takes, got.figures && figures(got.figures, startOf(text.value)));
     } catch (error) {
       if (ended || number !== check_number)
         return;
       ok = false;
-      fill(verdict, h("p", { class: "finding-error" }, error.text || error.message));
+      judge(h("p", { class: "finding-error" }, error.text || error.message));
     }
     allow();
   }
@@ -278,7 +285,7 @@ export function plan(main, box) {
 
   fill(main, h("h1", {}, "Plan a run"), h("div", { class: "cards planning" },
     h("section", { class: "card form-card", "aria-label": "New plan" }, form),
-    h("section", { class: "card" }, h("h2", {}, "What it takes"), verdict, h("div", { class: "row end" }, actions), said, well, no_token),
+    h("section", { class: "card" }, h("h2", {}, "What it takes"), judged, takes, h("div", { class: "row end" }, actions), said, well, no_token),
     h("section", { class: "card" }, h("h2", {}, "Plans on this box"), list)));
 
   const marks = picked();
@@ -316,15 +323,12 @@ export function plan(main, box) {
     look();
   }
 
-  const listeners = { session: () => { check(); look(); }, stale: begin_with_box };
-  for (const [kind, listener] of Object.entries(listeners))
-    box.addEventListener(kind, listener);
+  const off = box.on({ session: () => { check(); look(); }, stale: begin_with_box });
   allow();
   begin_with_box();
   return () => {
     ended = true;
     clearTimeout(timer);
-    for (const [kind, listener] of Object.entries(listeners))
-      box.removeEventListener(kind, listener);
+    off();
   };
 }

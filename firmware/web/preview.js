@@ -2,22 +2,23 @@
 /* preview.js: what the box synthesized so far, beside what was captured, moment by moment. Nothing where there is no preview. */
 import { h, fill, renew, say } from "./dom.js";
 import { get } from "./api.js";
+import { player } from "./play.js";
 import { spread } from "./timeline.js";
 import { count, when } from "./words.js";
 
-const STRIP = 10;
+const STRIP = 10, PLAY_MS = 160;
 
 export function preview(parent, box, name) {
-  let ended = false, frames = [], timer = 0;
-  const captured = h("img", { alt: "" }), grown = h("img", { alt: "" }), caption = h("p", { class: "quiet", "aria-live": "polite" }), about = h("p", { class: "quiet" });
+  let ended = false, frames = [];
+  const captured = h("img", { alt: "" }), grown = h("img", { alt: "" }), caption = h("p", { class: "quiet" }), about = h("p", { class: "quiet" });
   const slider = h("input", { type: "range", class: "scrub", min: 0, max: 0, step: 1, value: 0, "aria-label": "Moment of the preview", oninput: show });
   const strip = h("div", { class: "strip", role: "group", "aria-label": "Moments over the whole time: captured above, synthesized below" });
   const video = h("a", { class: "button", href: `/api/v1/datasets/${name}/preview.avi`, download: `${name}-preview.avi` }, "Download the preview as a video");
-  const play = h("button", { "aria-pressed": "false", onclick: toggle }, "Play");
+  const play = player(onward, PLAY_MS, caption);
   const pictures = h("div", { class: "stack", hidden: true }, h("div", { class: "big" },
     h("figure", {}, h("div", { class: "picture" }, captured), h("figcaption", {}, "Captured")),
     h("figure", {}, h("div", { class: "picture" }, grown), h("figcaption", {}, "Synthesized from it"))),
-  h("div", { class: "row" }, play, slider), caption, strip, h("p", {}, video));
+  h("div", { class: "row" }, play.button, slider), caption, strip, h("p", {}, video));
   fill(parent, h("h2", {}, "Preview of a synthesis"), pictures, about);
 
   function show() {
@@ -40,19 +41,11 @@ export function preview(parent, box, name) {
         h("img", { src: `/api/v1/datasets/${name}/preview/${frames[i].path}`, alt: "", loading: "lazy" }), h("small", { "aria-hidden": "true" }, frames[i].slot))));
   }
 
-  function toggle() {
-    const on = play.getAttribute("aria-pressed") !== "true";
-    play.setAttribute("aria-pressed", String(on));
-    play.textContent = on ? "Pause" : "Play";
-    clearInterval(timer);
-    caption.setAttribute("aria-live", on ? "off" : "polite");
-    if (on)
-      timer = setInterval(() => {
-        if (captured.complete && grown.complete && frames.length) {
-          slider.value = (Number(slider.value) + 1) % frames.length;
-          show();
-        }
-      }, 160);
+  function onward() {
+    if (!captured.complete || !grown.complete || !frames.length)
+      return;
+    slider.value = (Number(slider.value) + 1) % frames.length;
+    show();
   }
 
   async function refresh() {
@@ -82,13 +75,11 @@ export function preview(parent, box, name) {
   }
 
   const newer = ({ detail }) => detail.dataset === name && refresh();
-  box.addEventListener("preview", newer);
-  box.addEventListener("stale", refresh);
+  const off = box.on({ preview: newer, stale: refresh });
   refresh();
   return () => {
     ended = true;
-    clearInterval(timer);
-    box.removeEventListener("preview", newer);
-    box.removeEventListener("stale", refresh);
+    play.end();
+    off();
   };
 }

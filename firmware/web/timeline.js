@@ -4,6 +4,7 @@
  * dataset each of so many slots (charts): the slider has every slot all the same.
  */
 import { h, fill, say } from "./dom.js";
+import { player } from "./play.js";
 import { when } from "./words.js";
 
 const STRIP = 10, PLAY_MS = 150, AGAIN_MS = 1100;
@@ -33,12 +34,12 @@ export function lastSlot({ index, results }) {
 
 /* `moved(slot, by_person)`: another slot is shown. */
 export function timeline(parent, name, moved) {
-  let columns = null, newest = -1, ended = false, asked = 0, retry = 0, timer = 0, following = true; /* the newest slot, until somebody wants another */
-  const img = h("img", { alt: "", hidden: true }), none = h("p", {}, "No picture yet"), caption = h("figcaption", { "aria-live": "polite" });
+  let columns = null, newest = -1, ended = false, asked = 0, retry = 0, following = true; /* the newest slot, until somebody wants another */
+  const img = h("img", { alt: "", hidden: true }), none = h("p", {}, "No picture yet"), caption = h("figcaption"), play = player(onward, PLAY_MS, caption);
   const slider = h("input", { type: "range", class: "scrub", min: 0, max: 0, value: 0, step: 1, "aria-label": "Slot", disabled: true, oninput: () => pick(Number(slider.value), true) });
   const strip = h("div", { class: "strip", role: "group", "aria-label": "Pictures spread over the whole time" });
-  const play = h("button", { "aria-pressed": "false", disabled: true, onclick: toggle }, "Play");
-  fill(parent, h("h2", {}, "Timeline"), strip, h("div", { class: "row" }, play, slider),
+  play.button.disabled = true;
+  fill(parent, h("h2", {}, "Timeline"), strip, h("div", { class: "row" }, play.button, slider),
     h("figure", {}, h("div", { class: "picture" }, img, none), caption));
   img.addEventListener("error", () => { /* too many wait, or there is no picture of this slot */
     empty("No picture of this slot");
@@ -99,16 +100,6 @@ export function timeline(parent, name, moved) {
       pick(all.find((slot) => slot > at) ?? all[0], true);
   }
 
-  function toggle() {
-    const on = play.getAttribute("aria-pressed") !== "true";
-    play.setAttribute("aria-pressed", String(on));
-    play.textContent = on ? "Pause" : "Play";
-    caption.setAttribute("aria-live", on ? "off" : "polite"); /* nobody can listen to seven a second */
-    clearInterval(timer);
-    if (on)
-      timer = setInterval(onward, PLAY_MS);
-  }
-
   /* Buttons stay: somebody may be at one of them. */
   function draw_strip() {
     const slots = spread(pictured(columns), STRIP);
@@ -135,7 +126,7 @@ export function timeline(parent, name, moved) {
       const last = lastSlot(got), grew = last !== newest;
       columns = got;
       newest = last;
-      slider.disabled = play.disabled = got.index.length === 0 || last === got.index[0];
+      slider.disabled = play.button.disabled = got.index.length === 0 || last === got.index[0];
       if (last < 0)
         return;
       slider.min = got.index[0];
@@ -146,7 +137,7 @@ export function timeline(parent, name, moved) {
     },
     end() {
       ended = true;
-      clearInterval(timer);
+      play.end();
       cancelAnimationFrame(asked);
     },
   };

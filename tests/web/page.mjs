@@ -249,9 +249,12 @@ async function a_run_is_started_from_the_wizard() {
   assert.match(text, new RegExp(`count: ${SLOTS}\\n`));
   assert.match(text, /region: \{x: /);
   const begin = page.getByLabel("Begin (empty: at once)");
+  await page.getByText(/^39 seconds, until/).waitFor();
+  await page.getByText("This box can do it.").evaluate((e) => (e.kept = true));
   await page.getByText(/^39 seconds, until .* if begun now$/).waitFor();
   await begin.fill("2031-01-01T06:00");
   await page.getByText(/^39 seconds, from Jan 1, 2031, 6:00:00.AM until Jan 1, 2031, 6:00:39.AM$/).waitFor();
+  assert.ok(await page.getByText("This box can do it.").evaluate((e) => e.kept), "a verdict that stays is not read out again");
   await begin.fill("");
   await page.getByText(/^39 seconds, until .* if begun now$/).waitFor();
   await until("the box's verdict is of this plan", async () => /Pictures40/.test((await page.locator("dl.facts").first().textContent()).replace(/\s/g, "")));
@@ -273,6 +276,11 @@ async function slots_arrive_and_the_countdown_runs() {
   await until("another slot", async () => (await state()) !== head);
   assert.deepEqual(await page.evaluate(() => [document.getElementById("heard").textContent, globalThis.heard]), ["Capturing", []], "that a slot is done is not read out each time");
   assert.ok(await to_dataset.evaluate((e) => e === document.activeElement), "who has reached a link by keyboard is still there");
+  await go("Datasets");
+  const counted = page.locator(".card", { hasText: NAME }).getByText(/^\d+ slots?: /), before = await counted.textContent();
+  await page.getByRole("link", { name: NAME }).focus();
+  await until("the list counts on", async () => (await counted.textContent()) !== before);
+  await go("Now");
   assert.match(await page.title(), /^Capturing \d+\/40 – ttfbox$/);
   assert.equal(await page.getByText(/This picture is (nearly black|clipped)/).count(), 0, "frames exposed as live view was are neither black nor clipped");
   assert.match(await page.locator("#countdown").textContent(), /^(\d+:\d\d|now)$/);
@@ -504,6 +512,16 @@ try {
     await until(`${JSON.stringify(status)}: may a step be taken?`, async () => await page.getByRole("button", { name: "Take the dark" }).isDisabled() === !!text);
     await page.unroute("**/api/v1/status");
   }
+  await go("Now");
+  await page.route("**/api/v1/status", (route) => route.fulfill({ json: { state: "idle", alarms: [{ text: "the lamp is too hot" }] } }));
+  const alarm = page.getByRole("alert").getByText("the lamp is too hot");
+  await alarm.waitFor();
+  await alarm.evaluate((e) => (e.kept = true));
+  for (let looks = 0; looks < 2; looks++)
+    await page.waitForResponse("**/api/v1/status");
+  assert.ok(await alarm.evaluate((e) => e.kept), "an alarm is read out once");
+  await browser.accessible("an alarm");
+  await page.unroute("**/api/v1/status");
   browser.fine("calibrate");
   assert.equal(await daemon.kill("SIGTERM"), 0, "the daemon ends cleanly");
 } catch (error) {
