@@ -124,13 +124,12 @@ static int read_frame(struct ttf_render *r, uint32_t t, void *dst, struct ttf_er
 }
 
 /* Figures of a frame. with_source: the input has such a frame. */
-static void measure(struct ttf_render *r, uint32_t t, const struct stage *stage, bool with_source,
-                    struct ttf_pool *pool)
+static void measure(struct ttf_render *r, uint32_t t, const struct stage *stage, bool with_source)
 {
     int64_t start_ns = now_ns(r);
 
     if (r->job.figures)
-        ttf_figures_add(r->job.figures, t, with_source ? stage->source : NULL, stage->output, pool);
+        ttf_figures_add(r->job.figures, t, with_source ? stage->source : NULL, stage->output, NULL);
     r->metrics_ns += now_ns(r) - start_ns;
 }
 
@@ -145,14 +144,35 @@ static int hand_on(struct ttf_render *r, uint32_t t, const struct stage *stage, 
     return code < 0 ? code : 0;
 }
 
+/* A frame that is put together alone. */
+struct alone {
+    struct ttf_render *render;
+    uint32_t t;
+    bool with_source;
+    int code;
+    struct ttf_err err;
+};
+
+static void alone_tile(void *ctx, unsigned tile, unsigned worker)
+{
+    struct alone *alone = ctx;
+    struct stage *stage = &alone->render->stages[0];
+
+    (void)worker;
+    if (tile == 0)
+        alone->code = hand_on(alone->render, alone->t, stage, &alone->err);
+    else
+        measure(alone->render, alone->t, stage, alone->with_source);
+}
+
 int ttf_render_one(struct ttf_render *r, uint32_t t, struct ttf_err *err)
 {
     struct stage *stage = &r->stages[0];
-    bool with_source = t < r->job.sources->frames;
+    struct alone alone = {.render = r, .t = t, .with_source = t < r->job.sources->frames};
     int64_t start_ns = now_ns(r);
     int code = 0;
 
-    if (with_source && (!r->timed || r->job.figures))
+    if (alone.with_source && (!r->timed || r->job.figures))
         code = read_frame(r, t, stage->source, err);
     if (code == 0 && r->timed)
         code = ttf_timed_frame(r->timed, t, r->job.pool, stage->output, err);
@@ -161,8 +181,10 @@ int ttf_render_one(struct ttf_render *r, uint32_t t, struct ttf_err *err)
     r->render_ns += now_ns(r) - start_ns;
     if (code < 0)
         return code;
-    measure(r, t, stage, with_source, r->job.pool);
-    return hand_on(r, t, stage, err);
+    ttf_pool_run(r->job.pool, 2, alone_tile, &alone);
+    if (alone.code < 0 && err)
+        *err = alone.err;
+    return alone.code;
 }
 
 /* ---- the pipeline ---- */
@@ -192,7 +214,7 @@ static void round_tile(void *ctx, unsigned tile, unsigned worker)
             r->hand_code = hand_on(r, (uint32_t)hand, done, &r->hand_err);
     } else if (tile == 1) {
         if (done)
-            measure(r, (uint32_t)hand, done, true, NULL);
+            measure(r, (uint32_t)hand, done, true);
     } else if (tile == 2) {
         if (hand + 2 < frames)
             r->read_code =
