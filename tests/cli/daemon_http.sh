@@ -117,7 +117,28 @@ is change true
 get "$URL/session" 200
 is read false
 
-# ---- boards: checked, and never put in place ----
+# ---- boards: those that are there, with the plans in the folder beside them; checked, and never put in place ----
+mkdir -p boards/another/plans
+sed 's/^board: .*/board: another/' box.yaml >boards/another/board.yaml
+plan boards/another/plans/example.yaml 'interval: 500ms' 'count: 9' 'shot: {exposure: 10ms}'
+echo 'no: plan' >boards/another/plans/none.yaml
+get "$URL/boards" 200 "${ME[@]}"
+is own bench
+"$PYTHON" - out <<'END' || fail "the boards: $(cat out)"
+import json, sys
+boards = {b["name"]: b["plans"] for b in json.load(open(sys.argv[1], encoding="utf-8"))["boards"]}
+assert boards["bench"] == [] and boards["another"] == ["example"], boards
+END
+get "$URL/boards" 401
+get "$URL/boards/another" 200 "${ME[@]}"
+cmp -s out boards/another/board.yaml || fail "the board is another"
+get "$URL/boards/bench" 200 "${ME[@]}"
+cmp -s out box.yaml || fail "the box's own board is another"
+get "$URL/boards/another/plans/example" 200 "${ME[@]}"
+cmp -s out boards/another/plans/example.yaml || fail "the board's plan is another"
+get "$URL/boards/another/plans/nothing" 404 "${ME[@]}"
+get "$URL/boards/nobody" 404 "${ME[@]}"
+get "$URL/boards/another/plans/..%2fboard" 404 "${ME[@]}" --path-as-is
 sed 's/max_on: [^,}]*/max_on: 3 parsecs/' "$SOURCE/boards/rpi4/board.yaml" >wrong.yaml
 json_of "$SOURCE/boards/rpi4/board.yaml" "$URL/boards/check" 200
 is ok true
