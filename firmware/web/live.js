@@ -14,7 +14,7 @@ function settings_form(about, again) {
   const exposure = h("input", { type: "number", min: 0.001, step: "any", placeholder: "by itself", value: picked().exposure_ms || "", onchange: again });
   const gain = h("input", { type: "number", min: 0.1, step: "any", placeholder: "1", value: picked().gain || "", onchange: again });
   const lamps = (about.lamps || []).map((lamp) => {
-    const input = h("input", { type: "range", min: 0, max: 1000, step: lamp.steps > 1 ? Math.max(1, Math.round(1000 / lamp.steps)) : 1000, value: 0, onchange: again, oninput: tell }), level = h("output");
+    const input = h("input", { type: "range", min: 0, max: 1000, step: lamp.steps > 1 ? Math.max(1, Math.round(1000 / lamp.steps)) : 1000, value: 0, onchange: again, oninput: tell, "aria-label": `Lamp ${lamp.name}` }), level = h("output");
     function tell() {
       level.textContent = `${input.value / 10} %`;
       input.setAttribute("aria-valuetext", level.textContent);

@@ -22,6 +22,7 @@ export class Browser {
     Object.assign(self, { may, folder, wrong: [], expected: null });
     self.context = await chromium.launchPersistentContext(folder, {
       executablePath: process.env.CHROMIUM || "/usr/bin/chromium", headless: true, viewport: DESK, acceptDownloads: true, timeout: 120000,
+      timezoneId: "Pacific/Auckland", /* half of a day it is another one there than where UTC is kept */
       args: [...FLAGS, ...(webgl ? GL : NO_GL)] });
     self.context.setDefaultTimeout(60000);
     self.context.on("page", (page) => self.watch(page));

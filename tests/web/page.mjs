@@ -41,7 +41,11 @@ async function a_region_is_drawn_in_live_view() {
   assert.match(await page.getByText("Taken with").textContent(), /^Taken with [\d.]+ m?s(econds)? at gain 1, all lamps dark, by itself/);
   assert.match(await page.locator(".histogram").getAttribute("aria-label"), /clipped|expose|black/);
   assert.ok(Number(await page.locator(".meter").textContent()) > 0, "sharpness is a number");
+  const touch = () => page.locator(".viewer svg").evaluate((e) => getComputedStyle(e).touchAction);
+  assert.equal(await touch(), "auto", "a finger on the picture moves the page");
+  assert.equal(await page.getByRole("slider", { name: "Lamp left", exact: true }).getAttribute("aria-valuetext"), "0 %");
   await page.getByRole("button", { name: "Draw the region" }).click();
+  assert.equal(await touch(), "none", "and draws where that was asked for");
   await page.locator(".viewer svg").scrollIntoViewIfNeeded();
   const box = await page.locator(".viewer svg").boundingBox();
   await page.mouse.move(box.x + box.width * 0.25, box.y + box.height * 0.25);
@@ -254,6 +258,7 @@ async function a_run_is_started_from_the_wizard() {
   await page.getByText(/^39 seconds, until .* if begun now$/).waitFor();
   await begin.fill("2031-01-01T06:00");
   await page.getByText(/^39 seconds, from Jan 1, 2031, 6:00:00.AM until Jan 1, 2031, 6:00:39.AM$/).waitFor();
+  assert.match(await page.getByLabel("The plan's text").inputValue(), /^start: 2030-12-31T17:00:00Z$/m, "of this device's zone, as one that needs none");
   assert.ok(await page.getByText("This box can do it.").evaluate((e) => e.kept), "a verdict that stays is not read out again");
   await begin.fill("");
   await page.getByText(/^39 seconds, until .* if begun now$/).waitFor();

@@ -116,7 +116,14 @@ async function a_dataset_grows_under_ones_eyes() {
     assert.ok(await place.evaluate((e) => e === document.activeElement), `${what} stays where it is`);
   }
   await until("its rows", async () => await table.locator("tbody tr").count() === has);
+  const about = page.getByLabel("About"), noted = () => about.evaluate((e) => e.selectedOptions[0].textContent);
+  await about.selectOption("slot");
+  const slot = has - 1;
+  await grow(1);
+  await until("the newest slot", async () => (await caption.textContent()).startsWith(`Slot ${slot + 1},`));
+  assert.equal(await noted(), `slot ${slot}, chosen above`, "a note is of the slot that it was begun for");
   await slider.fill("5");
+  assert.equal(await noted(), "slot 5, chosen above");
   await grow(2);
   await page.waitForTimeout(300);
   assert.match(await caption.textContent(), /^Slot 5,/, "who looks at one slot goes on looking at it");
