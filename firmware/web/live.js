@@ -66,12 +66,13 @@ export function live(main, box) {
 
   viewer.append(overlay);
   fill(main, h("h1", {}, "Live view"), h("div", { class: "cards live" },
-    h("section", { class: "card picture-card", "aria-label": "Picture" }, viewer, h("div", { class: "row end" }, play, once, clipping.label, peaking.label), said,
-      h("h2", {}, "Region and chart"), picks),
-    h("section", { class: "card" }, h("h2", {}, "Exposure"), bars, exposure_said, by, side),
-    h("section", { class: "card" }, h("h2", {}, "Focus"), meter, meter_best,
-      h("button", { onclick: () => { best = 0; focus(measured); } }, "Begin anew"),
-      h("p", { class: "quiet" }, "The number is largest where focus is best; turn the ring until it grows no more. It is of the loupe's place: click the picture to move it, or with arrow keys."), loupe)));
+    h("section", { class: "card picture-card", "aria-label": "Picture" }, viewer, h("div", { class: "row end" }, play, once, clipping.label, peaking.label), said),
+    h("div", { class: "aids" }, /* on a phone right below the picture: the other hand is at the lens */
+      h("section", { class: "card" }, h("h2", {}, "Exposure"), bars, exposure_said, by, side),
+      h("section", { class: "card" }, h("h2", {}, "Focus"), meter, meter_best,
+        h("button", { onclick: () => { best = 0; focus(measured); } }, "Begin anew"),
+        h("p", { class: "quiet" }, "The number is largest where focus is best; turn the ring until it grows no more. It is of the loupe's place: click the picture to move it, or with arrow keys."), loupe)),
+    h("section", { class: "card" }, h("h2", {}, "Region and chart"), picks)));
 
   function set_running(on) {
     running = on;

@@ -141,6 +141,8 @@ export class Picker {
   choose(mode) {
     this.mode = this.mode === mode ? null : mode;
     this.overlay.toggleAttribute("data-drawing", !!this.mode); /* else a finger on the picture moves the page */
+    if (this.mode)
+      this.overlay.scrollIntoView({ block: "nearest" });
     for (const b of this.form.querySelectorAll("[data-mode]"))
       b.setAttribute("aria-pressed", String(b.dataset.mode === this.mode));
     this.hint.textContent = { region: "Drag from one corner of the region to the other.", reference: "Drag over a grey patch that does not change.",

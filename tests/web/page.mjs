@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
-import { Browser, until } from "./browser.mjs";
+import { Browser, DESK, PHONE, until } from "./browser.mjs";
 import { Daemon } from "./daemon.mjs";
 
 const [program, ttfbox, previewer, shots] = process.argv.slice(2);
@@ -63,6 +63,14 @@ async function a_region_is_drawn_in_live_view() {
   }
   await page.getByText("reference: {x: 10px, y: 8px, width: 20px, height: 16px}").waitFor(); /* from the region's corner on, as a plan has it */
   await browser.everywhere("live", shots);
+  const top = async (e) => (await e.boundingBox()).y, focus = page.getByRole("heading", { name: "Focus" }), region = page.getByRole("heading", { name: "Region and chart" });
+  assert.ok(await top(region) > await top(page.locator(".viewer")) && await top(focus) < await top(page.locator(".viewer")) + 800, "on a desk they are beside the picture");
+  await page.setViewportSize(PHONE);
+  assert.ok(await top(focus) < await top(region), "on a phone the focus comes before what is drawn once");
+  await page.getByRole("button", { name: "Draw the reference patch" }).click();
+  const { y, height: high } = await page.locator(".viewer").boundingBox();
+  assert.ok(y > -1 && y + high < PHONE.height + 1, "and the picture comes into view to draw in it");
+  await page.setViewportSize(DESK);
 }
 
 async function a_button_stays_while_pictures_come() {
@@ -253,12 +261,13 @@ async function a_run_is_started_from_the_wizard() {
   assert.match(text, new RegExp(`count: ${SLOTS}\\n`));
   assert.match(text, /region: \{x: /);
   const begin = page.getByLabel("Begin (empty: at once)");
-  await page.getByText(/^39 seconds, until/).waitFor();
-  await page.getByText("This box can do it.").evaluate((e) => (e.kept = true));
   await page.getByText(/^39 seconds, until .* if begun now$/).waitFor();
   await begin.fill("2031-01-01T06:00");
   await page.getByText(/^39 seconds, from Jan 1, 2031, 6:00:00.AM until Jan 1, 2031, 6:00:39.AM$/).waitFor();
-  assert.match(await page.getByLabel("The plan's text").inputValue(), /^start: 2030-12-31T17:00:00Z$/m, "of this device's zone, as one that needs none");
+  await page.getByText("This box can do it.").evaluate((e) => (e.kept = true)); /* of this plan: what was typed before is checked */
+  await begin.fill("2031-01-01T07:00");
+  await page.getByText(/^39 seconds, from Jan 1, 2031, 7:00:00.AM until/).waitFor();
+  assert.match(await page.getByLabel("The plan's text").inputValue(), /^start: 2030-12-31T18:00:00Z$/m, "of this device's zone, as one that needs none");
   assert.ok(await page.getByText("This box can do it.").evaluate((e) => e.kept), "a verdict that stays is not read out again");
   await begin.fill("");
   await page.getByText(/^39 seconds, until .* if begun now$/).waitFor();
