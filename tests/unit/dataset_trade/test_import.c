@@ -285,6 +285,9 @@ static void missing_times_and_intervals_are_asked_for(void **state)
     const char *const inputs[] = {in_folder(state, "1.png"), in_folder(state, "2.png")};
     const char *const same[] = {in_folder(state, "050504_181349.png"),
                                 in_folder(state, "050504_181350.png")};
+    const char *const at_once[] = {in_folder(state, "a_050504_181349.png"),
+                                   in_folder(state, "c_050504_181349.png"),
+                                   in_folder(state, "b_050504_181349.png")};
     struct ttf_import_config config = {
         .inputs = inputs, .n_inputs = 2, .output = in_folder(state, "data")};
 
@@ -292,7 +295,15 @@ static void missing_times_and_intervals_are_asked_for(void **state)
         picture_file(inputs[i], W, H, i);
         picture_file(same[i], W, H, i);
     }
+    for (unsigned i = 0; i < 3; i++)
+        picture_file(at_once[i], W, H, i);
     refused(state, &config, -EINVAL, NULL, "how long");
+    config.order = TTF_IMPORT_NAME_TIME;
+    config.inputs = at_once;
+    config.n_inputs = 3;
+    refused(state, &config, -EINVAL, at_once[0], "most pictures have the same time");
+    config.inputs = inputs;
+    config.n_inputs = 2;
     config.interval_ns = TTF_NS_PER_MIN;
     config.order = TTF_IMPORT_EXIF_TIME;
     refused(state, &config, -EINVAL, inputs[0], "when it was taken");
