@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs fuzz targets that are built: fuzz.sh TARGET SECONDS, fuzz.sh all SECONDS, or fuzz.sh until SECONDS. Called by
+# Runs fuzz targets that are built: fuzz.sh TARGET SECONDS, fuzz.sh all SECONDS, or fuzz.sh until SECONDS [TARGET...]. Called by
 # ./dev fuzz from the root. What a target learns stays in build-fuzz/corpus, an input that fails in build-fuzz/found.
 set -uo pipefail
 
@@ -44,19 +44,19 @@ measured() {
     return "$status"
 }
 
-# Every target, the one with the least CPU time first, that has not had SECONDS of it yet: "SPENT TARGET".
-lacking() { # SECONDS
-    for target in tests/fuzz/seeds/*/; do basename "$target"; done |
+# Each of the targets, the one with the least CPU time first, that has not had SECONDS of it yet: "SPENT TARGET".
+lacking() { # SECONDS TARGET...
+    printf '%s\n' "${@:2}" |
         awk -v wanted="$1" 'FILENAME != "-" { spent[$1] += $2 + $3; next }
             FILENAME == "-" && spent[$1] < wanted { printf "%d %s\n", spent[$1], $1 }' build-fuzz/spent - | sort -n
 }
 
 # Turns of five minutes, two targets at a time, until each has had its CPU time, this time and before together; a
 # failure ends it, as its target would only find the same again.
-until_spent() { # SECONDS
+until_spent() { # SECONDS TARGET...
     touch build-fuzz/spent
-    while [ -n "$(lacking "$1")" ]; do
-        lacking "$1" | head -n 2 | cut -d ' ' -f 2 | xargs -P 2 -I '{}' nice -n 19 bash -c "measured '{}' 300" || return 1
+    while [ -n "$(lacking "$@")" ]; do
+        lacking "$@" | head -n 2 | cut -d ' ' -f 2 | xargs -P 2 -I '{}' nice -n 19 bash -c "measured '{}' 300" || return 1
     done
 }
 
@@ -65,10 +65,12 @@ mkdir -p build-fuzz/log build-fuzz/found
 touch build-fuzz/campaign
 printf '%-12s %10s %12s %8s %8s %6s %9s\n' target 'cpu s' executions edges crashes leaks timeouts
 export -f run found measured
+mapfile -t targets < <(for target in tests/fuzz/seeds/*/; do basename "$target"; done)
 if [ "$1" = until ]; then
-    until_spent "$2"
+    [ $# -eq 2 ] || targets=("${@:3}")
+    until_spent "$2" "${targets[@]}"
     exit
 fi
 # Two at a time, below everything else that runs; xargs fails if any target did.
-for target in tests/fuzz/seeds/*/; do basename "$target"; done |
+printf '%s\n' "${targets[@]}" |
     xargs -P 2 -I '{}' nice -n 19 bash -c "measured '{}' '$2'" || exit 1

@@ -12,6 +12,7 @@
 #include "grown.h"
 #include "landing.h"
 #include "lines.h"
+#include "names.h"
 #include "seal.h"
 #include "settle.h"
 #include "sure.h"
@@ -90,30 +91,6 @@ static int check_line(void *ctx, const char *line, size_t n, struct ttf_err *err
     return lines_take(&one->lines, line, n, false, err);
 }
 
-/* Names, each with its end, of files that are no part of the dataset any more. */
-struct gone {
-    char *names;
-    size_t n_bytes, room;
-};
-
-static int note_gone(struct gone *gone, const char *name, struct ttf_err *err)
-{
-    const size_t n = strlen(name) + 1;
-
-    if (gone->n_bytes + n > gone->room) {
-        size_t room = 2 * (gone->room + n);
-        char *more = realloc(gone->names, room);
-
-        if (!more)
-            return ttf_err_set(err, -ENOMEM, NULL, "no memory");
-        gone->names = more;
-        gone->room = room;
-    }
-    memcpy(gone->names + gone->n_bytes, name, n);
-    gone->n_bytes += n;
-    return 0;
-}
-
 /* grown_line_fn: a line that the box lost before its disk had it. */
 static int note_line(void *ctx, const char *line, size_t n, struct ttf_err *err)
 {
@@ -130,18 +107,18 @@ static int note_line(void *ctx, const char *line, size_t n, struct ttf_err *err)
         const char *name = json_string_value(json_object_get(file, "path"));
 
         if (r == 0 && name && landing_is_image(name))
-            r = note_gone(ctx, name, err);
+            r = names_add(ctx, name, strlen(name));
     }
     json_decref(json);
-    return r;
+    return r < 0 ? ttf_err_set(err, r, NULL, "no memory") : 0;
 }
 
-static void remove_gone(const struct one *one, const struct gone *gone)
+static void remove_all(const struct one *one, const struct names *gone)
 {
     char path[4600];
 
-    for (size_t at = 0; at < gone->n_bytes; at += strlen(gone->names + at) + 1) {
-        (void)snprintf(path, sizeof path, "%s/%s", one->folder, gone->names + at);
+    for (const char *name = names_first(gone); name; name = names_next(gone, name)) {
+        (void)snprintf(path, sizeof path, "%s/%s", one->folder, name);
         (void)one->config->io->ops->unlink(one->config->io, path);
     }
 }
@@ -149,14 +126,14 @@ static void remove_gone(const struct one *one, const struct gone *gone)
 /* The lines go, on the disk too, and then their files: a file without a line is nobody's, a line without its file is damage. */
 static int take_back(struct one *one, struct ttf_err *err)
 {
-    struct gone gone = {0};
+    struct names gone = {0}; /* files that are no part of the dataset any more */
     int r = grown_each(&one->records, one->records.bytes, note_line, &gone, err);
 
     if (r == 0)
         r = grown_cut(&one->records, err);
     if (r == 0)
-        remove_gone(one, &gone);
-    free(gone.names);
+        remove_all(one, &gone);
+    names_free(&gone);
     return r;
 }
 

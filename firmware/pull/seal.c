@@ -54,18 +54,13 @@ int seal_ask(struct wire *wire, const char *name, struct seal_state *ret, struct
 }
 
 /* A list without the records seals nothing. */
-static bool names_records(const char *text)
+/* Does a list of hashes name this file of the dataset's root? */
+static bool lists(const char *text, const char *name)
 {
-    static const char NAME[] = "  records.jsonl\n";
+    char end_of_line[64];
 
-    return strstr(text, NAME) != NULL;
-}
-
-static bool names_manifest(const char *text)
-{
-    static const char NAME[] = "  dataset.json\n";
-
-    return strstr(text, NAME) != NULL;
+    (void)snprintf(end_of_line, sizeof end_of_line, "  %s\n", name);
+    return strstr(text, end_of_line) != NULL;
 }
 
 int seal_look(struct ttf_io *io, const char *folder, struct seal_state *state, struct ttf_err *err)
@@ -80,7 +75,7 @@ int seal_look(struct ttf_io *io, const char *folder, struct seal_state *state, s
     if (r < 0)
         return r == -ENOENT ? 0
                             : ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
-    sealed = names_records(text);
+    sealed = lists(text, "records.jsonl");
     free(text);
     if (!sealed)
         return 0;
@@ -157,7 +152,7 @@ static int check_all(struct landing *landing, struct settling *settling, struct 
     struct landed landed = {0};
     int r;
 
-    if (!names_records(text) || !names_manifest(text))
+    if (!lists(text, "records.jsonl") || !lists(text, "dataset.json"))
         return ttf_err_set(err, -TTF_EDAMAGED, "SHA256SUMS",
                            "the box's does not list the records and dataset.json");
     r = check_listed(landing, settling, &none, text, n, "records.jsonl", &landed, err);

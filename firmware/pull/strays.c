@@ -6,74 +6,44 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "names.h"
 #include "ttf/dataset/copy.h"
 
 #define PREFIX    66 /* digits and two blanks of a line */
 #define DEPTH_MAX 16
-
-/* Names of the list, or of a folder: each with its end. */
-struct names {
-    char *bytes;
-    size_t n_bytes, room;
-    const char **sorted;
-    size_t n;
-};
-
-static int add(struct names *names, const char *name, size_t n)
-{
-    if (!names->bytes || names->n_bytes + n + 1 > names->room) {
-        size_t room = 2 * (names->room + n + 1);
-        char *more = realloc(names->bytes, room);
-
-        if (!more)
-            return -ENOMEM;
-        names->bytes = more;
-        names->room = room;
-    }
-    memcpy(names->bytes + names->n_bytes, name, n);
-    names->bytes[names->n_bytes + n] = '\0';
-    names->n_bytes += n + 1;
-    names->n++;
-    return 0;
-}
-
-static void names_free(struct names *names)
-{
-    free(names->bytes);
-    free(names->sorted);
-}
 
 static int by_bytes(const void *a, const void *b)
 {
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-static int read_list(const char *sums, struct names *ret)
+struct search {
+    struct ttf_io *io;
+    const char *folder;
+    struct names listed;
+    const char **sorted; /* those listed */
+    int64_t aside;
+};
+
+static int read_list(const char *sums, struct search *s)
 {
     size_t i = 0;
     int r = 0;
 
     for (const char *lf; r == 0 && (lf = strchr(sums, '\n')); sums = lf + 1)
-        r = add(ret, sums + PREFIX, (size_t)(lf - sums) - PREFIX);
-    ret->sorted = calloc(ret->n + 1, sizeof *ret->sorted);
-    if (r < 0 || !ret->sorted)
+        r = names_add(&s->listed, sums + PREFIX, (size_t)(lf - sums) - PREFIX);
+    s->sorted = calloc(s->listed.n + 1, sizeof *s->sorted);
+    if (r < 0 || !s->sorted)
         return -ENOMEM;
-    for (size_t at = 0; at < ret->n_bytes; at += strlen(ret->bytes + at) + 1)
-        ret->sorted[i++] = ret->bytes + at;
-    qsort(ret->sorted, ret->n, sizeof *ret->sorted, by_bytes);
+    for (const char *name = names_first(&s->listed); name; name = names_next(&s->listed, name))
+        s->sorted[i++] = name;
+    qsort(s->sorted, s->listed.n, sizeof *s->sorted, by_bytes);
     return 0;
 }
 
-struct search {
-    struct ttf_io *io;
-    const char *folder;
-    struct names listed;
-    int64_t aside;
-};
-
 static bool is_listed(const struct search *s, const char *path)
 {
-    return bsearch(&path, s->listed.sorted, s->listed.n, sizeof *s->listed.sorted, by_bytes);
+    return bsearch(&path, s->sorted, s->listed.n, sizeof *s->sorted, by_bytes);
 }
 
 static int put_aside(struct search *s, const char *path)
@@ -88,7 +58,7 @@ static int put_aside(struct search *s, const char *path)
     return r;
 }
 
-/* What lies in a folder: files that are no dataset's, and folders, each with its end. */
+/* What lies in a folder: files that are no dataset's, and folders. */
 struct found {
     const struct search *search;
     const char *at;
@@ -104,10 +74,10 @@ static int look_at(void *ctx, const char *name, bool is_dir)
     if (name[0] == '.' || (size_t)snprintf(path, sizeof path, "%s/%s", f->at, name) >= sizeof path)
         return 0;
     if (is_dir)
-        return add(&f->folders, path, strlen(path));
+        return names_add(&f->folders, path, strlen(path));
     if (!ttf_is_sealed_file(path) || is_listed(f->search, path))
         return 0;
-    return add(&f->files, path, strlen(path));
+    return names_add(&f->files, path, strlen(path));
 }
 
 static int look_in(struct search *s, const char *at, unsigned depth)
@@ -120,12 +90,12 @@ static int look_in(struct search *s, const char *at, unsigned depth)
     r = depth > DEPTH_MAX ? -ELOOP : s->io->ops->list(s->io, whole, look_at, &f);
     if (r == -ENOENT)
         r = 0;
-    for (size_t i = 0; r == 0 && i < f.files.n_bytes; i += strlen(f.files.bytes + i) + 1)
-        r = put_aside(s, f.files.bytes + i);
+    for (const char *p = names_first(&f.files); r == 0 && p; p = names_next(&f.files, p))
+        r = put_aside(s, p);
     if (r == 0 && f.files.n > 0)
         r = s->io->ops->sync_dir(s->io, whole);
-    for (size_t i = 0; r == 0 && i < f.folders.n_bytes; i += strlen(f.folders.bytes + i) + 1)
-        r = look_in(s, f.folders.bytes + i, depth + 1);
+    for (const char *p = names_first(&f.folders); r == 0 && p; p = names_next(&f.folders, p))
+        r = look_in(s, p, depth + 1);
     names_free(&f.files);
     names_free(&f.folders);
     return r;
@@ -137,7 +107,7 @@ int strays_put_aside(struct ttf_io *io, const char *folder, const char *sums, in
     static const char *const FOLDERS[] = {"frames", "raw", "plans", "calibration"};
     static const char EVENTS[] = "events.jsonl";
     struct search s = {.io = io, .folder = folder};
-    int r = read_list(sums, &s.listed);
+    int r = read_list(sums, &s);
 
     for (unsigned i = 0; r == 0 && i < sizeof FOLDERS / sizeof *FOLDERS; i++)
         r = look_in(&s, FOLDERS[i], 0);
@@ -145,6 +115,7 @@ int strays_put_aside(struct ttf_io *io, const char *folder, const char *sums, in
         r = put_aside(&s, EVENTS);
         r = r == 0 ? io->ops->sync_dir(io, folder) : r == -ENOENT ? 0 : r;
     }
+    free(s.sorted);
     names_free(&s.listed);
     *ret_n = s.aside;
     return r == 0

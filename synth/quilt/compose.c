@@ -64,9 +64,8 @@ static void copy_tile(void *ctx, unsigned tile, unsigned worker)
 
 uint16_t ttf_blend(uint16_t below, uint16_t above, uint32_t weight)
 {
-    uint64_t sum = (uint64_t)below * (65536 - weight) + (uint64_t)above * weight;
-
-    return (uint16_t)((sum + 32768) >> 16);
+    /* at most 65535 * 65536 + 32768: it fits */
+    return (uint16_t)((below * (65536u - weight) + above * weight + 32768u) >> 16);
 }
 
 void ttf_compose_layers(const struct ttf_quilt_map *map, const uint16_t *source, uint16_t *dst)

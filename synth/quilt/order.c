@@ -164,7 +164,7 @@ static void work(void *ctx, unsigned tile, unsigned worker)
             wake_others(order);
             continue;
         }
-        /* others are at what this thread needs */
+        /* Others are at what this thread needs: none waits while nobody works. */
         order->waiting++;
         pthread_cond_wait(&order->changed, &order->mutex);
         order->waiting--;

@@ -14,6 +14,9 @@
 /* Parts that composing a frame is cut into: enough for any number of threads there is. */
 #define PARTS 16u
 
+/* What else is done in a round: a frame is handed on, measured, and another read. The longest first. */
+#define OTHERS 3u
+
 /* A frame on its way: read, put together, handed on. Three are in work at once. */
 struct stage {
     void *source, *output; /* 16-bit codes, or 8-bit ones */
@@ -30,7 +33,7 @@ struct ttf_render {
     bool is_timed;
     size_t bytes;
     int64_t render_ns, sink_ns, metrics_ns;
-    /* of the running round: frame `hand` is handed on, hand + 1 put together, hand + 2 read */
+    /* of the running round: frame `hand` is handed on and measured, hand + 1 put together, hand + 2 read */
     int64_t hand;
     int read_code, hand_code;
     struct ttf_err read_err, hand_err;
@@ -120,39 +123,68 @@ static int read_frame(struct ttf_render *r, uint32_t t, void *dst, struct ttf_er
     return ttf_sources_read(r->job.sources, t, dst, err);
 }
 
-/* Figures, then the sink. source: NULL where the input has no such frame. */
-static int hand_on(struct ttf_render *r, uint32_t t, const struct stage *stage, bool with_source,
-                   struct ttf_pool *pool, struct ttf_err *err)
+/* Figures of a frame. with_source: the input has such a frame. */
+static void measure(struct ttf_render *r, uint32_t t, const struct stage *stage, bool with_source)
 {
-    const struct ttf_quilt_sink *sink = r->job.sink;
-    int64_t start_ns = now_ns(r), measured_ns;
-    int code;
+    int64_t start_ns = now_ns(r);
 
     if (r->job.figures)
-        ttf_figures_add(r->job.figures, t, with_source ? stage->source : NULL, stage->output, pool);
-    measured_ns = now_ns(r);
-    code = r->narrow ? sink->rows8(sink->ctx, t, 0, r->job.config->height, stage->output, err)
-                     : sink->frame(sink->ctx, t, stage->output, err);
-    r->metrics_ns += measured_ns - start_ns;
-    r->sink_ns += now_ns(r) - measured_ns;
+        ttf_figures_add(r->job.figures, t, with_source ? stage->source : NULL, stage->output, NULL);
+    r->metrics_ns += now_ns(r) - start_ns;
+}
+
+static int hand_on(struct ttf_render *r, uint32_t t, const struct stage *stage, struct ttf_err *err)
+{
+    const struct ttf_quilt_sink *sink = r->job.sink;
+    int64_t start_ns = now_ns(r);
+    int code = r->narrow ? sink->rows8(sink->ctx, t, 0, r->job.config->height, stage->output, err)
+                         : sink->frame(sink->ctx, t, stage->output, err);
+
+    r->sink_ns += now_ns(r) - start_ns;
     return code < 0 ? code : 0;
+}
+
+/* A frame that is put together alone. */
+struct alone {
+    struct ttf_render *render;
+    uint32_t t;
+    bool with_source;
+    int code;
+    struct ttf_err err;
+};
+
+static void alone_tile(void *ctx, unsigned tile, unsigned worker)
+{
+    struct alone *alone = ctx;
+    struct stage *stage = &alone->render->stages[0];
+
+    (void)worker;
+    if (tile == 0)
+        alone->code = hand_on(alone->render, alone->t, stage, &alone->err);
+    else
+        measure(alone->render, alone->t, stage, alone->with_source);
 }
 
 int ttf_render_one(struct ttf_render *r, uint32_t t, struct ttf_err *err)
 {
     struct stage *stage = &r->stages[0];
-    bool with_source = t < r->job.sources->frames;
+    struct alone alone = {.render = r, .t = t, .with_source = t < r->job.sources->frames};
     int64_t start_ns = now_ns(r);
     int code = 0;
 
-    if (with_source && (!r->timed || r->job.figures))
+    if (alone.with_source && (!r->timed || r->job.figures))
         code = read_frame(r, t, stage->source, err);
     if (code == 0 && r->timed)
         code = ttf_timed_frame(r->timed, t, r->job.pool, stage->output, err);
     else if (code == 0)
         ttf_compose_frame(r->job.map, r->job.pool, stage->source, stage->output);
     r->render_ns += now_ns(r) - start_ns;
-    return code < 0 ? code : hand_on(r, t, stage, with_source, r->job.pool, err);
+    if (code < 0)
+        return code;
+    ttf_pool_run(r->job.pool, 2, alone_tile, &alone);
+    if (alone.code < 0 && err)
+        *err = alone.err;
+    return alone.code;
 }
 
 /* ---- the pipeline ---- */
@@ -174,27 +206,31 @@ static void round_tile(void *ctx, unsigned tile, unsigned worker)
 {
     struct ttf_render *r = ctx;
     int64_t frames = r->job.frames, hand = r->hand;
+    const struct stage *done = hand >= r->job.first ? &r->stages[hand % 3] : NULL;
 
     (void)worker;
     if (tile == 0) {
-        struct stage *stage = hand >= r->job.first ? &r->stages[hand % 3] : NULL;
-
-        if (stage && !r->narrow)
-            ttf_compose_layers(r->job.map, stage->source, stage->output);
-        if (stage)
-            r->hand_code = hand_on(r, (uint32_t)hand, stage, true, NULL, &r->hand_err);
+        if (done)
+            r->hand_code = hand_on(r, (uint32_t)hand, done, &r->hand_err);
     } else if (tile == 1) {
+        if (done)
+            measure(r, (uint32_t)hand, done, true);
+    } else if (tile == 2) {
         if (hand + 2 < frames)
             r->read_code =
                 read_frame(r, (uint32_t)(hand + 2), r->stages[(hand + 2) % 3].source, &r->read_err);
     } else if (hand + 1 >= r->job.first && hand + 1 < frames) {
-        compose_part(r, hand + 1, tile - 2);
+        compose_part(r, hand + 1, tile - OTHERS);
     }
 }
 
 static int one_round(struct ttf_render *r, struct ttf_err *err)
 {
-    ttf_pool_run(r->job.pool, 2 + PARTS, round_tile, r);
+    int64_t next = r->hand + 1;
+
+    ttf_pool_run(r->job.pool, OTHERS + PARTS, round_tile, r);
+    if (!r->narrow && next >= r->job.first && next < r->job.frames)
+        ttf_compose_layers(r->job.map, r->stages[next % 3].source, r->stages[next % 3].output);
     if (r->hand_code < 0 || r->read_code < 0) {
         if (err)
             *err = r->hand_code < 0 ? r->hand_err : r->read_err;

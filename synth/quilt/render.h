@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * render.h: frames through a map into a sink, streamed. While one thread measures and hands on a
- * frame, the others put together the next one and read the one after it.
+ * render.h: frames through a map into a sink, streamed. While one thread hands on a
+ * frame, the others measure it, put together the next one and read the one after it.
  */
 #ifndef TTF_SYNTH_QUILT_RENDER_H
 #define TTF_SYNTH_QUILT_RENDER_H

@@ -2,6 +2,7 @@
 #include "quilt/timed.h"
 
 #include <errno.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +19,7 @@ struct ttf_timed {
     unsigned capacity; /* source frames held, >= 3 */
     uint16_t *frames;
     uint32_t *held;   /* which frame lies in each place; NOTHING */
+    uint32_t *blocks; /* of this output frame: the time of each block, where only they have one */
     uint32_t *times;  /* of this output frame: of each pixel, then of each layer */
     uint16_t *layers; /* of this output frame: each layer's colour */
     /* of the running pass: source frames first .. first + capacity - 2, and one more for interpolation */
@@ -42,8 +44,9 @@ int ttf_timed_create(const struct ttf_quilt_config *config, const struct ttf_qui
     timed->frames = malloc(timed->capacity * frame);
     timed->held = malloc(timed->capacity * sizeof(*timed->held));
     timed->times = malloc((pixels + map->n_layers) * sizeof(*timed->times));
+    timed->blocks = malloc((map->n_blocks + 1) * sizeof(*timed->blocks));
     timed->layers = malloc((map->n_layers * 3 + 1) * sizeof(*timed->layers));
-    if (!timed->frames || !timed->held || !timed->times || !timed->layers) {
+    if (!timed->frames || !timed->held || !timed->times || !timed->layers || !timed->blocks) {
         ttf_timed_destroy(timed);
         return -ENOMEM;
     }
@@ -60,6 +63,7 @@ void ttf_timed_destroy(struct ttf_timed *timed)
     free(timed->frames);
     free(timed->held);
     free(timed->times);
+    free(timed->blocks);
     free(timed->layers);
     free(timed);
 }
@@ -69,7 +73,8 @@ size_t ttf_timed_bytes(const struct ttf_timed *timed)
     size_t pixels = (size_t)timed->map->width * timed->map->height;
 
     return (size_t)timed->capacity * timed->sources->pixels * 3 * sizeof(uint16_t) +
-           (pixels + timed->map->n_layers) * sizeof(uint32_t) + timed->map->n_layers * 6;
+           (pixels + timed->map->n_layers + timed->map->n_blocks) * sizeof(uint32_t) +
+           timed->map->n_layers * 6;
 }
 
 uint32_t ttf_timed_at(const struct ttf_timed *timed, uint32_t t, size_t pixel, uint32_t block)
@@ -98,9 +103,11 @@ static void times_tile(void *ctx, unsigned tile, unsigned worker)
     (void)worker;
     for (size_t i = (size_t)tile * TILE_PIXELS; i < to; i++) {
         const struct ttf_quilt_layer *layer = i < pixels ? NULL : &map->layers[i - pixels];
+        uint32_t block = layer ? layer->block : map->owner[i];
 
-        timed->times[i] = ttf_timed_at(timed, timed->t, layer ? layer->pixel : i,
-                                       layer ? layer->block : map->owner[i]);
+        timed->times[i] = timed->config->rate
+                              ? ttf_timed_at(timed, timed->t, layer ? layer->pixel : i, block)
+                              : timed->blocks[block];
     }
 }
 
@@ -109,30 +116,54 @@ static const uint16_t *frame_in(const struct ttf_timed *timed, uint32_t s)
     return timed->frames + (size_t)(s % timed->capacity) * timed->sources->pixels * 3;
 }
 
-/* Pixels and layers whose time this pass has the frames of. */
+/* Codes between two frames. */
+static void blend_codes(const uint16_t *from, const uint16_t *to, uint32_t part, size_t n,
+                        uint16_t *ret)
+{
+    for (size_t i = 0; i < n; i++)
+        ret[i] = ttf_blend(from[i], to[i], part);
+}
+
+/* n pixels of one time that are neighbours in the source, too, or one layer. */
+static void fill(const struct ttf_timed *timed, size_t from, size_t n, uint32_t source,
+                 uint16_t *out)
+{
+    uint32_t s = timed->times[from] / TTF_TIME_ONE, part = timed->times[from] % TTF_TIME_ONE;
+    const uint16_t *codes = frame_in(timed, s) + (size_t)source * 3;
+
+    if (part == 0)
+        memcpy(out, codes, n * 3 * sizeof(*out));
+    else
+        blend_codes(codes, frame_in(timed, s + 1) + (size_t)source * 3, part, n * 3, out);
+}
+
+/* Has this pass the frames of a pixel's or layer's time? */
+static bool is_in_pass(const struct ttf_timed *timed, size_t i)
+{
+    uint32_t s = timed->times[i] / TTF_TIME_ONE;
+
+    return s >= timed->first && s < timed->first + timed->capacity - 1;
+}
+
 static void pass_tile(void *ctx, unsigned tile, unsigned worker)
 {
     const struct ttf_timed *timed = ctx;
     const struct ttf_quilt_map *map = timed->map;
     size_t pixels = (size_t)map->width * map->height, all = pixels + map->n_layers;
-    size_t to = ((size_t)tile + 1) * TILE_PIXELS < all ? ((size_t)tile + 1) * TILE_PIXELS : all;
+    size_t from = (size_t)tile * TILE_PIXELS, end;
+    size_t to = from + TILE_PIXELS < all ? from + TILE_PIXELS : all;
 
     (void)worker;
-    for (size_t i = (size_t)tile * TILE_PIXELS; i < to; i++) {
-        uint32_t s = timed->times[i] / TTF_TIME_ONE, part = timed->times[i] % TTF_TIME_ONE;
-        uint32_t id = i < pixels ? map->source[i] : map->layers[i - pixels].source;
-        uint16_t *out = i < pixels ? timed->dst + 3 * i : timed->layers + 3 * (i - pixels);
-        const uint16_t *codes;
-
-        if (s < timed->first || s >= timed->first + timed->capacity - 1)
-            continue;
-        codes = frame_in(timed, s) + (size_t)id * 3;
-        memcpy(out, codes, 3 * sizeof(*out));
-        if (part == 0)
-            continue;
-        codes = frame_in(timed, s + 1) + (size_t)id * 3;
-        for (int c = 0; c < 3; c++)
-            out[c] = ttf_blend(out[c], codes[c], part);
+    for (size_t i = from; i < to && i < pixels; i = end) {
+        for (end = i + 1; end < to && end < pixels && timed->times[end] == timed->times[i] &&
+                          map->source[end] == map->source[end - 1] + 1;)
+            end++;
+        if (is_in_pass(timed, i))
+            fill(timed, i, end - i, map->source[i], timed->dst + 3 * i);
+    }
+    for (size_t i = from > pixels ? from : pixels; i < to; i++) {
+        if (is_in_pass(timed, i))
+            fill(timed, i, 1, map->layers[i - pixels].source, timed->layers + 3 * (i - pixels));
     }
 }
 
@@ -151,14 +182,17 @@ static int load(struct ttf_timed *timed, uint32_t s, struct ttf_err *err)
     return r;
 }
 
+/* Source frames from the earliest to the latest time. */
 static void find_range(const struct ttf_timed *timed, uint32_t *ret_first, uint32_t *ret_last)
 {
     size_t all = (size_t)timed->map->width * timed->map->height + timed->map->n_layers;
+    const uint32_t *times = timed->config->rate ? timed->times : timed->blocks;
     uint32_t least = UINT32_MAX, most = 0;
 
+    all = timed->config->rate ? all : timed->map->n_blocks;
     for (size_t i = 0; i < all; i++) {
-        least = timed->times[i] < least ? timed->times[i] : least;
-        most = timed->times[i] > most ? timed->times[i] : most;
+        least = times[i] < least ? times[i] : least;
+        most = times[i] > most ? times[i] : most;
     }
     *ret_first = least / TTF_TIME_ONE;
     *ret_last = (most + TTF_TIME_ONE - 1) / TTF_TIME_ONE;
@@ -174,6 +208,8 @@ int ttf_timed_frame(struct ttf_timed *timed, uint32_t t, struct ttf_pool *pool, 
 
     timed->t = t;
     timed->dst = dst;
+    for (unsigned i = 0; i < map->n_blocks && !timed->config->rate; i++)
+        timed->blocks[i] = ttf_timed_at(timed, t, 0, i);
     ttf_pool_run(pool, tiles, times_tile, timed);
     find_range(timed, &first, &last);
     for (; first <= last; first += timed->capacity - 1) {

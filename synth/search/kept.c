@@ -21,6 +21,8 @@ int ttf_kept_create(size_t pixels, uint32_t frames, size_t bytes_max, struct ttf
     size_t bytes;
     void *codes = NULL;
 
+    if (kept.frame > UINT32_MAX)
+        fit = 0;
     kept.frames = fit < frames ? (uint32_t)fit : frames;
     bytes = ttf_kept_bytes(&kept);
     if (bytes > 0 && posix_memalign(&codes, LARGE_PAGE, bytes) != 0)

@@ -20,7 +20,7 @@ struct ttf_kept {
     uint8_t *codes;  /* frames x frame, and slack */
 };
 
-/* As many of `frames` as fit into bytes_max; none (no error) where not one does. -ENOMEM. */
+/* As many of `frames` as fit into bytes_max; none (no error) where not one does, or one has 4 GiB and more. -ENOMEM. */
 TTF_MUST_USE int ttf_kept_create(size_t pixels, uint32_t frames, size_t bytes_max,
                                  struct ttf_kept *ret);
 void ttf_kept_free(struct ttf_kept *kept); /* a zeroed one is fine */

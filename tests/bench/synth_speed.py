@@ -35,9 +35,9 @@ def one_pair(bench, options):
 
 
 def print_stages(times):
-    """Reading and writing happen within render too, beside it on the other thread: the parts are more than the whole."""
+    """Rows are written while others are searched for, on the other thread: the parts are more than the whole."""
     print("stages of one more run: " + ", ".join(f"{name} {ns / 1e9:.2f} s" for name, ns in times.items()) +
-          " (the sink's are within render's)")
+          " (search, cut, render, sink are sums over threads, side by side; the sink's are within render's)")
 
 
 def to_dataset(bench, options):
