@@ -292,11 +292,12 @@ int library_board(struct daemon *d, const char *name, const char *plan, char **r
         return ttf_err_set(err, -ENOENT, NULL, "there is no board of this name");
     if (!plan && strcmp(name, d->board.name) == 0)
         return read_text(d, d->board.path, "board", ret_yaml, err);
-    (void)snprintf(path, sizeof path, "%s/%s" SUFFIX, folder, plan ? plan : "board");
+    (void)snprintf(path, sizeof path, "%s/%s%s" SUFFIX, folder, plan ? "plans/" : "",
+                   plan ? plan : "board");
     return read_text(d, path, plan ? "plan" : "board", ret_yaml, err);
 }
 
-/* Does this file read as a plan? What else lies beside a board is none. */
+/* Does this file read as a plan? */
 static bool is_plan(const char *folder, const char *name)
 {
     struct ttf_plan_file *file = NULL;
@@ -311,18 +312,19 @@ static bool is_plan(const char *folder, const char *name)
 
 static void put_board(struct daemon *d, const char *name, struct ttf_json *json)
 {
-    char folder[600];
+    char folder[600], plans[620];
     struct names names = {0};
 
     if (!find_board(d, name, folder))
         return;
+    (void)snprintf(plans, sizeof plans, "%s/plans", folder);
     ttf_json_object(json);
     ttf_json_kstring(json, "name", name);
     ttf_json_key(json, "plans");
     ttf_json_array(json);
-    if (list(d->io, folder, PLANS_MAX, false, &names) == 0)
+    if (list(d->io, plans, PLANS_MAX, false, &names) == 0)
         for (unsigned i = 0; i < names.n; i++)
-            if (is_plan(folder, names.name[i]))
+            if (is_plan(plans, names.name[i]))
                 ttf_json_string(json, names.name[i]);
     ttf_json_array_end(json);
     ttf_json_object_end(json);

@@ -45,6 +45,10 @@ static void join_points(struct chart_point *into, const struct chart_point *othe
         *into = *other;
         return;
     }
+    if (is_hole(other))
+        return;
+    if (into->pictured < 0)
+        into->pictured = other->pictured;
     for (int i = 0; i < TTF_RESULT_COUNT; i++)
         into->results[i] += other->results[i];
 }
@@ -187,7 +191,11 @@ int chart_points_add(struct chart_points *points, struct chart_lamps *lamps,
         point->index = record->index;
         point->due_ns = record->due_ns;
         point->segment = record->segment;
+        point->pictured = -1;
     }
+    if (point->pictured < 0 &&
+        (record->result == TTF_RESULT_CAPTURED || record->result == TTF_RESULT_PARTIAL))
+        point->pictured = record->index;
     point->results[record->result]++;
     points->slots++;
     add_values(points, at, lamps, record);

@@ -42,6 +42,7 @@ struct chart_series {
 
 struct chart_point {
     int64_t index, due_ns; /* of its first slot; due on the segment's boot clock */
+    int64_t pictured;      /* its first slot that has a picture; -1: none has */
     int segment;
     uint32_t results[TTF_RESULT_COUNT]; /* slots by result; all 0: a hole */
 };

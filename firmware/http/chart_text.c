@@ -70,6 +70,17 @@ static void put_points(struct ttf_json *json, const struct chart_points *points,
         if (is_there(points, i))
             ttf_json_int(json, points->point[i].index);
     ttf_json_array_end(json);
+    ttf_json_key(json, "pictured");
+    ttf_json_array(json);
+    for (unsigned i = 0; i < points->n; i++) {
+        if (!is_there(points, i))
+            continue;
+        if (points->point[i].pictured < 0)
+            ttf_json_null(json);
+        else
+            ttf_json_int(json, points->point[i].pictured);
+    }
+    ttf_json_array_end(json);
     ttf_json_key(json, "due_utc_ns");
     ttf_json_array(json);
     for (unsigned i = 0; i < points->n; i++)

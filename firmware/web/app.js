@@ -13,7 +13,7 @@ import { calibrate } from "./calibrate.js";
 
 const $ = (id) => document.getElementById(id);
 const box = new Box();
-let leave = null; /* ends the part that is seen */
+let leave = null, part_seen = ""; /* ends the part that is seen; its name */
 
 /* Each part fills `main` and gives back what ends it. */
 const PARTS = [
@@ -38,20 +38,31 @@ function show() {
       a.setAttribute("aria-current", "page");
     else
       a.removeAttribute("aria-current");
+  part_seen = "";
   if (!box.session.read) {
     fill($("main"), login_card());
+    title();
     return;
   }
-  for (const [pattern, title, part] of PARTS) {
+  for (const [pattern, called, part] of PARTS) {
     const found = hash.match(pattern);
     if (!found)
       continue;
     fill($("main"));
-    document.documentElement.dataset.part = title;
+    document.documentElement.dataset.part = called;
+    part_seen = called === "Now" ? "" : found[1] || called;
+    title();
     leave = part($("main"), box, ...found.slice(1)) || null;
     return;
   }
+  title();
   fill($("main"), h("h1", {}, "Nothing is here"), h("p", {}, h("a", { href: "#/" }, "Back to the beginning")));
+}
+
+/* "Capturing 3/40 – Live view – ttfbox" */
+function title() {
+  const { session, status, lost } = box;
+  document.title = [session.box && status && stateWords(status, lost).text, part_seen, "ttfbox"].filter(Boolean).join(" – ");
 }
 
 function login_card() {
@@ -92,11 +103,11 @@ function login_form(done) {
   const wrong = h("p", { class: "bad", role: "alert" });
   return h("form", { class: "stack", onsubmit: async (e) => {
     e.preventDefault();
+    say(wrong, ""); /* the same once more is to be heard, too */
     try {
       await post("session", { token: input.value.trim() });
       await box.renew();
       done();
-      show();
     } catch (error) {
       say(wrong, error.text || error.message);
       input.select();
@@ -115,7 +126,7 @@ async function login() {
   }
   const dialog = $("ask");
   const form = login_form(() => dialog.close());
-  fill(dialog, h("h2", { id: "ask-title" }, "The box's token"), box.session.token_waits && first_form(() => { form.remove(); show(); }), form,
+  fill(dialog, h("h2", { id: "ask-title" }, "The box's token"), box.session.token_waits && first_form(() => form.remove()), form,
     h("div", { class: "row end" }, h("button", { type: "button", onclick: () => dialog.close() }, "Close")));
   dialog.onclose = null;
   dialog.showModal();
@@ -125,7 +136,8 @@ function above() {
   const { status, lost, session } = box, words = stateWords(status, lost);
   say($("state"), session.box ? words.text : "Datasets on this machine");
   $("state").dataset.kind = session.box ? words.kind : "";
-  document.title = session.box && status ? `${words.short} – ttfbox` : "ttfbox";
+  say($("heard"), session.box ? words.said : "");
+  title();
   say($("serial"), status?.serial || "");
   $("simulated").hidden = !status?.simulated;
   $("lost").hidden = !lost;
@@ -158,12 +170,12 @@ document.querySelector(".skip").addEventListener("click", (e) => { /* a part's a
   e.preventDefault();
   $("main").focus();
 });
-for (const kind of ["status", "lost"])
-  box.addEventListener(kind, above);
+box.on({ status: above, lost: above });
+/* What a part shows to those who may change something, and not to others, it sees to by itself: what was typed into it stays. */
 let could_read = null;
 box.addEventListener("session", () => {
   above();
-  const can = `${box.session.read} ${box.session.change} ${box.session.box}`;
+  const can = `${box.session.read} ${box.session.box}`;
   if (could_read !== null && could_read !== can)
     show();
   could_read = can;

@@ -4,8 +4,9 @@
  * that are open here one listens and tells the others: the one that holds a lock of the browser's. Where there are no such
  * locks (a page of plain HTTP, but for this machine's own) they agree by saying "lead" every BEAT_MS.
  *
- * Events of a Box: "status" (box.status is new), "lost" (box.lost changed), and each of the box's own
- * ("slot", "readings", "event", "alarm", "asked", "preview"), with their data as `detail`.
+ * Events of a Box: "status" (box.status is new), "lost" (box.lost changed), "session" (who may what), "stale" (what is seen may be
+ * old: it was away, events were missed, nobody looked; where there is no box to tell of anything, at each look), and each of the
+ * box's own ("slot", "readings", "event", "alarm", "asked", "preview"), with their data as `detail`.
  */
 import { get, post } from "./api.js";
 
@@ -41,16 +42,18 @@ export class Box extends EventTarget {
       this.channel.postMessage({ what: "who" });
       setTimeout(() => this.beat(), 300 + Math.random() * 300);
     } else {
+      this.holds = true; /* there is nobody to share with */
       this.lead();
     }
-    document.addEventListener("visibilitychange", () => document.hidden || this.look());
+    document.addEventListener("visibilitychange", () => document.hidden || this.look().then(() => this.say_stale()));
     await this.look();
     this.again();
   }
 
-  /* A token was given or taken back: everything again. */
+  /* A token was given or taken back: everything again, of the other pages as well. */
   async renew() {
     await this.ask_session();
+    this.channel?.postMessage({ what: "session" });
     if (this.holds) { /* it is this page that listens, or that could not */
       this.unlead();
       this.lead();
@@ -96,6 +99,8 @@ export class Box extends EventTarget {
       this.received = performance.now();
       this.set_lost(false);
       this.dispatchEvent(new Event("status"));
+      if (status.state === "none")
+        this.say_stale();
       if (status.time?.trust === "none")
         await this.offer_time();
     } catch (error) {
@@ -126,13 +131,20 @@ export class Box extends EventTarget {
   set_lost(lost, trouble = "") {
     if (this.lost === lost && this.trouble === trouble)
       return;
+    const found = this.lost && !lost;
     this.lost = lost;
     this.trouble = trouble;
     this.offered = this.offered && !lost; /* it may have been started anew */
     if (!lost)
       this.ask_session(); /* it may have been another box, or the same with another token */
     this.dispatchEvent(new Event("lost"));
+    if (found)
+      this.say_stale();
     this.again();
+  }
+
+  say_stale() {
+    this.dispatchEvent(new Event("stale"));
   }
 
   /* ---- one listens ---- */
@@ -170,6 +182,8 @@ export class Box extends EventTarget {
         this.say_lead();
     } else if (data.what === "leave") {
       this.heard = performance.now() - SILENT_MS + Math.random() * 1000;
+    } else if (data.what === "session") {
+      this.ask_session().then(() => this.look());
     } else if (data.what === "event") {
       this.happened(data.kind, data.detail);
     }
@@ -222,7 +236,7 @@ export class Box extends EventTarget {
   }
 
   happened(kind, detail) {
-    if (kind === "slot" && this.status?.run) {
+    if (kind === "slot" && this.status?.run && this.status.run.dataset === detail.dataset) { /* else of a run that the status does not know yet */
       const { run } = this.status;
       this.pass();
       Object.assign(run, { last: detail, next: detail.next, done: Math.max(run.done || 0, detail.index + 1), slots: detail.total || run.slots });
@@ -234,6 +248,8 @@ export class Box extends EventTarget {
       this.look_soon();
     if (kind === "slot" || kind === "readings")
       this.dispatchEvent(new Event("status"));
+    if (kind === "missed")
+      this.say_stale();
     this.dispatchEvent(new CustomEvent(kind, { detail }));
   }
 
@@ -291,6 +307,16 @@ export class Box extends EventTarget {
       };
       this.addEventListener("asked", done);
     });
+  }
+
+  /* {kind: listener, ...}, until what this gives back is called. */
+  on(listeners) {
+    for (const [kind, listener] of Object.entries(listeners))
+      this.addEventListener(kind, listener);
+    return () => {
+      for (const [kind, listener] of Object.entries(listeners))
+        this.removeEventListener(kind, listener);
+    };
   }
 
   /* Nanoseconds until the next slot, now; undefined where none is to come. */

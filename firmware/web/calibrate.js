@@ -4,7 +4,7 @@ import { ask, h, fill, say } from "./dom.js";
 import { get, post, put, remove } from "./api.js";
 import { cornersOption, picked, pickedText } from "./picker.js";
 import { nameOf } from "./presets.js";
-import { count, span } from "./words.js";
+import { count, span, today } from "./words.js";
 
 const LOOK_MS = 1000, BUSY = ["capturing", "arming", "paused", "stopping", "retrying"];
 const PARTS = ["dark", "flat", "chart", "geometry", "flicker"];
@@ -20,7 +20,7 @@ export function calibrate(main, box) {
   let ended = false, timer = 0, step = null, listed = null, look_said = "";
   const marks = picked(), text = pickedText(marks), seen = marks.seen;
   const said = h("p", { role: "status" }), wrong = h("p", { class: "bad", role: "alert" }), list = h("div"), busy_said = h("p", { class: "finding-warning" });
-  const name = h("input", { required: true, pattern: "[A-Za-z0-9_\\-][A-Za-z0-9._\\-]{0,63}", maxlength: 64, size: 22, value: `${nameOf(box.status?.board || "box")}-${new Date().toISOString().slice(0, 10)}` });
+  const name = h("input", { required: true, pattern: "[A-Za-z0-9_\\-][A-Za-z0-9._\\-]{0,63}", maxlength: 64, size: 22, value: `${nameOf(box.status?.board || "box")}-${today()}` });
   const plan = h("select", { onchange: () => { if (plan.value) exposure.value = gain.value = ""; /* the plan's own hold */ } }, h("option", { value: "" }, "all lamps, fully lit"));
   const frames = h("input", { type: "number", min: 1, max: 1000, step: 1, value: 64 });
   const exposure = h("input", { type: "number", min: 0.001, step: "any", placeholder: "the plan's", value: seen?.exposure_ms || "" });
@@ -175,14 +175,12 @@ export function calibrate(main, box) {
       h("p", { class: "quiet" }, "Region and reference go into the plan, the corners into the chart."))));
 
   get("plans").then(({ plans }) => plans.filter((p) => !p.error).forEach((p) => plan.append(h("option", { value: p.name }, p.name)))).catch(() => { /* without one it works as well */ });
-  for (const kind of ["status", "session"])
-    box.addEventListener(kind, enable);
+  const off = box.on({ status: enable, session: look, stale: look });
   enable();
   look();
   return () => {
     ended = true;
     clearTimeout(timer);
-    for (const kind of ["status", "session"])
-      box.removeEventListener(kind, enable);
+    off();
   };
 }

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* charts.js: levels, slot error, sensors, lamp hours over the slots: as lines, and as tables. */
-import { h, fill } from "./dom.js";
+import { h, fill, say } from "./dom.js";
+import { count, sensorKind } from "./words.js";
 
-const TITLES = { reference_level: "Reference level", mean_level: "Mean level", slot_error_s: "Slot error", sensor: "Sensors", lamp_hours: "Lamp hours" };
-const UNITS = { temperature: ["°C", 1 / 1000], temp_mdegc: ["°C", 1 / 1000], humidity: ["%", 1 / 1000], humidity_mpct: ["%", 1 / 1000], light: ["%", 0.1], light_permille: ["%", 0.1] };
-const KINDS = { temperature: "Temperature", temp_mdegc: "Temperature", humidity: "Humidity", humidity_mpct: "Humidity", light: "Light", light_permille: "Light" };
+const TITLES = { reference_level: "Reference level", mean_level: "Mean level", slot_error_s: "Slot error", lamp_hours: "Lamp hours" };
 const STYLES = ["plain", "red", "green", "blue", "violet"];
 
 /* Hours as people read them: a run of seconds has none. */
@@ -13,59 +12,94 @@ function lampUnit(series) {
   return most >= 2 ? ["h", 1] : most >= 2 / 60 ? ["min", 60] : ["s", 3600];
 }
 
-/* One chart for each thing that has one unit. */
+/* How a series is charted: {title, unit, factor: from its own unit}. */
+function kindOf({ what, kind }, lamp) {
+  if (what === "sensor") {
+    const [title, unit, per] = sensorKind(kind);
+    return { title, unit, factor: 1 / per };
+  }
+  const [unit, factor] = { slot_error_s: ["ms", 1000], lamp_hours: lamp }[what] || ["value", 1];
+  return { title: TITLES[what] || what, unit, factor };
+}
+
+/* One chart for each thing: [{title, unit, lines: [{one, factor}]}] */
 function groups(series) {
   const found = new Map(), lamp = lampUnit(series);
   for (const one of series) {
-    const [unit, factor] = one.what === "sensor" ? UNITS[one.kind] || [one.kind, 1] : one.what === "slot_error_s" ? ["ms", 1000] : one.what === "lamp_hours" ? lamp : ["value", 1];
-    const key = one.what === "sensor" ? `sensor ${unit}` : one.what;
-    if (!found.has(key))
-      found.set(key, { title: one.what === "sensor" ? KINDS[one.kind] || one.kind : TITLES[one.what] || one.what, unit, lines: [] });
-    found.get(key).lines.push({ one, factor });
+    const { title, unit, factor } = kindOf(one, lamp);
+    if (!found.has(title))
+      found.set(title, { title, unit, lines: [] });
+    found.get(title).lines.push({ one, factor });
   }
   return [...found.values()];
 }
 
 const called = ({ what, name, stream, bracket }) => name || [stream, bracket !== undefined && `bracket ${bracket}`].filter(Boolean).join(" ") || (what === "slot_error_s" ? "error" : what);
 
+/* The place of one chart, which stays while its lines are drawn anew: its table may be open, and somebody reading in it. */
+function place(title) {
+  const drawn = h("div"), scroll = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `${title} as a table` });
+  const details = h("details", { ontoggle: () => table() }, h("summary", {}, "As a table"), scroll), figure = h("figure", { class: "plot" }, h("figcaption", {}, title), drawn, details);
+  let rows = null;
+  function table() {
+    if (!details.open || !rows)
+      return;
+    const { scrollTop: top, scrollLeft: left } = scroll;
+    fill(scroll);
+    globalThis.ttfPlot.table(scroll, rows);
+    scroll.scrollTo(left, top);
+  }
+  return { figure, draw(of) {
+    fill(drawn);
+    globalThis.ttfPlot.lines(drawn, of);
+    rows = { times_s: of.times_s, series: of.all, most: 300, text: of.text };
+    table();
+  } };
+}
+
+/* Of a point that stands for many slots the least and the greatest value, too: thin, and without a name of their own. */
+function linesOf({ lines }, bounds) {
+  return lines.flatMap(({ one, factor }, k) => {
+    const scale = (column) => column.map((v) => (v === null ? null : v * factor)), style = STYLES[k % STYLES.length], name = called(one);
+    const mean = { name, style, values: scale(one.mean) };
+    return bounds ? [mean, { name: `${name}, least`, style, bound: true, values: scale(one.min) }, { name: `${name}, greatest`, style, bound: true, values: scale(one.max) }] : [mean];
+  });
+}
+
 export function charts(parent) {
-  fill(parent, h("h2", {}, "Charts"), h("p", {}, "No slots yet."));
+  const about = h("p", { class: "quiet" }, "No slots yet."), grid = h("div", { class: "chart-grid" }), places = new Map();
+  fill(parent, h("h2", {}, "Charts"), about, grid);
   return {
-    show({ index, due_utc_ns, series, slots_per_point, results }) {
+    show({ index, due_utc_ns, series, slots, slots_per_point, results }) {
       if (!index.length)
         return;
       const known = due_utc_ns.every((t) => t !== null), times_s = known ? due_utc_ns.map((t) => (t - due_utc_ns[0]) / 1e9) : index, text = known ? undefined : String;
-      const lost = ["missed", "failed", "power"].reduce((sum, name) => sum + (results[name] || []).reduce((a, b) => a + b, 0), 0);
-      const open = new Set([...parent.querySelectorAll("details[open]")].map((d) => d.dataset.chart));
-      const grid = h("div", { class: "chart-grid" });
-      fill(parent, h("h2", {}, "Charts"),
-        h("p", { class: "quiet" }, `Over ${known ? "time" : "slots"}${slots_per_point > 1 ? `; each point stands for ${slots_per_point} slots, and both their least and greatest value are drawn` : ""}. ` +
-          `${lost ? `${lost} slots have no picture.` : "Every slot has its picture."}`), grid);
-      const charted = groups(series), figures = charted.map(({ title }) => h("figure", { class: "plot" }, h("figcaption", {}, title)));
-      grid.append(...figures); /* all of them: a plot is as wide as its place */
-      charted.forEach(({ title, unit, lines }, at) => {
-        const figure = figures[at];
-        const all = [];
-        lines.forEach(({ one, factor }, k) => {
-          const style = STYLES[k % STYLES.length], scale = (column) => column.map((v) => (v === null ? null : v * factor));
-          all.push({ name: called(one), style, values: scale(one.mean) });
-          if (slots_per_point > 1)
-            for (const [end, column] of [["least", one.min], ["greatest", one.max]])
-              all.push({ name: `${called(one)}, ${end}`, style, values: scale(column) });
-        });
-        globalThis.ttfPlot.lines(figure, { times_s, series: all.length > 3 ? all.map((s, i) => ({ ...s, name: i < 3 ? s.name : "" })).filter((s) => s.values.some((v) => v !== null)) : all, unit, text,
-          label: `${title}: ${summary(all, unit)}` });
-        const scroll = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `${title} as a table` });
-        globalThis.ttfPlot.table(scroll, { times_s, series: all, most: 300, text });
-        figure.append(h("details", { "data-chart": title, open: open.has(title) }, h("summary", {}, "As a table"), scroll));
-      });
+      const lost = slots - ["captured", "partial"].reduce((sum, name) => sum + (results[name] || []).reduce((a, b) => a + b, 0), 0);
+      say(about, `Over ${known ? "time" : "slots"}${slots_per_point > 1 ? `; each point stands for ${slots_per_point} slots, and both their least and greatest value are drawn` : ""}. ` +
+        `${lost ? `${count(lost, "slot")} ${lost === 1 ? "has" : "have"} no picture.` : "Every slot has its picture."}`);
+      const charted = groups(series);
+      for (const { title } of charted)
+        if (!places.has(title))
+          places.set(title, place(title));
+      for (const [title, { figure }] of places)
+        if (!charted.some((one) => one.title === title)) {
+          figure.remove();
+          places.delete(title);
+        }
+      for (const { figure } of places.values())
+        if (!figure.isConnected)
+          grid.append(figure); /* all of them: a plot is as wide as its place */
+      for (const one of charted) {
+        const all = linesOf(one, slots_per_point > 1);
+        places.get(one.title).draw({ times_s, text, unit: one.unit, all, series: all.map((line) => (line.bound ? { ...line, name: "" } : line)), label: `${one.title}: ${summary(all, one.unit)}` });
+      }
     },
   };
 }
 
 /* For those who do not see the lines. */
 function summary(all, unit) {
-  return all.slice(0, 4).map(({ name, values }) => {
+  return all.slice(0, 6).map(({ name, values }) => {
     const some = values.filter((v) => v !== null);
     return some.length ? `${name} from ${+Math.min(...some).toPrecision(3)} to ${+Math.max(...some).toPrecision(3)} ${unit}, last ${+some.at(-1).toPrecision(3)}` : `${name} without values`;
   }).join("; ");

@@ -25,6 +25,19 @@ export function fill(e, ...children) {
   return e;
 }
 
+/*
+ * The same, made anew only where `of`, what it is about, is another than the last time: a link or a button that somebody is at
+ * stays, and screen readers hear nothing twice.
+ */
+const SHOWN = new WeakMap();
+export function renew(e, of, make) {
+  const key = JSON.stringify(of);
+  if (SHOWN.get(e) === key)
+    return;
+  SHOWN.set(e, key);
+  fill(e, make());
+}
+
 export function facts(pairs) {
   return h("dl", { class: "facts" }, pairs.filter(Boolean).map(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
 }

@@ -7,17 +7,25 @@ import { Picker, keep, picked } from "./picker.js";
 import { exposureWords } from "./words.js";
 
 const LOUPE = 160; /* pixels of the camera, shown as they are */
+const PAUSE_MS = 150, AGAIN_MS = 2000; /* until the next picture; where that failed, or would be that of a slot */
 
 function settings_form(about, again) {
   const camera = h("select", { onchange: again }, (about.cameras || []).map((c) => h("option", { value: c.name }, `${c.name} (${c.width} x ${c.height})`)));
   const exposure = h("input", { type: "number", min: 0.001, step: "any", placeholder: "by itself", value: picked().exposure_ms || "", onchange: again });
   const gain = h("input", { type: "number", min: 0.1, step: "any", placeholder: "1", value: picked().gain || "", onchange: again });
-  const lamps = (about.lamps || []).map((lamp) => ({ lamp,
-    input: h("input", { type: "range", min: 0, max: 1000, step: lamp.steps > 1 ? Math.max(1, Math.round(1000 / lamp.steps)) : 1000, value: 0, onchange: again, "aria-label": `Lamp ${lamp.name}` }) }));
+  const lamps = (about.lamps || []).map((lamp) => {
+    const input = h("input", { type: "range", min: 0, max: 1000, step: lamp.steps > 1 ? Math.max(1, Math.round(1000 / lamp.steps)) : 1000, value: 0, onchange: again, oninput: tell, "aria-label": `Lamp ${lamp.name}` }), level = h("output");
+    function tell() {
+      level.textContent = `${input.value / 10} %`;
+      input.setAttribute("aria-valuetext", level.textContent);
+    }
+    tell();
+    return { lamp, input, label: h("label", {}, `Lamp ${lamp.name}`, input, level) };
+  });
   const form = h("div", { class: "stack" },
     (about.cameras || []).length > 1 && h("label", { class: "field" }, "Camera", camera),
     h("div", { class: "fields" }, h("label", { class: "field" }, "Exposure, ms", exposure), h("label", { class: "field" }, "Gain", gain)),
-    lamps.map(({ lamp, input }) => h("label", {}, `Lamp ${lamp.name}`, input)));
+    lamps.map(({ label }) => label));
   const lit = () => lamps.filter(({ input }) => input.value > 0);
   return { form, chosen: () => ({ exposure_ms: Number(exposure.value) || 0, gain: Number(gain.value) || 0 }),
     choose(seen) {
@@ -40,7 +48,7 @@ function settings_form(about, again) {
 }
 
 export function live(main, box) {
-  let ended = false, running = false, timer = 0, pixels = null, settings = null, picker = null, loupe_at = null, best = 0, about = null, seen = null;
+  let ended = false, running = false, busy = false, wanted = false, from_camera = false, timer = 0, pixels = null, settings = null, picker = null, loupe_at = null, best = 0, measured = null, about = null, seen = null;
   const view = h("canvas", { role: "img", "aria-label": "Live view: no picture yet" });
   const overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   overlay.setAttribute("role", "img");
@@ -48,7 +56,7 @@ export function live(main, box) {
   const bars = h("canvas", { class: "histogram", role: "img", "aria-label": "Histogram" });
   const meter = h("p", { class: "meter" }, "–"), meter_best = h("p", { class: "quiet" }, ""), loupe = h("canvas", { class: "loupe", role: "img", "aria-label": "Loupe" });
   const clipping = check("Mark what is clipped or black", true), peaking = check("Mark sharp edges", false);
-  const play = h("button", { class: "main", "aria-pressed": "false", onclick: toggle }, "Start live view"), once = h("button", { onclick: shoot }, "One picture");
+  const play = h("button", { class: "main", disabled: true, onclick: toggle }, "Start live view"), once = h("button", { disabled: true, onclick: shoot }, "One picture");
   const side = h("div", { class: "stack" }), picks = h("div", { class: "stack" });
 
   function check(text, on) {
@@ -62,36 +70,59 @@ export function live(main, box) {
       h("h2", {}, "Region and chart"), picks),
     h("section", { class: "card" }, h("h2", {}, "Exposure"), bars, exposure_said, by, side),
     h("section", { class: "card" }, h("h2", {}, "Focus"), meter, meter_best,
-      h("button", { onclick: () => { best = 0; focus(); } }, "Begin anew"),
+      h("button", { onclick: () => { best = 0; focus(measured); } }, "Begin anew"),
       h("p", { class: "quiet" }, "The number is largest where focus is best; turn the ring until it grows no more. It is of the loupe's place: click the picture to move it, or with arrow keys."), loupe)));
 
-  function toggle() {
-    running = !running;
-    play.setAttribute("aria-pressed", String(running));
+  function set_running(on) {
+    running = on;
+    clearTimeout(timer);
     play.textContent = running ? "Stop live view" : "Start live view";
+  }
+
+  function toggle() {
+    set_running(!running);
     if (running)
       shoot();
   }
 
+  /* One at a time, whoever asks for another meanwhile; none where nobody looks ("stale" comes when somebody does). */
   async function shoot() {
     clearTimeout(timer);
+    if (busy || ended || document.hidden || !settings) {
+      wanted = busy;
+      return;
+    }
+    busy = true;
+    wanted = false;
+    const worked = await take();
+    busy = false;
+    if (ended)
+      return;
+    if (wanted)
+      shoot();
+    else if (running)
+      timer = setTimeout(shoot, worked && !box.status?.run?.next ? PAUSE_MS : AGAIN_MS);
+  }
+
+  async function take() {
     try {
       const query = settings.query(), got = await getPicture(`live?${query}`);
       if (ended)
-        return;
+        return true;
       pixels = await pixelsOf(got.blob);
-      say(said, got.live === "latest" ? `A run is under way: this is its last picture, slot ${got.index}. The camera is left alone.` : "From the camera, now.");
+      from_camera = got.live !== "latest";
+      say(said, from_camera ? "From the camera, now." : `A run is under way: this is its last picture, slot ${got.index}. The camera is left alone.`);
       draw();
       show_exposure(got);
-      if (got.live !== "latest")
+      if (closer())
         await look_closely(query);
+      return true;
     } catch (error) {
       say(said, error.text || error.message);
       if (error.status === 401)
-        running = false;
+        set_running(false);
+      return false;
     }
-    if (running && !ended)
-      timer = setTimeout(shoot, box.status?.run?.next ? 2000 : 150);
   }
 
   /* With what it was taken; the plan's wizard is told, too. The button stays the same: pictures come faster than a click is done. */
@@ -117,12 +148,16 @@ export function live(main, box) {
     return (settings.camera()?.width || view.width) / view.width;
   }
 
+  /* Whether the camera has more pixels at the loupe's place than the picture. */
+  function closer() {
+    const camera = settings.camera();
+    return from_camera && scale() > 1.01 && camera.width >= LOUPE && camera.height >= LOUPE;
+  }
+
   /* The loupe's place at the camera's own pixels. */
   async function look_closely(query) {
     const camera = settings.camera(), s = scale(), half = LOUPE / 2;
     const x = Math.max(0, Math.min(camera.width - LOUPE, Math.round(loupe_at.x * s - half))), y = Math.max(0, Math.min(camera.height - LOUPE, Math.round(loupe_at.y * s - half)));
-    if (s <= 1.01 || camera.width < LOUPE || camera.height < LOUPE)
-      return; /* the picture is as large as the camera's already */
     query.set("region", `${x},${y},${LOUPE},${LOUPE}`);
     const got = await getPicture(`live?${query}`);
     if (!ended)
@@ -142,24 +177,40 @@ export function live(main, box) {
     say(exposure_said, advice(figures));
     bars.setAttribute("aria-label", `Histogram: ${advice(figures)}`);
     view.setAttribute("aria-label", `Live view, ${pixels.width} x ${pixels.height}: ${advice(figures)}`);
-    focus();
+    if (!closer()) /* else the loupe's own pixels come: numbers of the one are not those of the other */
+      focus(part());
   }
 
-  /* Of the loupe's own pixels, or of the same place in the picture. */
-  function focus(close) {
-    if (!pixels)
-      return;
-    const size = Math.min(LOUPE, pixels.width, pixels.height);
+  /* The loupe's place in the picture. */
+  function part() {
+    const size = Math.min(LOUPE, pixels.width, pixels.height), cut = new OffscreenCanvas(size, size).getContext("2d");
     const x = Math.max(0, Math.min(pixels.width - size, Math.round(loupe_at.x - size / 2))), y = Math.max(0, Math.min(pixels.height - size, Math.round(loupe_at.y - size / 2)));
-    const value = close ? sharpness(close) : sharpness(pixels, x, y, size, size);
+    cut.putImageData(pixels, -x, -y, x, y, size, size);
+    return cut.getImageData(0, 0, size, size);
+  }
+
+  /* It is somewhere else: what was best there says nothing here. */
+  function loupe_moved(to) {
+    loupe_at = to;
+    best = 0;
+    if (!closer())
+      focus(part());
+    else if (!running)
+      shoot();
+  }
+
+  /* Of the loupe's pixels. */
+  function focus(close) {
+    if (!close)
+      return;
+    const value = sharpness(close);
+    measured = close;
     best = Math.max(best, value);
     say(meter, value.toFixed(1));
     say(meter_best, `${Math.round(100 * value / (best || 1))} % of the best so far, ${best.toFixed(1)}`);
-    loupe.width = loupe.height = size;
-    if (close)
-      loupe.getContext("2d").putImageData(close, 0, 0);
-    else
-      loupe.getContext("2d").putImageData(pixels, -x, -y, x, y, size, size);
+    loupe.width = close.width;
+    loupe.height = close.height;
+    loupe.getContext("2d").putImageData(close, 0, 0);
     loupe.setAttribute("aria-label", `Loupe at ${Math.round(loupe_at.x * scale())}, ${Math.round(loupe_at.y * scale())}: sharpness ${value.toFixed(1)}`);
   }
 
@@ -168,9 +219,7 @@ export function live(main, box) {
     if (picker?.mode || !pixels)
       return;
     const b = overlay.getBoundingClientRect();
-    loupe_at = { x: (e.clientX - b.left) / b.width * pixels.width, y: (e.clientY - b.top) / b.height * pixels.height };
-    best = 0;
-    focus();
+    loupe_moved({ x: (e.clientX - b.left) / b.width * pixels.width, y: (e.clientY - b.top) / b.height * pixels.height });
   });
   overlay.addEventListener("keydown", (e) => {
     const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[e.key];
@@ -178,32 +227,55 @@ export function live(main, box) {
       return;
     e.preventDefault();
     const step = e.shiftKey ? 40 : 8;
-    loupe_at = { x: Math.max(0, Math.min(pixels.width, loupe_at.x + by[0] * step)), y: Math.max(0, Math.min(pixels.height, loupe_at.y + by[1] * step)) };
-    best = 0;
-    focus();
+    loupe_moved({ x: Math.max(0, Math.min(pixels.width, loupe_at.x + by[0] * step)), y: Math.max(0, Math.min(pixels.height, loupe_at.y + by[1] * step)) });
   });
 
-  get("box").then((got) => {
-    if (ended)
+  /* Another camera, another exposure or light: what was best before says nothing now. */
+  function changed() {
+    keep(settings.chosen()); /* the plan begins with it */
+    best = 0;
+    const camera = settings.camera();
+    if (picker?.of !== camera.name) {
+      picker?.size(camera);
+      loupe_at = null;
+    }
+    if (!running)
+      shoot();
+  }
+
+  async function ask_devices() {
+    const got = await get("box");
+    if (ended || about)
       return;
     about = got;
-    settings = settings_form(about, () => {
-      keep(settings.chosen()); /* the plan begins with it */
-      if (!running)
-        shoot();
-    });
+    settings = settings_form(about, changed);
     fill(side, settings.form);
-    const camera = settings.camera();
-    if (camera)
-      picker = new Picker(overlay, picks, camera);
-    if (box.session.change)
-      shoot();
-    else
-      say(said, "Live view needs the token.");
-  }).catch((error) => say(said, error.text || error.message));
+    if (settings.camera())
+      picker = new Picker(overlay, picks, settings.camera());
+    begin();
+  }
 
+  function begin() {
+    play.disabled = once.disabled = !about || !box.session.change;
+    if (!box.session.change)
+      say(said, "Live view needs the token.");
+    else if (about)
+      shoot();
+  }
+
+  /* A box that was away is there again. */
+  function again() {
+    if (!about)
+      ask_devices().catch((error) => say(said, error.text || error.message));
+    else if (running)
+      shoot();
+  }
+
+  const off = box.on({ session: begin, stale: again });
+  again();
   return () => {
     ended = true;
     clearTimeout(timer);
+    off();
   };
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* now.js: the first thing seen: state, countdown, the last picture; what the run has cost and will take. */
-import { h, fill, facts, say, ask } from "./dom.js";
+import { h, fill, facts, renew, say, ask } from "./dom.js";
 import { getPicture, post } from "./api.js";
 import { bytes, countdown, count, reading, span, when } from "./words.js";
 import { histogram, pixelsOf, spoiled } from "./aids.js";
@@ -8,15 +8,15 @@ import { results, stateWords } from "./state.js";
 
 export function now(main, box) {
   const clock = h("p", { class: "countdown", id: "countdown" }), under = h("p", {}), bar = h("progress", { "aria-label": "Slots done" });
-  const run_facts = h("div"), disk = h("div"), readings = h("div"), alarms = h("div"), said = h("p", { class: "bad", role: "alert" });
-  const buttons = h("div", { class: "row end" }), happened = h("ul", { class: "notes" });
+  const run_of = h("p"), run_facts = h("div"), disk = h("div"), readings = h("div"), alarms = h("div", { role: "alert" }), said = h("p", { class: "bad", role: "alert" });
+  const buttons = h("div", { class: "row end" }), happened = h("ul", { class: "notes" }), log = h("div", { role: "log", "aria-label": "What happened" }, happened);
   const img = h("img", { alt: "The last picture", hidden: true }), none = h("p", {}, "No picture yet"), caption = h("figcaption", {}, ""), exposure = h("p", { class: "finding-warning", role: "status", hidden: true });
-  const happenings = h("section", { class: "card", hidden: true }, h("h2", {}, "While this page is open"), happened);
+  const happenings = h("section", { class: "card", hidden: true }, h("h2", {}, "While this page is open"), log);
 
   fill(main, h("h1", { class: "visually-hidden" }, "Now"), h("div", { class: "cards now" },
     h("section", { class: "card", "aria-label": "State" }, clock, under, bar, said, alarms, buttons),
     h("section", { class: "card picture-card" }, h("h2", {}, "Last picture"), h("figure", {}, h("div", { class: "picture" }, img, none), caption), exposure),
-    h("section", { class: "card" }, h("h2", {}, "Run"), run_facts),
+    h("section", { class: "card" }, h("h2", {}, "Run"), run_of, run_facts),
     h("section", { class: "card" }, h("h2", {}, "Box"), disk, readings), happenings));
 
   /* ---- the countdown, as often as it changes ---- */
@@ -53,8 +53,9 @@ export function now(main, box) {
       bar.max = run.slots;
       bar.value = run.done || 0;
     }
-    fill(run_facts, run ? facts([
-      ["Dataset", h("a", { href: `#/data/${run.dataset}` }, run.dataset)],
+    renew(run_of, run?.dataset ?? null, () => (run ? ["Dataset ", h("a", { href: `#/data/${run.dataset}` }, run.dataset)]
+      : ["Nothing was run since this box was started. ", h("a", { href: "#/plan" }, "Make a plan"), "."]));
+    fill(run_facts, run && facts([
       run.plan && ["Plan", run.plan],
       run.interval_ns && ["Interval", span(run.interval_ns)],
       ["Slots", run.slots === undefined ? "not yet known" : `${(run.done || 0).toLocaleString()} of ${run.slots.toLocaleString()}`],
@@ -63,7 +64,7 @@ export function now(main, box) {
       run.last && ["Last slot", `${run.last.index}: ${run.last.result}${run.last.why ? `, ${run.last.why}` : ""}` +
         `${run.last.error_ns !== undefined ? `, ${signed(run.last.error_ns)} off its time` : ""}`],
       run.sealed && ["Sealed", "yes"],
-    ]) : h("p", {}, "Nothing was run since this box was started. ", h("a", { href: "#/plan" }, "Make a plan"), "."));
+    ]));
     fill(disk, facts([
       status.disk && ["Disk", `${bytes(status.disk.free_bytes)} free of ${bytes(status.disk.total_bytes)}`],
       status.disk && run?.slot_bytes && ["Room for", count(Math.floor(status.disk.free_bytes / run.slot_bytes), "more slot") +
@@ -76,8 +77,8 @@ export function now(main, box) {
     fill(readings, lamps.length + sensors.length ? [h("h3", {}, `At slot ${status.readings.index}`), facts([
       ...lamps.map((l) => [l.name, `${(l.measured_permille ?? l.commanded_permille) / 10} %`]),
       ...sensors.map((s) => [s.name, s.ok === false ? "gives nothing" : reading(s.kind, s.value)])])] : []);
-    const list = (status.alarms || []).map((a) => h("li", {}, `${a.utc_ns ? `${when(a.utc_ns)}: ` : ""}${a.text}`));
-    fill(alarms, list.length ? [h("h2", { class: "bad" }, "A person is needed"), h("ul", { class: "alarms" }, list)] : []);
+    const list = (status.alarms || []).map((a) => `${a.utc_ns ? `${when(a.utc_ns)}: ` : ""}${a.text}`);
+    renew(alarms, list, () => (list.length ? [h("h2", { class: "bad" }, "A person is needed"), h("ul", { class: "alarms" }, list.map((text) => h("li", {}, text)))] : []));
     draw_buttons(status);
     tick();
   }
@@ -124,12 +125,13 @@ export function now(main, box) {
     }
   }
 
-  let drawn = "";
+  let drawn = "", held = false; /* somebody was at a button by keyboard: is to be at what comes in its place */
   function draw_buttons(status) {
     const { state, run } = status, may = box.session.change, key = `${state} ${may} ${!!run}`;
     if (key === drawn)
       return; /* a button in somebody's fingers stays where it is */
     drawn = key;
+    held = buttons.contains(document.activeElement) || (held && document.activeElement === document.body);
     const running = ["capturing", "arming", "waiting"].includes(state);
     fill(buttons,
       running && h("button", { disabled: !may, onclick: () => order("run/pause", { reason: "asked for on the page" }) }, "Pause"),
@@ -138,14 +140,19 @@ export function now(main, box) {
       state === "stopped" && run && h("button", { class: "main", disabled: !may, onclick: go_on }, "Go on"),
       (state === "idle" || state === "stopped") && h("a", { class: "button", href: "#/plan" }, "New plan"),
       !may && h("p", { class: "quiet" }, "To change something, enter the token."));
+    const next = held && buttons.querySelector("button:enabled, a");
+    if (next) {
+      next.focus();
+      held = false;
+    }
   }
 
   /* ---- the picture ---- */
 
-  let shown = null, asked = false, wanted = false;
+  let shown = null, asked = false, wanted = false, ended = false;
   async function picture(sure = false) {
-    if (asked) {
-      wanted = true;
+    if (asked || document.hidden) { /* nobody sees it now; who comes back does ("stale") */
+      wanted = asked && sure;
       return;
     }
     const counts = box.status?.run?.results;
@@ -154,6 +161,8 @@ export function now(main, box) {
     asked = true;
     try {
       const got = await getPicture("latest");
+      if (ended)
+        return;
       if (shown)
         URL.revokeObjectURL(shown);
       shown = URL.createObjectURL(got.blob);
@@ -201,8 +210,8 @@ export function now(main, box) {
       happened.lastChild.remove();
   }
 
-  const listeners = {
-    status: refresh, lost: () => { tick(); if (!box.lost) picture(); }, session: () => { drawn = ""; refresh(); },
+  const off = box.on({
+    status: refresh, lost: tick, stale: () => picture(), session: () => { drawn = ""; refresh(); },
     slot: ({ detail }) => {
       if (detail.result === "captured" || detail.result === "partial")
         picture(true);
@@ -211,17 +220,15 @@ export function now(main, box) {
     },
     event: ({ detail }) => tell(detail.text),
     alarm: ({ detail }) => tell(`Alarm: ${detail.text}`),
-  };
-  for (const [kind, listener] of Object.entries(listeners))
-    box.addEventListener(kind, listener);
+  });
   const timer = setInterval(tick, 200);
   refresh();
   tick();
   picture();
   return () => {
+    ended = true;
     clearInterval(timer);
-    for (const [kind, listener] of Object.entries(listeners))
-      box.removeEventListener(kind, listener);
+    off();
     if (shown)
       URL.revokeObjectURL(shown);
   };

@@ -33,15 +33,22 @@ function shape(parent, name, attributes) {
 }
 
 export class Picker {
-  /* `overlay`: the SVG over the picture; `form`: where numbers go; size: of the camera. */
-  constructor(overlay, form, { width, height }) {
-    Object.assign(this, { overlay, form, width, height, mode: null, ...picked() });
-    overlay.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  /* `overlay`: the SVG over the picture; `form`: where numbers go; camera: {name, width, height}. */
+  constructor(overlay, form, camera) {
+    Object.assign(this, { overlay, form, mode: null, ...picked() });
     overlay.setAttribute("preserveAspectRatio", "none");
     overlay.addEventListener("pointerdown", (e) => this.down(e));
     overlay.addEventListener("pointermove", (e) => this.moved(e));
-    overlay.addEventListener("pointerup", () => (this.from = null));
+    for (const end of ["pointerup", "pointercancel"])
+      overlay.addEventListener(end, () => (this.from = null));
     this.build();
+    this.size(camera);
+  }
+
+  /* Of which camera the picture is. */
+  size({ name, width, height }) {
+    Object.assign(this, { of: name, width, height });
+    this.overlay.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.draw();
   }
 
@@ -69,7 +76,7 @@ export class Picker {
   moved(e) {
     if (!this.from || this.mode === "corners")
       return;
-    const p = this.at(e), x = Math.min(p.x, this.from.x), y = Math.min(p.y, this.from.y);
+    const p = this.at(e), x = Math.min(p.x, this.from.x, this.width - 2), y = Math.min(p.y, this.from.y, this.height - 2);
     this[this.mode] = { x, y, width: Math.max(2, Math.abs(p.x - this.from.x)), height: Math.max(2, Math.abs(p.y - this.from.y)) };
     this.changed();
   }
@@ -133,6 +140,7 @@ export class Picker {
 
   choose(mode) {
     this.mode = this.mode === mode ? null : mode;
+    this.overlay.toggleAttribute("data-drawing", !!this.mode); /* else a finger on the picture moves the page */
     for (const b of this.form.querySelectorAll("[data-mode]"))
       b.setAttribute("aria-pressed", String(b.dataset.mode === this.mode));
     this.hint.textContent = { region: "Drag from one corner of the region to the other.", reference: "Drag over a grey patch that does not change.",

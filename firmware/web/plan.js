@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* plan.js: from a sample to a run: what, how often, under which light; checked by the box as one types. */
-import { h, fill, say, ask } from "./dom.js";
+import { h, fill, renew, say, ask } from "./dom.js";
 import { get, getText, post, postPlan, putPlan, remove } from "./api.js";
 import { PRESETS, UNITS, nameOf, planText, presetChoice } from "./presets.js";
 import { picked, withinRegion } from "./picker.js";
-import { planVerdict } from "./verdict.js";
-import { exposureWords, span } from "./words.js";
+import { figures, judgement, startOf } from "./verdict.js";
+import { exposureWords, span, today } from "./words.js";
+
+const ZONE = Intl.DateTimeFormat().resolvedOptions().timeZone;
 
 function quantity(label, [n, unit], units, again) {
   const number = h("input", { type: "number", min: 0, step: "any", value: n, required: true, oninput: again, "aria-label": label });
@@ -24,9 +26,9 @@ function select(label, options, again) {
 }
 
 export function plan(main, box) {
-  let ended = false, timer = 0, by_hand = false, check_number = 0, about = null, ok = false;
-  const verdict = h("div", { role: "status" }), text = h("textarea", { rows: 18, spellcheck: "false", oninput: () => { by_hand = true; say(hand, "Changed by hand: the form above no longer changes it."); later(); } });
-  const hand = h("p", { class: "quiet" }), said = h("p", { class: "bad", role: "alert" }), list = h("div");
+  let ended = false, timer = 0, by_hand = false, named_by_hand = false, check_number = 0, about = null, ok = false, own = null; /* the plan that was opened or saved here */
+  const judged = h("div", { role: "status" }), takes = h("div"), text = h("textarea", { rows: 18, spellcheck: "false", oninput: () => { by_hand = true; say(hand, "Changed by hand: the form above no longer changes it."); later(); } });
+  const hand = h("p", { class: "quiet" }), said = h("p", { class: "bad", role: "alert" }), well = h("p", { class: "good", role: "status" }), list = h("div");
 
   /* ---- the form ---- */
 
@@ -34,8 +36,8 @@ export function plan(main, box) {
   const preset = h("div", { class: "presets" }, PRESETS.map((p, i) => h("label", {},
     h("input", { type: "radio", name: "preset", value: p.id, checked: i === 0, onchange: () => choose(p) }), h("span", {}, p.title),
     h("small", {}, `every ${span(p.interval[0] * UNITS[p.interval[1]])} for ${span(p.duration[0] * UNITS[p.duration[1]])}. ${p.text}`))));
-  const title = h("input", { required: true, maxlength: 120, size: 28, oninput: () => { name.value = nameOf(title.value); changed(); } });
-  const name = h("input", { required: true, pattern: "[A-Za-z0-9_\\-][A-Za-z0-9._\\-]{0,63}", maxlength: 64, size: 22, oninput: changed });
+  const title = h("input", { required: true, maxlength: 120, size: 28, oninput: () => { name_it(); changed(); } });
+  const name = h("input", { required: true, pattern: "[A-Za-z0-9_\\-][A-Za-z0-9._\\-]{0,63}", maxlength: 64, size: 22, oninput: () => { named_by_hand = true; changed(); } });
   const interval = quantity("A picture every", [10, "min"], ["ms", "s", "min", "h"], changed);
   const duration = quantity("For", [7, "d"], ["s", "min", "h", "d"], changed);
   const start = h("input", { type: "datetime-local", onchange: changed });
@@ -50,12 +52,19 @@ export function plan(main, box) {
   const lamps_box = h("div", { class: "fields" }), suits = h("div", { class: "stack" }), camera_box = h("div", { hidden: true });
   let lamps = [], camera = null;
 
+  /* After the title and the day, until somebody gives it another name. */
+  function name_it() {
+    if (!named_by_hand)
+      name.value = `${nameOf(title.value)}-${today()}`;
+  }
+
   function choose(p) {
-    by_hand = false;
+    by_hand = named_by_hand = false;
+    own = null;
     say(hand, "");
     const c = presetChoice(p, []);
     title.value = c.title;
-    name.value = `${nameOf(title.value)}-${new Date().toISOString().slice(0, 10)}`;
+    name_it();
     interval.set(c.interval);
     duration.set(c.duration);
     mode.e.value = c.mode;
@@ -81,7 +90,7 @@ export function plan(main, box) {
     const p = PRESETS.find((x) => x.id === main.querySelector('[name="preset"]:checked')?.value), marks = picked();
     return { title: title.value, interval: interval.get(), duration: duration.get(), start: start.value ? new Date(start.value).toISOString().replace(/\.\d+Z/, "Z") : null,
       mode: mode.e.value, settle: settle.element.hidden ? null : settle.get(), day: day.get(), period: period.get(),
-      day_start: dawn.value || null, zone: Intl.DateTimeFormat().resolvedOptions().timeZone, channel: p?.channel,
+      day_start: dawn.value || null, zone: ZONE, channel: p?.channel,
       camera: camera?.value, lamps: Object.fromEntries(lamps.map(({ lamp, input }) => [lamp.name, Number(input.value)])),
       exposure_ms: Number(exposure.value), gain: Number(gain.value), mains: mains.e.value, keep: keep.e.value,
       region: region.checked ? marks.region : null, reference: reference.checked ? withinRegion(marks.reference, region.checked ? marks.region : null) : null };
@@ -125,32 +134,61 @@ export function plan(main, box) {
     timer = setTimeout(check, 350);
   }
 
+  /* Where there are no figures. */
+  function judge(p) {
+    renew(judged, p.textContent, () => p);
+    fill(takes);
+  }
+
   async function check() {
     const number = ++check_number;
+    if (!box.session.change) { /* it would be refused */
+      ok = false;
+      judge(h("p", {}, "With the token, the box says here what a plan takes."));
+      allow();
+      return;
+    }
     try {
       const got = await postPlan("plans/check", text.value);
       if (ended || number !== check_number)
         return;
       ok = got.ok;
-      fill(verdict, planVerdict(got));
+      renew(judged, [got.ok, got.findings], () => judgement(got)); /* read out when it is another one, and without its figures */
+      fill(takes, got.figures && figures(got.figures, startOf(text.value)));
     } catch (error) {
       if (ended || number !== check_number)
         return;
       ok = false;
-      fill(verdict, h("p", { class: "finding-error" }, error.text || error.message));
+      judge(h("p", { class: "finding-error" }, error.text || error.message));
     }
+    allow();
+  }
+
+  function allow() {
     for (const b of actions)
       b.disabled = !ok || !box.session.change;
+    no_token.hidden = box.session.change;
   }
 
   const busy = () => ["waiting", "capturing", "arming", "paused", "stopping", "retrying"].includes(box.status?.state);
 
+  /* A plan of this name that says something else is not lost by an oversight. */
+  async function may_replace() {
+    if (name.value === own || !listed.includes(name.value) || await getText(`/api/v1/plans/${name.value}`) === text.value)
+      return true;
+    return await ask(`Replace the plan ${name.value}?`, h("p", {}, "There is a plan of this name already, and it says something else."),
+      [{ name: "replace", text: "Replace it", kind: "danger" }, { name: "", text: "Keep it" }]) === "replace";
+  }
+
   async function save(then_start) {
     say(said, "");
+    say(well, "");
     try {
-      if (!form.reportValidity())
+      if (!form.reportValidity() || !await may_replace())
         return;
       await putPlan(name.value, text.value);
+      own = name.value;
+      say(well, `The plan ${name.value} is on the box.`);
       if (then_start) {
         if (busy()) {
           say(said, "Another run is under way: stop it first. The plan is saved.");
@@ -180,25 +218,36 @@ export function plan(main, box) {
 
   /* ---- plans that are there ---- */
 
+  let listed = [];
   async function plans() {
     const { plans: there } = await get("plans");
     if (ended)
       return;
-    fill(list, there.length === 0 ? h("p", {}, "None yet.") : h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Plans that are there" },
+    listed = there.map((p) => p.name);
+    renew(list, [there, box.session.change], () => [there.length === 0 ? h("p", {}, "None yet.") : h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Plans that are there" },
       h("table", {}, h("thead", {}, h("tr", {}, ["Plan", "Slots", "Every", ""].map((t) => h("th", { scope: "col" }, t || h("span", { class: "visually-hidden" }, "What to do"))))),
         h("tbody", {}, there.map((p) => h("tr", {}, h("td", {}, p.name, p.title && h("div", { class: "quiet" }, p.title), p.error && h("div", { class: "bad" }, p.error)),
           h("td", {}, p.slots?.toLocaleString() || ""), h("td", {}, p.interval_ns ? span(p.interval_ns) : ""),
-          h("td", {}, h("div", { class: "row" }, h("button", { onclick: () => load(`plans/${p.name}`, p.name) }, "Open"),
+          h("td", {}, h("div", { class: "row" }, h("button", { onclick: () => open(p.name) }, "Open"),
             h("button", { disabled: !box.session.change || !!p.error, onclick: () => begin(p) }, "Start"),
-            !p.configured && h("button", { class: "danger", disabled: !box.session.change, onclick: () => drop(p) }, "Delete")))))))));
+            !p.configured && h("button", { class: "danger", disabled: !box.session.change, onclick: () => drop(p) }, "Delete"))))))))]);
   }
 
-  async function load(path, called) {
-    text.value = await getText(path.startsWith("/") ? path : `/api/v1/${path}`);
+  const look = () => plans().catch((error) => say(said, error.text || error.message));
+
+  async function open(called) {
+    say(said, "");
+    try {
+      text.value = await getText(`/api/v1/plans/${called}`);
+    } catch (error) {
+      say(said, error.text || error.message);
+      return;
+    }
     by_hand = true;
-    name.value = called;
+    own = name.value = called;
     say(hand, `This is ${called}, as it lies on the box. Choose a sample above to begin anew.`);
     check();
+    as_text.open = true;
     text.focus();
   }
 
@@ -213,28 +262,30 @@ export function plan(main, box) {
 
   async function drop(p) {
     if (await ask(`Delete the plan ${p.name}?`, h("p", {}, "Datasets that were made by it stay as they are."), [{ name: "yes", text: "Delete it", kind: "danger" }, { name: "", text: "Keep it" }]) === "yes") {
-      await remove(`plans/${p.name}`).catch((error) => say(said, error.text));
-      await plans();
+      await remove(`plans/${p.name}`).catch((error) => say(said, error.text || error.message));
+      await look();
     }
   }
 
   /* ---- the page ---- */
 
+  let as_text;
+  const no_token = h("p", { class: "quiet" }, "To save or start one, enter the token.");
   const step = (n, head, ...content) => h("fieldset", {}, h("legend", {}, `${n}. ${head}`), content);
   const form = h("form", { onsubmit: (e) => e.preventDefault() },
     step(1, "What is photographed?", preset),
     step(2, "How often, how long?", h("div", { class: "fields" }, interval.element, duration.element,
-      h("label", { class: "field" }, "Begin (empty: at once)", start), h("label", { class: "field" }, "Title", title), h("label", { class: "field" }, "Name of plan and dataset", name))),
+      h("label", { class: "field" }, "Begin (empty: at once)", start), h("label", { class: "field" }, "Title", title), h("label", { class: "field" }, "Name of plan and dataset", name)),
+      h("p", { class: "quiet" }, `Times of day are those of this device: ${ZONE}.`)),
     step(3, "Under which light?", h("div", { class: "stack" }, h("div", { class: "fields" }, mode.element, settle.element, day.element, period.element, dawn_field), lamps_box,
       h("div", { class: "fields" }, camera_box, h("label", { class: "field" }, "Exposure, ms", exposure), h("label", { class: "field" }, "Gain", gain), mains.element), suits)),
     step(4, "What is kept?", h("div", { class: "fields" }, keep.element, h("label", {}, region, "only the region"), h("label", {}, reference, "watch the reference patch")),
       h("p", { class: "quiet" }, "Region and patch are drawn in ", h("a", { href: "#/live" }, "live view"), ".")),
-    h("details", {}, h("summary", {}, "The plan, as the box reads it"), h("label", { class: "field" }, h("span", { class: "visually-hidden" }, "The plan's text"), text), hand));
+    as_text = h("details", {}, h("summary", {}, "The plan, as the box reads it"), h("label", { class: "field" }, h("span", { class: "visually-hidden" }, "The plan's text"), text), hand));
 
   fill(main, h("h1", {}, "Plan a run"), h("div", { class: "cards planning" },
     h("section", { class: "card form-card", "aria-label": "New plan" }, form),
-    h("section", { class: "card" }, h("h2", {}, "What it takes"), verdict, h("div", { class: "row end" }, actions), said,
-      !box.session.change && h("p", { class: "quiet" }, "To save or start one, enter the token.")),
+    h("section", { class: "card" }, h("h2", {}, "What it takes"), judged, takes, h("div", { class: "row end" }, actions), said, well, no_token),
     h("section", { class: "card" }, h("h2", {}, "Plans on this box"), list)));
 
   const marks = picked();
@@ -247,8 +298,9 @@ export function plan(main, box) {
   reference.checked = !!marks.reference;
   reference.disabled = !marks.reference;
 
-  get("box").then((got) => {
-    if (ended)
+  async function ask_devices() {
+    const got = await get("box");
+    if (ended || about)
       return;
     about = got;
     lamps = (about.lamps || []).map((lamp) => ({ lamp, input: h("input", { type: "number", min: 0, max: 100, step: lamp.steps === 1 ? 100 : 1, value: 100, oninput: changed }) }));
@@ -259,11 +311,24 @@ export function plan(main, box) {
       fill(camera_box, h("label", { class: "field" }, "Camera", camera));
     }
     choose(PRESETS[0]);
-  }).catch((error) => say(said, error.text || error.message));
-  plans().catch((error) => fill(list, h("p", { class: "bad" }, error.text || error.message)));
+  }
 
+  /* At first, and when a box that was away is there again; what was typed meanwhile stays. */
+  function begin_with_box() {
+    say(said, "");
+    if (about)
+      check();
+    else
+      ask_devices().catch((error) => say(said, error.text || error.message));
+    look();
+  }
+
+  const off = box.on({ session: () => { check(); look(); }, stale: begin_with_box });
+  allow();
+  begin_with_box();
   return () => {
     ended = true;
     clearTimeout(timer);
+    off();
   };
 }

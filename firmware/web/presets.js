@@ -24,7 +24,7 @@ export function slots(choice) {
   return Math.ceil(nanoseconds(choice.duration) / nanoseconds(choice.interval));
 }
 
-const quoted = (text) => `"${text.replace(/[\\"]/g, "\\$&").replace(/[\u0000-\u001f]/g, " ")}"`;
+const quoted = (text) => `"${text.replace(/[\\"]/g, "\\$&").replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029\ufeff\ufffe\uffff]/g, " ")}"`; /* what YAML takes for an end of the line, or for nothing */
 const rect = (r) => `{x: ${r.x}px, y: ${r.y}px, width: ${r.width}px, height: ${r.height}px}`;
 const quantity = ([n, unit]) => `${n}${unit}`;
 

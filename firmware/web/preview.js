@@ -1,22 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* preview.js: what the box synthesized so far, beside what was captured, moment by moment. Nothing where there is no preview. */
-import { h, fill, say } from "./dom.js";
+import { h, fill, renew, say } from "./dom.js";
 import { get } from "./api.js";
+import { player } from "./play.js";
+import { spread } from "./timeline.js";
 import { count, when } from "./words.js";
 
-const STRIP = 10;
+const STRIP = 10, PLAY_MS = 160;
 
 export function preview(parent, box, name) {
-  let ended = false, frames = [], timer = 0;
-  const captured = h("img", { alt: "" }), grown = h("img", { alt: "" }), caption = h("p", { class: "quiet", role: "status" }), about = h("p", { class: "quiet" });
+  let ended = false, frames = [];
+  const captured = h("img", { alt: "" }), grown = h("img", { alt: "" }), caption = h("p", { class: "quiet" }), about = h("p", { class: "quiet" });
   const slider = h("input", { type: "range", class: "scrub", min: 0, max: 0, step: 1, value: 0, "aria-label": "Moment of the preview", oninput: show });
   const strip = h("div", { class: "strip", role: "group", "aria-label": "Moments over the whole time: captured above, synthesized below" });
   const video = h("a", { class: "button", href: `/api/v1/datasets/${name}/preview.avi`, download: `${name}-preview.avi` }, "Download the preview as a video");
-  const play = h("button", { "aria-pressed": "false", onclick: toggle }, "Play");
-  fill(parent, h("h2", {}, "Preview of a synthesis"), h("div", { class: "big" },
+  const play = player(onward, PLAY_MS, caption);
+  const pictures = h("div", { class: "stack", hidden: true }, h("div", { class: "big" },
     h("figure", {}, h("div", { class: "picture" }, captured), h("figcaption", {}, "Captured")),
     h("figure", {}, h("div", { class: "picture" }, grown), h("figcaption", {}, "Synthesized from it"))),
-  h("div", { class: "row" }, play, slider), caption, strip, about, h("p", {}, video));
+  h("div", { class: "row" }, play.button, slider), caption, strip, h("p", {}, video));
+  fill(parent, h("h2", {}, "Preview of a synthesis"), pictures, about);
 
   function show() {
     const frame = frames[Number(slider.value)];
@@ -32,25 +35,17 @@ export function preview(parent, box, name) {
 
   /* The whole time at a glance: what was captured, and below each of it what was made of it. */
   function draw_strip() {
-    const n = Math.min(STRIP, frames.length);
-    fill(strip, Array.from({ length: n }, (_, k) => (n > 1 ? Math.round(k * (frames.length - 1) / (n - 1)) : 0)).map((i) =>
+    renew(strip, frames, () => spread([...frames.keys()], STRIP).map((i) =>
       h("button", { type: "button", "data-at": i, "aria-label": `Slot ${frames[i].slot}`, onclick: () => { slider.value = i; show(); } },
         h("img", { src: `/api/v1/datasets/${name}/thumbs/${frames[i].slot}`, alt: "", loading: "lazy" }),
         h("img", { src: `/api/v1/datasets/${name}/preview/${frames[i].path}`, alt: "", loading: "lazy" }), h("small", { "aria-hidden": "true" }, frames[i].slot))));
   }
 
-  function toggle() {
-    const on = play.getAttribute("aria-pressed") !== "true";
-    play.setAttribute("aria-pressed", String(on));
-    play.textContent = on ? "Pause" : "Play";
-    clearInterval(timer);
-    if (on)
-      timer = setInterval(() => {
-        if (captured.complete && grown.complete) {
-          slider.value = (Number(slider.value) + 1) % frames.length;
-          show();
-        }
-      }, 160);
+  function onward() {
+    if (!captured.complete || !grown.complete || !frames.length)
+      return;
+    slider.value = (Number(slider.value) + 1) % frames.length;
+    show();
   }
 
   async function refresh() {
@@ -68,6 +63,7 @@ export function preview(parent, box, name) {
       say(about, `The last try failed: ${state.why}. It is tried again when there are more pictures.`);
     else if (frames.length)
       say(about, `From ${count(state.images, "picture")}, ${state.width} x ${state.height} pixels, each standing for ${state.shrunk_by} x ${state.shrunk_by} of the captured ones; made ${when(state.made_utc_ns)}.`);
+    pictures.hidden = !frames.length;
     if (!frames.length)
       return;
     const was = Number(slider.max);
@@ -79,11 +75,11 @@ export function preview(parent, box, name) {
   }
 
   const newer = ({ detail }) => detail.dataset === name && refresh();
-  box.addEventListener("preview", newer);
+  const off = box.on({ preview: newer, stale: refresh });
   refresh();
   return () => {
     ended = true;
-    clearInterval(timer);
-    box.removeEventListener("preview", newer);
+    play.end();
+    off();
   };
 }

@@ -13,20 +13,18 @@ const WORDS = {
   stopped: ["Stopped", "bad"],
 };
 
-/* {text, short, kind}: as the page's head has it, as the window's title has it, how it is coloured. */
+/* {text, said, kind}: as the page's head and the window's title have it; the same without what changes with each slot, to be read out; how it is coloured. */
 export function stateWords(status, lost) {
   if (lost)
-    return { text: "Connection lost", short: "Connection lost", kind: "bad" };
+    return { text: "Connection lost", said: "Connection lost", kind: "bad" };
   if (!status)
-    return { text: "…", short: "…", kind: "" };
+    return { text: "…", said: "", kind: "" };
   const [text, kind] = WORDS[status.state] || [status.state, ""], { run } = status;
   if (status.state === "idle" && run?.sealed)
-    return { text: "Done", short: "Done", kind: "" };
-  if (run?.slots !== undefined && ["capturing", "paused", "stopped"].includes(status.state)) {
-    const done = `${run.done || 0}/${run.slots}`;
-    return { text: `${text} ${done}`, short: `${text} ${done}`, kind };
-  }
-  return { text, short: text, kind };
+    return { text: "Done", said: "Done", kind: "" };
+  if (run?.slots !== undefined && ["capturing", "paused", "stopped"].includes(status.state))
+    return { text: `${text} ${run.done || 0}/${run.slots}`, said: text, kind };
+  return { text, said: text, kind };
 }
 
 /* Results that a slot may have, good ones first. */

@@ -5,7 +5,7 @@
  */
 import { h, fill, say } from "./dom.js";
 import { get } from "./api.js";
-import { pictured } from "./timeline.js";
+import { pictured, spread } from "./timeline.js";
 
 const FRAMES = 96;
 
@@ -49,12 +49,6 @@ export function texture(parent, name) {
     }
   }
 
-  /* Moments evenly over all that has a picture. */
-  function spread() {
-    const has = pictured(columns), seen = columns.index.map((_, i) => i).filter((i) => has[i]), n = Math.min(FRAMES, seen.length);
-    return Array.from({ length: n }, (_, k) => columns.index[seen[n > 1 ? Math.round(k * (seen.length - 1) / (n - 1)) : 0]]);
-  }
-
   function time_of(slot) {
     const i = columns.index.findLastIndex((first) => first <= slot); /* the point that the slot is part of */
     return known && i >= 0 ? (columns.due_utc_ns[i] - columns.due_utc_ns[0]) / 1e9 : slot;
@@ -62,7 +56,7 @@ export function texture(parent, name) {
 
   /* [{slot, time_s, blob, grown}]; grown: of a preview */
   async function fetch_all() {
-    const grown = await synthesized(), moments = grown.length ? grown : spread().map((slot) => ({ slot })), got = [];
+    const grown = await synthesized(), moments = grown.length ? grown : spread(pictured(columns), FRAMES).map((slot) => ({ slot })), got = [];
     for (const { slot, path } of moments) {
       const blob = await picture(`thumbs/${slot}`), beside = blob && path ? await picture(`preview/${path}`) : null;
       if (ended)
@@ -81,10 +75,20 @@ export function texture(parent, name) {
     const made = new globalThis.ttfPanel.Panel(place, { role, title, quantity: "value", camera_colours: false, text: known ? undefined : slot_text,
       width: size.width, height: size.height, black: 0, white: 1, slots: frames.map((f) => f.slot), times_s: frames.map((f) => f.time_s) }, panels.length, () => {});
     panels.push(made);
-    for (const [k, blob] of blobs.entries())
+    for (const [k, blob] of blobs.entries()) {
+      if (ended)
+        return size;
       await made.surface.load(k, blob);
+    }
     made.loaded();
     return size;
+  }
+
+  /* What the graphics card holds for them is given back: it lends to sixteen at a time. */
+  function clear() {
+    panels.forEach((panel) => panel.end());
+    panels = [];
+    place.replaceChildren();
   }
 
   async function begin() {
@@ -95,16 +99,15 @@ export function texture(parent, name) {
       if (ended)
         return;
       frames = got;
-      place.replaceChildren();
-      panels = [];
+      clear();
       const note = "8-bit sRGB, so values are near, not exact", both = got.every((f) => f.grown);
       const size = await make_panel(both ? "captured" : "small pictures", note, got.map((f) => f.blob));
-      if (both)
+      if (both && !ended)
         await make_panel("synthesized from it", note, got.map((f) => f.grown));
       time.max = got.length - 1;
       tools.hidden = false;
       shape.parentElement.hidden = !panels.every((p) => p.surface.shapes.includes("sphere"));
-      say(said, `${got.length} slots of ${columns.index.length}, ${size.width} x ${size.height} pixels of ${about?.streams?.[0]?.width ?? "?"} x ${about?.streams?.[0]?.height ?? "?"}`);
+      say(said, `${got.length} slots of ${columns.slots}, ${size.width} x ${size.height} pixels of ${about?.streams?.[0]?.width ?? "?"} x ${about?.streams?.[0]?.height ?? "?"}`);
       load.textContent = "Load it again";
       show();
     } catch (error) {
@@ -130,6 +133,7 @@ export function texture(parent, name) {
     },
     end() {
       ended = true;
+      clear();
     },
   };
 }

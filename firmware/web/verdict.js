@@ -3,21 +3,38 @@
 import { h, facts } from "./dom.js";
 import { bytes, count, span, when } from "./words.js";
 
-export function planVerdict({ ok, findings = [], figures }) {
-  const f = figures, fits = f?.slots_that_fit === undefined || f.slots_that_fit >= f.slots;
+/* When a plan's text has it begin, in milliseconds; undefined: at once; null: as only the box can tell. */
+export function startOf(text) {
+  const said = text.match(/^start:\s*"?([^"#\n]*)/m)?.[1].trim(), at = said && /(Z|[+-]\d\d:?\d\d)$/.test(said) ? Date.parse(said) : NaN;
+  return said === undefined || said === "now" ? undefined : Number.isNaN(at) ? null : at;
+}
+
+function until(ns, start) {
+  if (start === null)
+    return "";
+  return start === undefined ? `, until ${when(Date.now() * 1e6 + ns)} if begun now` : `, from ${when(start * 1e6)} until ${when(start * 1e6 + ns)}`;
+}
+
+/* Whether it can be done, and what is in the way. */
+export function judgement({ ok, findings = [] }) {
   return [
     h("p", { class: ok ? "good" : "bad" }, h("strong", {}, ok ? "This box can do it." : "This box cannot do it as it stands.")),
     findings.length > 0 && h("ul", {}, findings.map((one) => h("li", { class: `finding-${one.level}` },
       `${one.where ? `${one.where}: ` : ""}${one.text}${one.hint ? ` (${one.hint})` : ""}`))),
-    f && facts([
-      ["Pictures", f.slots.toLocaleString()],
-      ["Time", `${span(f.duration_ns)}, until ${when(Date.now() * 1e6 + f.duration_ns)} if begun now`],
-      ["Storage", `${bytes(f.bytes)}, ${bytes(f.slot_bytes)} a slot`],
-      f.disk_free_bytes !== undefined && ["On this disk", h("span", { class: fits ? "" : "bad" },
-        `${bytes(f.disk_free_bytes)} free${f.slots_that_fit !== undefined ? `, room for ${count(f.slots_that_fit, "slot")}` : ""}${fits ? "" : ": not enough"}`)],
-      f.slot_busy_ns !== undefined && ["A slot takes", `${span(f.slot_busy_ns)} of its ${span(f.interval_ns)}`],
-      f.memory_bytes !== undefined && ["Memory", bytes(f.memory_bytes)],
-      ...(f.lamps || []).filter((l) => l.on_ns > 0).map((l) => [`Lamp ${l.name}`, `on for ${span(l.on_ns)}${l.duty_permille > 0 ? `, at most ${l.duty_permille / 10} % of any ${l.duty_window_ns ? span(l.duty_window_ns) : "such run"}` : ""}`]),
-    ]),
   ];
+}
+
+/* What it takes; `start`: startOf its text. */
+export function figures(f, start) {
+  const fits = f.slots_that_fit === undefined || f.slots_that_fit >= f.slots;
+  return facts([
+    ["Pictures", f.slots.toLocaleString()],
+    ["Time", `${span(f.duration_ns)}${until(f.duration_ns, start)}`],
+    ["Storage", `${bytes(f.bytes)}, ${bytes(f.slot_bytes)} a slot`],
+    f.disk_free_bytes !== undefined && ["On this disk", h("span", { class: fits ? "" : "bad" },
+      `${bytes(f.disk_free_bytes)} free${f.slots_that_fit !== undefined ? `, room for ${count(f.slots_that_fit, "slot")}` : ""}${fits ? "" : ": not enough"}`)],
+    f.slot_busy_ns !== undefined && ["A slot takes", `${span(f.slot_busy_ns)} of its ${span(f.interval_ns)}`],
+    f.memory_bytes !== undefined && ["Memory", bytes(f.memory_bytes)],
+    ...(f.lamps || []).filter((l) => l.on_ns > 0).map((l) => [`Lamp ${l.name}`, `on for ${span(l.on_ns)}${l.duty_permille > 0 ? `, at most ${l.duty_permille / 10} % of any ${l.duty_window_ns ? span(l.duty_window_ns) : "such run"}` : ""}`]),
+  ]);
 }

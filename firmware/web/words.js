@@ -46,6 +46,12 @@ export function when(utc_ns) {
   return new Date(utc_ns / 1e6).toLocaleString([], { dateStyle: "medium", timeStyle: "medium" });
 }
 
+/* "2026-11-27": the day that it is where this browser is */
+export function today(now = new Date()) {
+  const two = (v) => String(v).padStart(2, "0");
+  return `${now.getFullYear()}-${two(now.getMonth() + 1)}-${two(now.getDate())}`;
+}
+
 export function count(n, one, many) {
   return `${n.toLocaleString()} ${n === 1 ? one : many || `${one}s`}`;
 }
@@ -56,10 +62,12 @@ export function exposureWords({ exposure_ms, gain, lamps }) {
   return `${span(exposure_ms * 1e6)}${gain > 0 ? ` at gain ${+gain.toPrecision(3)}` : ""}, ${lit.length ? `lamps ${lit.map(([name, level]) => `${name} ${level} %`).join(", ")}` : "all lamps dark"}`;
 }
 
-/* Units of sensors, by their kind. */
+/* Of a sensor's kind (hal/sensors.h): its name, the unit that people read it in, and how many of its own units that is. */
+const SENSORS = { temp_mdegc: ["Temperature", "°C", 1000], humidity_mpct: ["Humidity", "%", 1000], light_permille: ["Light", "%", 10],
+  pressure_pa: ["Pressure", "hPa", 100], undervoltage: ["Undervoltage", "", 1] };
+export const sensorKind = (kind) => SENSORS[kind] || [kind, "", 1];
+
 export function reading(kind, value) {
-  const units = { temperature: [1000, "°C"], temp_mdegc: [1000, "°C"], humidity: [1000, "%"], humidity_mpct: [1000, "%"],
-    light: [10, "%"], light_permille: [10, "%"], pressure: [100, "hPa"], pressure_pa: [100, "hPa"] };
-  const [per, unit] = units[kind] || [1, ""];
+  const [, unit, per] = sensorKind(kind);
   return `${+(value / per).toFixed(2)} ${unit}`.trim();
 }

@@ -44,19 +44,24 @@ def events(last, seconds):
 
 
 def watch(n, seconds):
-    """Cut off after every fifth slot and gone on with: none is lost, none comes twice."""
-    seen, last = [], None
+    """Cut off after every fifth slot and gone on with: none is lost, none comes twice; what lamps and sensors said comes with them."""
+    seen, read, last = [], set(), None
     until = time.monotonic() + seconds
     while len(seen) < n:
         assert time.monotonic() < until, "only %d slots came: %r" % (len(seen), seen)
         for kind, data, ident in events(last, seconds):
             last = ident or last
             assert kind != "missed", "told that something was missed"
+            if kind == "readings":
+                assert [lamp["name"] for lamp in data["lamps"]] == ["left"], data
+                assert [s["kind"] for s in data["sensors"]] == ["temp_mdegc"], data
+                read.add(data["index"])
             if kind == "slot":
                 seen.append(data["index"])
                 if len(seen) % 5 == 0 or len(seen) == n:
                     break
     assert seen == list(range(seen[0], seen[0] + n)), seen
+    assert len(read & set(seen)) > n / 2, "readings of %r alone" % sorted(read)
     print(" ".join(map(str, seen)))
 
 

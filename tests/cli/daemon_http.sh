@@ -6,7 +6,7 @@
 . "$(dirname "$0")/server.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
-bench_box
+bench_box 'lamps: {left: {backend: sim}}' 'sensors: {box-temp: {backend: sim, kind: temperature}}'
 data_in_memory
 printf 'board: ./box.yaml\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0", "unix:cable"]\nnames: [one, two, three, four, five, greenhouse]\n' >ttfboxd.yaml
 
@@ -117,7 +117,28 @@ is change true
 get "$URL/session" 200
 is read false
 
-# ---- boards: checked, and never put in place ----
+# ---- boards: those that are there, with the plans in the folder beside them; checked, and never put in place ----
+mkdir -p boards/another/plans
+sed 's/^board: .*/board: another/' box.yaml >boards/another/board.yaml
+plan boards/another/plans/example.yaml 'interval: 500ms' 'count: 9' 'shot: {exposure: 10ms}'
+echo 'no: plan' >boards/another/plans/none.yaml
+get "$URL/boards" 200 "${ME[@]}"
+is own bench
+"$PYTHON" - out <<'END' || fail "the boards: $(cat out)"
+import json, sys
+boards = {b["name"]: b["plans"] for b in json.load(open(sys.argv[1], encoding="utf-8"))["boards"]}
+assert boards["bench"] == [] and boards["another"] == ["example"], boards
+END
+get "$URL/boards" 401
+get "$URL/boards/another" 200 "${ME[@]}"
+cmp -s out boards/another/board.yaml || fail "the board is another"
+get "$URL/boards/bench" 200 "${ME[@]}"
+cmp -s out box.yaml || fail "the box's own board is another"
+get "$URL/boards/another/plans/example" 200 "${ME[@]}"
+cmp -s out boards/another/plans/example.yaml || fail "the board's plan is another"
+get "$URL/boards/another/plans/nothing" 404 "${ME[@]}"
+get "$URL/boards/nobody" 404 "${ME[@]}"
+get "$URL/boards/another/plans/..%2fboard" 404 "${ME[@]}" --path-as-is
 sed 's/max_on: [^,}]*/max_on: 3 parsecs/' "$SOURCE/boards/rpi4/board.yaml" >wrong.yaml
 json_of "$SOURCE/boards/rpi4/board.yaml" "$URL/boards/check" 200
 is ok true
@@ -129,7 +150,7 @@ get "$URL/boards/check" 401 -H 'Content-Type: application/yaml' --data-binary @w
 json_of "$SOURCE/boards/rpi4/board.yaml" "$URL/boards/rpi4" 405 -X PUT
 
 # ---- plans: checked before they are in place ----
-plan first.yaml 'interval: 500ms' 'count: 900' 'shot: {exposure: 10ms}' 'keep: both' 'reserve: 0B'
+plan first.yaml 'interval: 500ms' 'count: 900' 'lamps: {mode: continuous}' 'shot: {exposure: 10ms, lamps: {left: 100%}}' 'keep: both' 'reserve: 0B'
 plan wrong.yaml 'interval: 500ms' 'count: 24' 'shot: {exposure: 10s}' 'reserve: 0B'
 json_of first.yaml "$URL/plans/check" 200
 is ok true
@@ -259,6 +280,18 @@ is run.dataset two
 is run.asked_by request
 [ "$(json run.done)" -ge "$before" ] || fail "it began anew"
 heard '<5>resuming'
+
+# ---- who listened before that start, or to what is not remembered, is told that something was missed; who missed nothing is not ----
+first_event() { # LAST-EVENT-ID
+    timeout 20 curl -sSN "${ME[@]}" ${1:+-H "Last-Event-ID: $1"} "$URL/events" 2>/dev/null | sed -n '/^id: /{s///;h}; /^event: /{G;s/\n/ /;p;q}'
+}
+before=$(sed -n 's/^id: //p' told | tail -n 1)
+[ -n "$before" ] || fail "events have no ids"
+case $(first_event "$before") in 'event: missed'*) ;; *) fail "what it did before that start was not missed: $(first_event "$before")" ;; esac
+now=$(first_event "")
+case $now in 'event: missed'*) fail "who listens for the first time missed nothing" ;; esac
+case $(first_event "${now##* }") in 'event: missed'*) fail "who heard $now missed nothing" ;; esac
+case $(first_event "${now##* }0000000") in 'event: missed'*) ;; *) fail "of what is to come nobody has heard" ;; esac
 
 # ---- stopped, it stays so, over a boot too, until it is gone on with ----
 get "$URL/run/stop" 202 "${ME[@]}" -X POST

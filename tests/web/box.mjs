@@ -29,7 +29,11 @@ function with_locks(locks) {
 }
 
 const { Box } = await import("./box.js");
-const { span } = await import("./words.js");
+const { span, today } = await import("./words.js");
+const { stateWords } = await import("./state.js");
+const { startOf } = await import("./verdict.js");
+const { planText, presetChoice, PRESETS } = await import("./presets.js");
+const { lastSlot, pictured, slotOf, spread } = await import("./timeline.js");
 await import("./plot.js");
 answers.set("session", [200, { box: true, read: true, change: true }]);
 
@@ -78,6 +82,57 @@ async function the_time_left_goes_on_when_a_slot_comes() {
   assert.ok(Math.abs(box.ends_in_ns() - 70e9) < 1e9, "it does not jump back");
   assert.ok(Math.abs(box.status.retry_in_ns - 30e9) < 1e9);
   assert.ok(Math.abs(box.next_in_ns() - 40e9) < 1e9);
+}
+
+async function a_slot_of_another_run_is_not_counted_to_this_one() {
+  const box = new Box();
+  box.status = { state: "capturing", run: { dataset: "grass", done: 7, slots: 9 } };
+  box.happened("slot", { dataset: "copper", index: 88, total: 100 });
+  assert.deepEqual(box.status.run, { dataset: "grass", done: 7, slots: 9 });
+}
+
+// What is seen may be old then, and who shows it asks again.
+async function what_may_be_old_is_said_to_be() {
+  const box = new Box();
+  let stale = 0;
+  box.addEventListener("stale", () => stale++);
+  answers.set("status", [200, { state: "capturing" }]);
+  await box.look();
+  assert.equal(stale, 0, "a look that shows what was seen already makes nothing old");
+  box.happened("missed", {});
+  assert.equal(stale, 1, "events that nobody heard");
+  answers.delete("status");
+  await box.look();
+  assert.equal(box.lost, true);
+  assert.equal(stale, 1);
+  answers.set("status", [200, { state: "capturing" }]);
+  await box.look();
+  assert.equal(stale, 2, "it was away");
+  answers.set("status", [200, { state: "none" }]);
+  await box.look();
+  assert.equal(stale, 3, "where there is no box to tell of anything, at each look");
+  clearTimeout(box.timer);
+}
+
+async function a_token_given_on_one_page_is_known_on_the_others() {
+  with_locks(undefined);
+  const [page, other] = [new Box(), new Box()].map((box) => {
+    box.channel = new BroadcastChannel("tokens");
+    box.channel.onmessage = ({ data }) => box.told(data);
+    return box;
+  });
+  answers.set("status", [200, { state: "idle" }]);
+  answers.set("session", [200, { box: true, read: true, change: false }]);
+  await other.ask_session();
+  answers.set("session", [200, { box: true, read: true, change: true }]);
+  await page.renew();
+  await wait(50);
+  assert.equal(other.session.change, true);
+  for (const box of [page, other]) {
+    box.unlead();
+    clearTimeout(box.timer);
+    box.channel.close();
+  }
 }
 
 // Timers of hidden pages come late: both think that nobody listens.
@@ -130,8 +185,46 @@ async function times_and_axes_read_well() {
     assert.equal(globalThis.ttfPlot.tickText(value), text, "as wide as its place");
 }
 
+/* 40 slots, four to a point; of the second point's the first two were missed, of the third's all. */
+async function a_slot_is_found_among_points() {
+  const n = 10, columns = { index: Array.from({ length: n }, (_, i) => 100 + 4 * i), due_utc_ns: Array.from({ length: n }, (_, i) => 1e18 + 4e9 * i),
+    results: { captured: Array(n).fill(4), missed: Array(n).fill(0) }, pictured: Array.from({ length: n }, (_, i) => 100 + 4 * i) };
+  [columns.results.captured[1], columns.results.missed[1], columns.pictured[1]] = [2, 2, 106];
+  [columns.results.captured[2], columns.results.missed[2], columns.pictured[2]] = [0, 4, null];
+  [columns.results.captured[9], columns.results.missed[9]] = [3, 0]; /* its last one is not done yet */
+  assert.equal(lastSlot(columns), 138);
+  assert.equal(lastSlot({ index: [], results: {} }), -1);
+  assert.deepEqual(slotOf(columns, 103), { due_utc_ns: 1e18 + 3e9, exact: false, picture: true });
+  assert.deepEqual(slotOf(columns, 104), { due_utc_ns: 1e18 + 4e9, exact: true, picture: undefined });
+  assert.equal(slotOf(columns, 111).picture, false);
+  assert.deepEqual(slotOf(columns, 138), { due_utc_ns: 1e18 + 38e9, exact: false, picture: true });
+  assert.equal(slotOf({ ...columns, due_utc_ns: Array(n).fill(null) }, 103).due_utc_ns, null);
+  assert.deepEqual(pictured(columns).slice(0, 3), [100, 106, 112]);
+  assert.deepEqual(spread(pictured(columns), 3), [100, 120, 136]);
+  assert.deepEqual(spread([5], 10), [5]);
+  assert.deepEqual(spread([], 10), []);
+}
+
+async function states_and_days_read_well() {
+  const capturing = stateWords({ state: "capturing", run: { done: 3, slots: 9 } }, false);
+  assert.deepEqual([capturing.text, capturing.said], ["Capturing 3/9", "Capturing"], "what is read out does not change with each slot");
+  assert.equal(stateWords({ state: "capturing" }, true).said, "Connection lost");
+  process.env.TZ = "Pacific/Auckland";
+  assert.equal(today(new Date("2026-11-27T20:00:00Z")), "2026-11-28", "the day that it is here");
+  process.env.TZ = "Europe/Berlin";
+  assert.equal(today(new Date("2026-03-28T23:30:00Z")), "2026-03-29");
+  assert.equal(startOf("title: x\ninterval: 1min\n"), undefined);
+  assert.equal(startOf("start: now\n"), undefined);
+  assert.equal(startOf("start: 2026-03-29T06:00:00+02:00 # summer\n"), Date.UTC(2026, 2, 29, 4));
+  assert.equal(startOf("start: 2026-03-29T06:00:00Z\n"), Date.UTC(2026, 2, 29, 6));
+  assert.equal(startOf('start: "06:00"\n'), null, "of a zone that the box knows");
+  const text = planText({ ...presetChoice(PRESETS[0], ["left"]), title: 'a "b" \\ c\u0085d\u2028e\u0007f\nstart: now' });
+  assert.match(text, /^title: "a \\"b\\" \\\\ c d e f start: now"\n/, "a title is one line, whatever was pasted into it");
+}
+
 for (const part of [an_error_is_no_news_of_the_box, an_order_ends_when_the_box_was_started_again, an_order_that_nobody_answers_ends,
-  the_time_left_goes_on_when_a_slot_comes, of_two_pages_that_listen_one_gives_way_at_once, where_there_are_locks_its_holder_listens, times_and_axes_read_well]) {
+  the_time_left_goes_on_when_a_slot_comes, of_two_pages_that_listen_one_gives_way_at_once, where_there_are_locks_its_holder_listens, times_and_axes_read_well, a_slot_of_another_run_is_not_counted_to_this_one,
+  what_may_be_old_is_said_to_be, a_token_given_on_one_page_is_known_on_the_others, a_slot_is_found_among_points, states_and_days_read_well]) {
   await part();
   console.log(part.name.replaceAll("_", " "));
 }

@@ -13,6 +13,7 @@ const GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"], NO_GL = [
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 export const DESK = { width: 1280, height: 860 }, PHONE = { width: 390, height: 844 };
+const NARROW = { width: 320, height: 640 }; // WCAG 1.4.10: a desk's page at 400 %
 
 // `may`: is this URL the page's own? `expected`: errors that belong to what is tried (a box that is away).
 export class Browser {
@@ -21,6 +22,7 @@ export class Browser {
     Object.assign(self, { may, folder, wrong: [], expected: null });
     self.context = await chromium.launchPersistentContext(folder, {
       executablePath: process.env.CHROMIUM || "/usr/bin/chromium", headless: true, viewport: DESK, acceptDownloads: true, timeout: 120000,
+      timezoneId: "Pacific/Auckland", /* half of a day it is another one there than where UTC is kept */
       args: [...FLAGS, ...(webgl ? GL : NO_GL)] });
     self.context.setDefaultTimeout(60000);
     self.context.on("page", (page) => self.watch(page));
@@ -65,10 +67,31 @@ export class Browser {
         if (shots)
           await this.page.screenshot({ path: join(shots, `${name}-${size_name}-${colorScheme}.png`), fullPage: true });
       }
-      const wide = await this.page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-      assert.ok(wide <= 0, `${name}, ${size_name}: ${wide} pixels stick out to the side`);
+      await this.fits(`${name}, ${size_name}`);
     }
+    for (const [size_name, size, letters] of [["narrow", NARROW, ""], ["large letters", PHONE, "200%"]]) {
+      await this.page.setViewportSize(size);
+      await this.page.evaluate((to) => (document.documentElement.style.fontSize = to), letters);
+      if (shots)
+        await this.page.screenshot({ path: join(shots, `${name}-${size_name.replace(" ", "-")}.png`), fullPage: true });
+      await this.fits(`${name}, ${size_name}`);
+    }
+    await this.page.evaluate(() => (document.documentElement.style.fontSize = ""));
     await this.page.setViewportSize(DESK);
+  }
+
+  // Nothing sticks out to the side, and nothing is cut off in a place that cannot be scrolled.
+  async fits(where) {
+    const out = await this.page.evaluate(() => [...document.querySelectorAll("body *")].filter((e) => {
+      const box = e.getBoundingClientRect();
+      for (let p = e.parentElement; p; p = p.parentElement)
+        if (["auto", "scroll", "hidden"].includes(getComputedStyle(p).overflowX))
+          return false; /* scrolled there, or hidden on purpose */
+      return box.width > 0 && box.height > 0 && (box.right > innerWidth + 0.5 || (box.left < -0.5 && !e.matches(".skip")));
+    }).map((e) => `${e.tagName}.${e.className.baseVal ?? e.className}: ${e.textContent.slice(0, 60)}`));
+    assert.deepEqual(out, [], `${where}: nothing sticks out to the side`);
+    const wide = await this.page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert.ok(wide <= 0, `${where}: ${wide} pixels stick out to the side`);
   }
 
   async stop() {

@@ -10,6 +10,13 @@ const { page } = browser;
 try {
   await page.goto(`${url}/`);
   await until("idle", async () => (await page.locator("#state").textContent()) === "Idle"); /* read without a token */
+  const other = await page.context().newPage(); /* reads as well, and hears of the token */
+  await other.goto(`${url}/#/plan`);
+  await other.getByText("To save or start one, enter the token.").waitFor();
+  await other.getByText("With the token, the box says here what a plan takes.").waitFor(); /* nothing is asked that would be refused */
+  await page.bringToFront();
+  await page.getByRole("link", { name: "Plan", exact: true }).click();
+  await page.getByLabel("Title").fill("Typed before the token was there");
   await page.locator("#login").click();
   await page.getByText("nobody has seen its token yet").waitFor();
   await browser.accessible("the token waits");
@@ -31,6 +38,10 @@ try {
   await browser.accessible("the token is shown");
   await page.getByRole("button", { name: "Close" }).click();
   await until("it is used", async () => (await page.locator("#login").textContent()) === "Token ✓");
+  assert.equal(await page.getByLabel("Title").inputValue(), "Typed before the token was there", "what was typed stays");
+  await until("it can be started", () => page.getByRole("button", { name: "Save and start" }).isEnabled());
+  await until("the other page knows of it", async () => (await other.locator("#login").textContent()) === "Token ✓" && !await other.getByText("To save or start one, enter the token.").isVisible());
+  await other.close();
   /* Another browser at the same cable: it is asked for. */
   await page.context().clearCookies();
   await page.reload();

@@ -41,7 +41,11 @@ async function a_region_is_drawn_in_live_view() {
   assert.match(await page.getByText("Taken with").textContent(), /^Taken with [\d.]+ m?s(econds)? at gain 1, all lamps dark, by itself/);
   assert.match(await page.locator(".histogram").getAttribute("aria-label"), /clipped|expose|black/);
   assert.ok(Number(await page.locator(".meter").textContent()) > 0, "sharpness is a number");
+  const touch = () => page.locator(".viewer svg").evaluate((e) => getComputedStyle(e).touchAction);
+  assert.equal(await touch(), "auto", "a finger on the picture moves the page");
+  assert.equal(await page.getByRole("slider", { name: "Lamp left", exact: true }).getAttribute("aria-valuetext"), "0 %");
   await page.getByRole("button", { name: "Draw the region" }).click();
+  assert.equal(await touch(), "none", "and draws where that was asked for");
   await page.locator(".viewer svg").scrollIntoViewIfNeeded();
   const box = await page.locator(".viewer svg").boundingBox();
   await page.mouse.move(box.x + box.width * 0.25, box.y + box.height * 0.25);
@@ -79,6 +83,72 @@ async function a_button_stays_while_pictures_come() {
   await exposure.fill("");
   await page.keyboard.press("Tab");
   await page.getByText(/^Taken with .*, by itself/).waitFor();
+}
+
+/* Whatever is pressed, the camera is asked for one picture at a time; and not again and again where it gives none. */
+async function live_view_asks_for_one_at_a_time() {
+  const under_way = new Set();
+  let most = 0, asked = 0;
+  const begun = (r) => /\/live\?/.test(r.url()) && (asked++, most = Math.max(most, under_way.add(r).size)), ended = (r) => under_way.delete(r);
+  page.on("request", begun);
+  page.on("requestfinished", ended);
+  page.on("requestfailed", ended);
+  const play = page.getByRole("button", { name: /^(Start|Stop) live view$/ }), once = page.getByRole("button", { name: "One picture" });
+  await play.click();
+  for (let i = 0; i < 4; i++) {
+    await once.click();
+    await play.click();
+    await play.click();
+  }
+  await page.waitForTimeout(1500);
+  assert.equal(most, 1, "one at a time");
+  browser.expected = AWAY;
+  await page.route("**/live?*", (route) => route.fulfill({ status: 503, json: { error: "the camera does not answer" } }));
+  await page.getByText("the camera does not answer").waitFor();
+  asked = 0;
+  await page.waitForTimeout(3000);
+  assert.ok(asked <= 2, `${asked} times within 3 s`);
+  await page.unroute("**/live?*");
+  browser.expected = null;
+  await page.getByText("From the camera, now.").waitFor();
+  await play.click();
+  await until("nothing is under way", () => under_way.size === 0);
+  asked = 0;
+  await page.waitForTimeout(1000);
+  assert.equal(asked, 0, "stopped is stopped");
+  for (const [kind, f] of [["request", begun], ["requestfinished", ended], ["requestfailed", ended]])
+    page.off(kind, f);
+}
+
+/* A camera of more pixels than the picture has: the number is of the loupe's own pixels, and compared with those alone. */
+async function focus_is_measured_in_the_cameras_own_pixels() {
+  const flat = Buffer.from((await page.evaluate(() => {
+    const canvas = Object.assign(document.createElement("canvas"), { width: 160, height: 160 });
+    canvas.getContext("2d").fillRect(0, 0, 160, 160);
+    return canvas.toDataURL("image/jpeg");
+  })).split(",")[1], "base64");
+  const about = await daemon.ask("box"), regions = [];
+  await page.route("**/api/v1/box", (route) => route.fulfill({ json: { ...about, cameras: about.cameras.map((c) => ({ ...c, width: 4 * c.width, height: 4 * c.height })) } }));
+  await page.route("**/live?*", async (route) => {
+    const region = new URL(route.request().url()).searchParams.get("region");
+    if (!region)
+      return route.fallback();
+    regions.push(region);
+    return route.fulfill({ contentType: "image/jpeg", headers: { "X-Ttfbox-Live": "camera" }, body: flat });
+  });
+  await page.reload();
+  const meter = page.locator(".meter");
+  await until("the number", async () => await meter.textContent() === "0.0");
+  const { width, height } = about.cameras[0];
+  assert.deepEqual(regions, [`${2 * width - 80},${2 * height - 80},160,160`], "the middle, of four times as many pixels");
+  await page.locator(".viewer svg").focus();
+  await page.keyboard.press("ArrowRight");
+  await until("another place is looked at", () => regions.at(-1) === `${2 * width - 80 + 32},${2 * height - 80},160,160`);
+  await page.getByText("of the best so far, 0.0").waitFor();
+  await page.unroute("**/live?*");
+  await page.unroute("**/api/v1/box");
+  await page.reload();
+  await page.getByText("From the camera, now.").waitFor();
 }
 
 async function a_charts_corners_go_into_the_calibration() {
@@ -182,6 +252,16 @@ async function a_run_is_started_from_the_wizard() {
   const text = await page.getByLabel("The plan's text").inputValue();
   assert.match(text, new RegExp(`count: ${SLOTS}\\n`));
   assert.match(text, /region: \{x: /);
+  const begin = page.getByLabel("Begin (empty: at once)");
+  await page.getByText(/^39 seconds, until/).waitFor();
+  await page.getByText("This box can do it.").evaluate((e) => (e.kept = true));
+  await page.getByText(/^39 seconds, until .* if begun now$/).waitFor();
+  await begin.fill("2031-01-01T06:00");
+  await page.getByText(/^39 seconds, from Jan 1, 2031, 6:00:00.AM until Jan 1, 2031, 6:00:39.AM$/).waitFor();
+  assert.match(await page.getByLabel("The plan's text").inputValue(), /^start: 2030-12-31T17:00:00Z$/m, "of this device's zone, as one that needs none");
+  assert.ok(await page.getByText("This box can do it.").evaluate((e) => e.kept), "a verdict that stays is not read out again");
+  await begin.fill("");
+  await page.getByText(/^39 seconds, until .* if begun now$/).waitFor();
   await until("the box's verdict is of this plan", async () => /Pictures40/.test((await page.locator("dl.facts").first().textContent()).replace(/\s/g, "")));
   await browser.everywhere("plan", shots);
   await page.getByRole("button", { name: "Save and start" }).click();
@@ -190,8 +270,22 @@ async function a_run_is_started_from_the_wizard() {
 
 async function slots_arrive_and_the_countdown_runs() {
   await page.locator(".picture img").waitFor({ state: "visible" });
-  const first = await page.locator("figcaption").textContent();
+  const first = await page.locator("figcaption").textContent(), to_dataset = page.getByRole("link", { name: NAME });
+  await to_dataset.focus();
+  const head = await page.evaluate(() => {
+    globalThis.heard = [];
+    new MutationObserver(() => globalThis.heard.push(document.getElementById("heard").textContent)).observe(document.getElementById("heard"), { childList: true, characterData: true, subtree: true });
+    return document.getElementById("state").textContent;
+  });
   await until("another picture", async () => (await page.locator("figcaption").textContent()) !== first);
+  await until("another slot", async () => (await state()) !== head);
+  assert.deepEqual(await page.evaluate(() => [document.getElementById("heard").textContent, globalThis.heard]), ["Capturing", []], "that a slot is done is not read out each time");
+  assert.ok(await to_dataset.evaluate((e) => e === document.activeElement), "who has reached a link by keyboard is still there");
+  await go("Datasets");
+  const counted = page.locator(".card", { hasText: NAME }).getByText(/^\d+ slots?: /), before = await counted.textContent();
+  await page.getByRole("link", { name: NAME }).focus();
+  await until("the list counts on", async () => (await counted.textContent()) !== before);
+  await go("Now");
   assert.match(await page.title(), /^Capturing \d+\/40 – ttfbox$/);
   assert.equal(await page.getByText(/This picture is (nearly black|clipped)/).count(), 0, "frames exposed as live view was are neither black nor clipped");
   assert.match(await page.locator("#countdown").textContent(), /^(\d+:\d\d|now)$/);
@@ -240,7 +334,7 @@ async function the_dataset_is_scrubbed_and_charted() {
   await page.getByText("too much is asked at once").waitFor();
   const caption = page.locator(".timeline figcaption"), img = page.locator(".timeline .picture img");
   await until("the newest slot is shown", async () => (await caption.textContent()).startsWith(`Slot ${SLOTS - 1}`)); /* of a dataset that changes no more, after charts that did not come */
-  await page.getByText("Nothing out of the ordinary.").or(page.getByRole("region", { name: "Events, newest first" })).waitFor();
+  await page.getByRole("region", { name: "Events, newest first" }).getByText(/ · resume$/).first().waitFor(); /* what failed is asked for again, and that, too */
   browser.expected = null;
   await page.unroute("**/charts");
   await page.getByLabel("Slot", { exact: true }).last().focus();
@@ -269,13 +363,23 @@ async function the_dataset_is_scrubbed_and_charted() {
     assert.ok(label.length <= 9, `an axis has room for ${label}`);
   const chart = page.locator(".plot", { hasText: "Slot error" });
   await chart.getByText("As a table").click();
-  assert.equal(await chart.locator("tbody tr").count(), SLOTS, "the table has every slot");
+  await until("the table has every slot", async () => await chart.locator("tbody tr").count() === SLOTS);
   await page.getByLabel("Note", { exact: true }).fill("The door was open a moment <b>here</b>");
   await page.getByLabel("By", { exact: true }).fill("web test");
   await page.getByLabel("About").selectOption("slot");
   await page.getByRole("button", { name: "Add the note" }).click();
   await page.getByText("The door was open a moment <b>here</b>").waitFor();
   assert.match(await page.locator(".notes").first().textContent(), /web test · slots 0/);
+  await page.evaluate(() => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    globalThis.contexts = [];
+    HTMLCanvasElement.prototype.getContext = function (kind, ...args) {
+      const context = get.call(this, kind, ...args);
+      if (kind === "webgl2")
+        globalThis.contexts.push(context);
+      return context;
+    };
+  });
   await page.getByRole("button", { name: "Load the texture" }).click();
   await page.getByLabel("Pixel x").fill("3");
   await page.getByLabel("y", { exact: true }).fill("5");
@@ -290,6 +394,14 @@ async function the_dataset_is_scrubbed_and_charted() {
 async function the_preview_is_beside_what_was_captured() {
   const card = page.locator("section", { has: page.getByRole("heading", { name: "Preview of a synthesis" }) });
   assert.ok(!await card.isVisible(), "nothing is shown of a preview that is not there");
+  const come_back = () => page.evaluate(() => document.dispatchEvent(new Event("visibilitychange")));
+  await page.route("**/preview", (route) => route.fulfill({ json: { state: "failed", why: "there was no room", frames: [] } }));
+  await come_back();
+  await card.getByText("The last try failed: there was no room.").waitFor();
+  assert.equal(await card.getByRole("button").count(), 0, "of a preview that failed there is nothing to play");
+  await page.unroute("**/preview");
+  await come_back();
+  await card.waitFor({ state: "hidden" });
   execFileSync(previewer, ["--folder", "data", "--ttfbox", ttfbox, "--room", "1MB", "--time", "5s", "--eager", "--once"], { stdio: "pipe" });
   await card.waitFor({ state: "visible" });
   const { frames, width } = await daemon.ask(`datasets/${NAME}/preview`), strip = card.getByRole("group", { name: /captured above, synthesized below/ });
@@ -312,6 +424,7 @@ async function the_preview_is_beside_what_was_captured() {
   await page.getByRole("heading", { name: "synthesized from it" }).waitFor();
   await page.getByText(new RegExp(`^${frames.length} slots of ${SLOTS},`)).waitFor();
   assert.equal(await both.count(), 2);
+  assert.deepEqual(await page.evaluate(() => globalThis.contexts.map((gl) => gl.isContextLost())), [true, false, false], "what the graphics card held for the first is given back");
   await page.getByLabel("Time", { exact: true }).focus();
   await page.keyboard.press("End");
   for (const panel of await both.all())
@@ -332,9 +445,26 @@ async function what_is_downloaded_verifies() {
 async function a_stopped_box_says_stopped() {
   await go("Plan");
   await page.getByText("This box can do it").waitFor();
+  const text = page.getByLabel("The plan's text");
+  await page.getByRole("row", { name: NAME }).getByRole("button", { name: "Open" }).click();
+  await text.waitFor({ state: "visible" });
+  assert.match(await text.inputValue(), /title: "A capture from the page"/, "what is opened is seen");
   await page.getByLabel("Cracking paint").check();
+  assert.match(await page.getByLabel("Name of plan and dataset").inputValue(), new RegExp(`^cracking-paint-${(await page.evaluate(() => new Date().toLocaleDateString("sv")))}$`), "the day is this device's");
   await page.getByLabel("Lamps burn").selectOption("none");
+  await page.getByLabel("Name of plan and dataset").fill(NAME);
+  const save = page.getByRole("button", { name: "Save only" });
+  await until("the button", () => save.isEnabled());
+  await save.click();
+  await page.getByRole("heading", { name: `Replace the plan ${NAME}?` }).waitFor();
+  await page.getByRole("button", { name: "Keep it" }).click();
+  const kept = await (await fetch(`${daemon.url}/api/v1/plans/${NAME}`, { headers: { Authorization: `Bearer ${daemon.token}` } })).text();
+  assert.match(kept, /A capture from the page/, "another plan is not replaced unasked");
   await page.getByLabel("Name of plan and dataset").fill("stopped");
+  await page.getByLabel("Title").fill("A title that comes later");
+  assert.equal(await page.getByLabel("Name of plan and dataset").inputValue(), "stopped", "a name that somebody gave stays");
+  await save.click();
+  await page.getByText("The plan stopped is on the box.").waitFor();
   await page.getByLabel("Exposure, ms").fill("0.1"); /* mains: what the wizard begins with snaps it to 10 ms */
   await page.getByLabel("Mains").selectOption("none");
   await until("the button", () => page.getByRole("button", { name: "Save and start" }).isEnabled());
@@ -354,18 +484,22 @@ async function a_stopped_box_says_stopped() {
   await page.unroute("**/latest");
   await black.waitFor();
   browser.expected = null;
-  await page.getByRole("button", { name: "Stop", exact: true }).click();
+  await page.getByRole("button", { name: "Stop", exact: true }).focus();
+  await page.keyboard.press("Enter");
   await browser.accessible("the question");
   await page.getByRole("button", { name: "Stop it" }).click();
   await until("stopped", async () => /^Stopped/.test(await state()), 30000);
   assert.match(await page.locator("#countdown").textContent(), /^Stopped/);
+  const go_on = page.getByRole("button", { name: "Go on" });
+  await go_on.waitFor();
+  assert.ok(await go_on.evaluate((e) => e === document.activeElement), "who stopped it by keyboard is at what can be done next");
   await browser.everywhere("now-stopped", shots);
   await page.getByRole("button", { name: "Go on" }).click();
   await until("it goes on", async () => /^Capturing/.test(await state()), 60000);
 }
 
 try {
-  for (const part of [nothing_is_shown_without_the_token, a_region_is_drawn_in_live_view, a_button_stays_while_pictures_come, a_charts_corners_go_into_the_calibration, a_calibration_is_made_and_used, a_run_is_started_from_the_wizard, slots_arrive_and_the_countdown_runs,
+  for (const part of [nothing_is_shown_without_the_token, a_region_is_drawn_in_live_view, a_button_stays_while_pictures_come, live_view_asks_for_one_at_a_time, focus_is_measured_in_the_cameras_own_pixels, a_charts_corners_go_into_the_calibration, a_calibration_is_made_and_used, a_run_is_started_from_the_wizard, slots_arrive_and_the_countdown_runs,
     a_second_page_asks_for_no_second_stream, a_killed_daemon_is_missed_and_found_again, the_dataset_is_scrubbed_and_charted, the_preview_is_beside_what_was_captured, what_is_downloaded_verifies, a_stopped_box_says_stopped]) {
     const begun = Date.now();
     await part();
@@ -383,6 +517,16 @@ try {
     await until(`${JSON.stringify(status)}: may a step be taken?`, async () => await page.getByRole("button", { name: "Take the dark" }).isDisabled() === !!text);
     await page.unroute("**/api/v1/status");
   }
+  await go("Now");
+  await page.route("**/api/v1/status", (route) => route.fulfill({ json: { state: "idle", alarms: [{ text: "the lamp is too hot" }] } }));
+  const alarm = page.getByRole("alert").getByText("the lamp is too hot");
+  await alarm.waitFor();
+  await alarm.evaluate((e) => (e.kept = true));
+  for (let looks = 0; looks < 2; looks++)
+    await page.waitForResponse("**/api/v1/status");
+  assert.ok(await alarm.evaluate((e) => e.kept), "an alarm is read out once");
+  await browser.accessible("an alarm");
+  await page.unroute("**/api/v1/status");
   browser.fine("calibrate");
   assert.equal(await daemon.kill("SIGTERM"), 0, "the daemon ends cleanly");
 } catch (error) {

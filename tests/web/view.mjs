@@ -79,8 +79,16 @@ async function the_file_shows_both_and_the_life_of_a_pixel(webgl) {
       assert.notEqual(await seen(), plane, "a sphere is no plane");
       await canvas.click({ position: { x: box.width / 2, y: box.height / 2 } });
     }
+    await page.setViewportSize({ width: 320, height: 215 }); /* a desk's page at 400 % */
+    await page.locator("canvas").first().scrollIntoViewIfNeeded();
+    assert.equal(await page.locator("#controls").evaluate((e) => getComputedStyle(e).position), "static", "controls do not cover a low window");
     await browser.everywhere(webgl ? "view" : "view-plain", shots);
     browser.fine("the file");
+    if (webgl) { /* as a phone's card does with a page that was left for a while */
+      browser.expected = /CONTEXT_LOST/;
+      await canvas.evaluate((e) => e.getContext("webgl2").getExtension("WEBGL_lose_context").loseContext());
+      await page.getByText("The graphics card has let go of the frames: load them again.").waitFor();
+    }
   } finally {
     await browser.stop();
   }

@@ -29,6 +29,11 @@
 
     loaded() {}
 
+    end() {
+      this.blobs = [];
+      this.kept.clear();
+    }
+
     async codes(i) {
       let found = this.kept.get(i);
       if (!found) {

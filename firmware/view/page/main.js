@@ -88,7 +88,6 @@
 
   $("play").addEventListener("click", () => {
     playing = !playing;
-    $("play").setAttribute("aria-pressed", String(playing));
     $("play").textContent = playing ? "Pause" : "Play";
     last = performance.now();
     rest = 0;

@@ -63,6 +63,13 @@
       Object.assign(this.view, { zoom: 1, x: this.about.width / 2, y: this.about.height / 2, yaw: 0, pitch: 0 });
     }
 
+    /* Its place is empty from now on. */
+    end() {
+      this.watched.disconnect();
+      this.surface.end();
+      this.section.remove();
+    }
+
     /* The value that a display code stands for. */
     value(code) {
       return this.about.black + ttfFlat.decode(code / 255) * (this.about.white - this.about.black);
@@ -223,7 +230,11 @@
         this.zoom(Math.exp(-e.deltaY * (e.deltaMode ? 0.05 : 0.0015)), p.x, p.y);
       }, { passive: false });
       canvas.addEventListener("keydown", (e) => this.key(e));
-      new ResizeObserver(() => this.redraw()).observe(canvas);
+      canvas.addEventListener("webglcontextlost", () => { /* as phones do with pages that were left for a while */
+        this.said.textContent = "The graphics card has let go of the frames: load them again.";
+      });
+      this.watched = new ResizeObserver(() => this.redraw());
+      this.watched.observe(canvas);
     }
 
     key(e) {

@@ -3,7 +3,7 @@
 "use strict";
 (() => {
   const NS = "http://www.w3.org/2000/svg";
-  const H = 240, LEFT = 52, RIGHT = 12, TOP = 26, BOTTOM = 34;
+  const LEFT = 52, RIGHT = 12, FIRST = 26, ROW = 18, BOTTOM = 34;
 
   function element(parent, name, attributes, text) {
     const e = document.createElementNS(NS, name);
@@ -52,17 +52,35 @@
     return text.length <= 7 ? text : v.toExponential(1).replace("e+", "e").replace(".0e", "e");
   }
 
+  /* Where names stand above the lines, from the right: in as many rows as it takes. */
+  function legend(series, W) {
+    const places = [];
+    let right = W - RIGHT, row = 0;
+    for (const one of series.filter(({ name }) => name).reverse()) {
+      const wide = one.name.length * 7 + 8;
+      if (right - wide - 26 < LEFT && right < W - RIGHT) {
+        right = W - RIGHT;
+        row++;
+      }
+      places.push({ one, at: right - wide, row });
+      right -= wide + 36;
+    }
+    return { places, rows: row + 1 };
+  }
+
   /*
-   * lines(figure, {times_s, series: [{name, style, values}], label, now_s}): values may hold null. What is
-   * no time has its own text.
+   * lines(figure, {times_s, series: [{name, style, values, bound}], label, now_s}): values may hold null. What is
+   * no time has its own text. A line without a name is not in the legend; one that is a bound is thin.
    * Gives back {now(s)}, which moves the mark of the present time.
    */
   function lines(figure, { times_s, series, label, unit, now_s, text = timeText }) {
     const svg = document.createElementNS(NS, "svg");
     const W = Math.max(300, Math.min(1000, figure.clientWidth || 640)); /* so that texts have their own size */
-    svg.setAttribute("viewBox", `0 0 ${W} ${H}`);
     svg.setAttribute("role", "img");
     svg.setAttribute("aria-label", label);
+    const { places, rows } = legend(series, W), TOP = FIRST + (rows - 1) * ROW;
+    const H = 240 + (rows - 1) * ROW;
+    svg.setAttribute("viewBox", `0 0 ${W} ${H}`);
     let lo = Infinity, hi = -Infinity;
     for (const one of series)
       for (const v of one.values)
@@ -90,12 +108,11 @@
     }
     if (unit)
       element(svg, "text", { x: 4, y: 14 }, unit);
-    let at = W - RIGHT;
+    for (const { one, at, row } of places) {
+      element(svg, "text", { x: at, y: 14 + row * ROW }, one.name);
+      element(svg, "line", { class: `line ${one.style}`, x1: at - 26, x2: at - 6, y1: 10 + row * ROW, y2: 10 + row * ROW });
+    }
     for (const one of [...series].reverse()) {
-      at -= one.name.length * 7 + 8;
-      element(svg, "text", { x: at, y: 14 }, one.name);
-      element(svg, "line", { class: `line ${one.style}`, x1: at - 26, x2: at - 6, y1: 10, y2: 10 });
-      at -= 36;
       let d = "", pen = "M";
       one.values.forEach((v, i) => {
         if (v === null || !Number.isFinite(v)) {
@@ -107,7 +124,7 @@
       });
       if (!d.includes("L") && d)
         d += "h2";
-      element(svg, "path", { class: `line ${one.style}`, d });
+      element(svg, "path", { class: `line ${one.style}${one.bound ? " bound" : ""}`, d });
     }
     const mark = element(svg, "line", { class: "now", y1: TOP, y2: H - BOTTOM });
     const now = (s) => {

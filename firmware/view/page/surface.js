@@ -166,6 +166,10 @@
       this.gl.generateMipmap(this.gl.TEXTURE_2D_ARRAY);
     }
 
+    end() {
+      this.gl.getExtension("WEBGL_lose_context")?.loseContext();
+    }
+
     draw(view) {
       const { gl, drawing: { p, at } } = this, canvas = gl.canvas;
       gl.viewport(0, 0, canvas.width, canvas.height);

@@ -114,6 +114,48 @@ static void holes_and_a_late_beginning_are_kept(void **state)
     chart_points_free(&points);
 }
 
+/* A point's first slot may be one that was missed: who wants to see the point is told of one that was not. */
+static void a_point_knows_its_first_slot_with_a_picture(void **state)
+{
+    struct chart_points points = {0};
+    struct chart_segments segments = {0};
+    struct ttf_slot_record record;
+    char *text = NULL;
+    size_t bytes = 0;
+
+    (void)state;
+    for (int64_t i = 0; i < 4096; i++) {
+        ttf_slot_record_init(&record);
+        record.index = i;
+        record.result = i < 8     ? TTF_RESULT_MISSED
+                        : i == 11 ? TTF_RESULT_PARTIAL
+                        : i % 4   ? TTF_RESULT_FAILED
+                                  : TTF_RESULT_CAPTURED;
+        record.result = i == 8 ? TTF_RESULT_PAUSED : record.result;
+        assert_int_equal(chart_points_add(&points, &no_plan, &record), 0);
+        ttf_slot_record_free(&record);
+    }
+    assert_int_equal(points.width, 4);
+    assert_int_equal(points.point[0].pictured, -1);
+    assert_int_equal(points.point[1].pictured, -1);
+    assert_int_equal(points.point[2].pictured, 11);
+    assert_int_equal(points.point[2].index, 8);
+    assert_int_equal(points.point[3].pictured, 12);
+    assert_int_equal(points.point[1023].pictured, 4092);
+    assert_int_equal(chart_text("grass", &points, &segments, true, &text, &bytes), 0);
+    assert_non_null(strstr(text, "\"pictured\":[null,null,11,12,16,"));
+    free(text);
+    chart_points_free(&points);
+    ttf_slot_record_init(&record); /* and a hole beside a slot that was missed has none */
+    record.result = TTF_RESULT_MISSED;
+    assert_int_equal(chart_points_add(&points, &no_plan, &record), 0);
+    ttf_slot_record_free(&record);
+    add(&points, 5000, 0.5, 0);
+    assert_int_equal(points.point[0].pictured, -1);
+    assert_int_equal(points.point[points.n - 1].pictured, 5000);
+    chart_points_free(&points);
+}
+
 static void without_a_plan_exposures_are_all_that_is_known_of_lamps(void **state)
 {
     struct chart_points points = {0};
@@ -392,7 +434,8 @@ static void times_are_those_of_the_segment_as_corrected(void **state)
     assert_int_equal(chart_segments_put(&segments, &segment), 0);
     assert_int_equal(chart_text("grass", &points, &segments, true, &text, &bytes), 0);
     assert_int_equal(strlen(text), bytes);
-    assert_non_null(strstr(text, "\"index\":[3],\"due_utc_ns\":[1790000003000000000]"));
+    assert_non_null(
+        strstr(text, "\"index\":[3],\"pictured\":[3],\"due_utc_ns\":[1790000003000000000]"));
     assert_non_null(strstr(text, "\"what\":\"mean_level\",\"stream\":\"main\",\"min\":[0.25]"));
     free(text);
     chart_segments_free(&segments);
@@ -405,6 +448,7 @@ int main(void)
         cmocka_unit_test(few_slots_are_points_of_their_own),
         cmocka_unit_test(a_spike_of_one_slot_among_a_hundred_thousand_shows),
         cmocka_unit_test(holes_and_a_late_beginning_are_kept),
+        cmocka_unit_test(a_point_knows_its_first_slot_with_a_picture),
         cmocka_unit_test(without_a_plan_exposures_are_all_that_is_known_of_lamps),
         cmocka_unit_test(a_lamp_that_burns_all_the_time_counts_between_slots),
         cmocka_unit_test(a_lamp_for_the_frames_alone_counts_with_its_settling),
