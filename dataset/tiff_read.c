@@ -16,8 +16,6 @@
 struct ttf_tiff_reader {
     struct tiff_client client;
     struct ttf_tiff_info info;
-    const void *icc;
-    size_t icc_bytes;
 
     /* of the current page */
     struct tiff_layout layout;
@@ -194,8 +192,6 @@ static void read_profile(struct ttf_tiff_reader *reader)
     int linear = -1;
 
     if (TIFFGetField(reader->client.tiff, TIFFTAG_ICCPROFILE, &n, &icc) == 1 && icc && n > 0) {
-        reader->icc = icc;
-        reader->icc_bytes = n;
         reader->info.has_icc = true;
         linear = ttf_icc_is_linear(icc, n);
     }
@@ -223,8 +219,6 @@ static int open_page(struct ttf_tiff_reader *reader, struct ttf_err *err)
     memset(info, 0, sizeof(*info));
     memset(&reader->layout, 0, sizeof(reader->layout));
     reader->palette = false;
-    reader->icc = NULL;
-    reader->icc_bytes = 0;
     reader->band_index = UINT32_MAX;
     free(reader->chunk);
     free(reader->band);
@@ -297,12 +291,6 @@ int ttf_tiff_reader_page(struct ttf_tiff_reader *reader, unsigned page, struct t
 const struct ttf_tiff_info *ttf_tiff_reader_info(const struct ttf_tiff_reader *reader)
 {
     return &reader->info;
-}
-
-const void *ttf_tiff_reader_icc(const struct ttf_tiff_reader *reader, size_t *ret_bytes)
-{
-    *ret_bytes = reader->icc_bytes;
-    return reader->icc;
 }
 
 /* A decoded chunk of n pixels in each of `rows` rows goes to column x, plane c of the band. */

@@ -30,6 +30,7 @@ static const struct tag good[] = {
     {277, 3, 1, 1},
     {278, 4, 1, 2},
     {279, 4, 1, 16},
+    {330, 4, 1, TAG_ABSENT},
     {339, 3, 1, 1},
     {33421, 3, 2, 0x00020002},
     {33422, 1, 4, 0x02010100},
@@ -38,6 +39,7 @@ static const struct tag good[] = {
     {50713, 3, 2, TAG_ABSENT},
     {50714, 3, 1, 64},
     {50717, 4, 1, 4095},
+    {50728, 5, 3, TAG_ABSENT},
     {50829, 4, 4, TAG_ABSENT},
 };
 
@@ -143,6 +145,37 @@ static void blacks_that_cannot_be_are_none(void **state)
     ttf_raw_sum_free(&sum);
 }
 
+/* Smaller pictures that are listed and are none, or more of them than anybody lists: the mosaic is read all the same. */
+static void sub_images_that_cannot_be_read_are_passed_over(void **state)
+{
+    static const uint32_t words[4] = {BYTES - 2, 3, PIXELS, 5};
+    static const struct tag lists[] = {
+        {330, 4, 1, BYTES - 2}, {330, 4, 4, TABLE}, {330, 4, 40, TABLE}};
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(lists); i++) {
+        struct ttf_raw_sum sum = read_ok(file_with(state, lists[i], good[0], words));
+
+        assert_true(sum.format.width == 4 && sum.sum[7] == 800);
+        ttf_raw_sum_free(&sum);
+    }
+}
+
+/* As floats: 1/2, not a number, and without end. */
+static void a_white_that_is_no_number_is_not_known(void **state)
+{
+    static const uint32_t words[4] = {0x3f000000, 0x7fc00000, 0x7f800000, 0};
+    struct ttf_raw_sum sum = {0};
+    struct ttf_dng_info info;
+    struct ttf_err err = {0};
+
+    if (ttf_dng_read(ttf_io_posix(),
+                     file_with(state, (struct tag){50728, 11, 3, TABLE}, good[0], words), &sum,
+                     &info, &err) != 0)
+        fail_msg("%s", err.what);
+    assert_true(info.neutral[0] == 0.5 && info.neutral[1] == 0 && info.neutral[2] == 0);
+    ttf_raw_sum_free(&sum);
+}
+
 /* Codes beyond the table are its last. */
 static void a_table_makes_codes_linear(void **state)
 {
@@ -195,10 +228,15 @@ static void mosaics_that_are_not_read_say_so(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        T(a_mosaic_is_read_with_its_levels), T(levels_that_cannot_be_are_those_of_the_bits),
-        T(a_pattern_of_blacks_becomes_one),  T(the_active_area_is_cut_out_if_it_lies_inside),
-        T(blacks_that_cannot_be_are_none),   T(a_table_makes_codes_linear),
+        T(a_mosaic_is_read_with_its_levels),
+        T(levels_that_cannot_be_are_those_of_the_bits),
+        T(a_pattern_of_blacks_becomes_one),
+        T(the_active_area_is_cut_out_if_it_lies_inside),
+        T(blacks_that_cannot_be_are_none),
+        T(a_table_makes_codes_linear),
         T(mosaics_that_are_not_read_say_so),
+        T(sub_images_that_cannot_be_read_are_passed_over),
+        T(a_white_that_is_no_number_is_not_known),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

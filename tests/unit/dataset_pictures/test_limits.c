@@ -421,12 +421,34 @@ static void light_of_pictures_that_cannot_be_mapped_is_refused(void **state)
     ttf_pixbuf_free(&from);
 }
 
+static void count_tile(void *ctx, unsigned tile, unsigned worker)
+{
+    unsigned *done = ctx;
+
+    __atomic_add_fetch(&done[tile], 1, __ATOMIC_RELAXED);
+}
+
+/* Whoever asks for a million gets what is sensible, and each tile is done once. */
+static void more_threads_than_a_pool_has_are_as_many_as_it_has(void **state)
+{
+    struct ttf_pool *pool = ttf_pool_create(1000000);
+    unsigned done[1000] = {0};
+
+    assert_non_null(pool);
+    assert_in_range(ttf_pool_threads(pool), 1, 256);
+    ttf_pool_run(pool, 1000, count_tile, done);
+    for (unsigned i = 0; i < 1000; i++)
+        assert_int_equal(done[i], 1);
+    ttf_pool_destroy(pool);
+}
+
 #define T(test) cmocka_unit_test_setup_teardown(test, scratch_make, scratch_remove)
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         T(pixels_of_no_size_or_kind_are_refused),
+        T(more_threads_than_a_pool_has_are_as_many_as_it_has),
         T(samples_go_to_every_other_kind_and_come_back),
         T(numbers_that_are_none_become_black_and_those_beyond_white),
         T(a_sequence_of_nothing_is_none),

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,6 +43,55 @@ static void noise(struct ttf_pixbuf *buf, uint32_t w, uint32_t h, uint32_t sampl
                 ((float *)ttf_pixbuf_row(buf, y))[i] = (float)r / 1e6f - 1000.0f;
         }
     }
+}
+
+/* What a stream of halves is written as: the nearest half; beyond the largest infinity, below the smallest nothing. */
+static void halves_in_a_file_are_the_nearest(void **state)
+{
+    static const float given[] = {0.0f,     -0.0f,    1.0f,   2049.0f,  2051.0f,   65504.0f,
+                                  65519.0f, 65520.0f, -1e30f, INFINITY, -INFINITY, 1e-5f,
+                                  6e-8f,    1e-9f,    -3e-8f, 1.0009f};
+    static const float wanted[] = {0.0f,
+                                   -0.0f,
+                                   1.0f,
+                                   2048.0f,
+                                   2052.0f,
+                                   65504.0f,
+                                   65504.0f,
+                                   INFINITY,
+                                   -INFINITY,
+                                   INFINITY,
+                                   -INFINITY,
+                                   168 / 16777216.0f,
+                                   1 / 16777216.0f,
+                                   0.0f,
+                                   -1 / 16777216.0f,
+                                   1.0009765625f};
+    const uint32_t n = sizeof(given) / sizeof(*given);
+    const struct ttf_tiff_spec spec = {.width = n + 1,
+                                       .height = 1,
+                                       .samples = 1,
+                                       .format = TTF_SAMPLE_F16,
+                                       .times = {.start_utc_ns = TTF_NS_UNKNOWN}};
+    struct ttf_tiff_writer *writer = NULL;
+    struct ttf_io *io = ttf_io_posix();
+    struct ttf_pixbuf got = {0};
+    int file = scratch_create(state, "half.tif");
+    float row[sizeof(given) / sizeof(*given) + 1];
+
+    memcpy(row, given, sizeof(given));
+    row[n] = NAN;
+    assert_int_equal(ttf_tiff_writer_open(io, file, &spec, &writer, NULL), 0);
+    assert_int_equal(ttf_tiff_writer_rows(writer, row, sizeof(row), 1, NULL), 0);
+    assert_int_equal(ttf_tiff_writer_close(writer, NULL), 0);
+    assert_int_equal(io->ops->close(io, file), 0);
+    assert_int_equal(ttf_tiff_read(io, scratch_path(state, "half.tif"), 0, &got, NULL), 0);
+    assert_int_equal(got.format, TTF_SAMPLE_F32);
+    for (uint32_t i = 0; i < n; i++)
+        if (((float *)got.data)[i] != wanted[i])
+            fail_msg("%u: %g became %g", i, (double)given[i], (double)((float *)got.data)[i]);
+    assert_true(isnan(((float *)got.data)[n]));
+    ttf_pixbuf_free(&got);
 }
 
 static void write_file(void **state, const char *name, const struct ttf_pixbuf *buf,
@@ -204,6 +254,30 @@ static void times_and_exposure_come_back(void **state)
     ttf_tiff_reader_close(reader);
 }
 
+/* A clock that was never set, and one of another century. */
+static void times_before_1970_come_back_too(void **state)
+{
+    static const int64_t starts[] = {-1, -1500 * TTF_NS_PER_MS, -70 * 366 * TTF_NS_PER_DAY, 0};
+
+    for (unsigned i = 0; i < sizeof(starts) / sizeof(*starts); i++) {
+        const struct ttf_tiff_spec spec = {
+            .times = {.start_utc_ns = starts[i], .zone_offset_s = -3600}};
+        struct ttf_tiff_reader *reader = NULL;
+        struct ttf_pixbuf buf;
+
+        noise(&buf, 3, 3, 1, TTF_SAMPLE_U8);
+        write_file(state, "old.tif", &buf, &spec);
+        assert_int_equal(
+            ttf_tiff_reader_open(ttf_io_posix(), scratch_path(state, "old.tif"), &reader, NULL), 0);
+        assert_int_equal(ttf_tiff_reader_info(reader)->times.start_utc_ns, starts[i]);
+        assert_int_equal(ttf_tiff_reader_info(reader)->times.zone_offset_s, -3600);
+        ttf_tiff_reader_close(reader);
+        ttf_pixbuf_free(&buf);
+        assert_int_equal(
+            ttf_io_posix()->ops->unlink(ttf_io_posix(), scratch_path(state, "old.tif")), 0);
+    }
+}
+
 static void the_same_picture_gives_the_same_bytes(void **state)
 {
     struct ttf_pixbuf buf;
@@ -303,6 +377,10 @@ int main(void)
                                         scratch_remove),
         cmocka_unit_test_setup_teardown(other_readers_do_not_complain_and_see_the_tags,
                                         scratch_make, scratch_remove),
+        cmocka_unit_test_setup_teardown(times_before_1970_come_back_too, scratch_make,
+                                        scratch_remove),
+        cmocka_unit_test_setup_teardown(halves_in_a_file_are_the_nearest, scratch_make,
+                                        scratch_remove),
         cmocka_unit_test(the_profile_says_linear_light_of_srgb_primaries),
     };
 

@@ -16,6 +16,7 @@
 
 #include "scratch.h"
 #include "ttf/dataset/dng.h"
+#include "ttf/dataset/image_file.h"
 #include "ttf/dataset/tiff.h"
 
 #define W 75
@@ -247,6 +248,8 @@ static void pages_and_rows_are_read_in_any_order(void **state)
 {
     struct ttf_tiff_reader *reader = NULL;
     const struct ttf_tiff_info *info;
+    struct ttf_err err = {0};
+    struct ttf_pixbuf buf;
     uint16_t row[W * 3];
 
     write_foreign(state, &all[0], 5);
@@ -271,6 +274,18 @@ static void pages_and_rows_are_read_in_any_order(void **state)
     assert_int_equal(ttf_tiff_reader_rows(reader, 1, UINT32_MAX, row, 0, NULL), -EINVAL);
     assert_int_equal(ttf_tiff_reader_page(reader, 5, NULL), -EINVAL);
     ttf_tiff_reader_close(reader);
+    assert_int_equal(ttf_tiff_read(ttf_io_posix(), scratch_path(state, all[0].name), 4, &buf, NULL),
+                     0);
+    assert_page(&all[0], &buf);
+    ttf_pixbuf_free(&buf);
+    assert_int_equal(
+        ttf_image_read(ttf_io_posix(), scratch_path(state, all[0].name), 3, &buf, NULL, &err), 0);
+    assert_true(buf.width == H && buf.height == W); /* turned upright */
+    ttf_pixbuf_free(&buf);
+    assert_int_equal(
+        ttf_image_read(ttf_io_posix(), scratch_path(state, all[0].name), 5, &buf, NULL, &err),
+        -EINVAL);
+    assert_non_null(strstr(err.what, "there is no page 5: the file has 5"));
 }
 
 static void a_jpeg_inside_comes_out_as_rgb(void **state)
@@ -471,6 +486,89 @@ static void dates_that_are_none_are_not_known(void **state)
     assert_false(info_of_date(state, "1970:01:02 00:00:03").zone_known);
 }
 
+/* As cameras write it; NULL: left out. */
+struct exif {
+    const char *date, *fraction, *offset, *other_offset;
+    double exposure_s;
+};
+
+static struct ttf_tiff_info info_of_exif(void **state, const struct exif *exif)
+{
+    const char *path = scratch_path(state, "exif.tif");
+    TIFF *tiff = TIFFOpen(path, "w");
+    struct ttf_tiff_reader *reader = NULL;
+    struct ttf_tiff_info info;
+    uint64_t at = 0;
+    uint8_t pixel = 0;
+
+    assert_non_null(tiff);
+    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 1);
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 1);
+    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 8);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    assert_int_equal(TIFFWriteEncodedStrip(tiff, 0, &pixel, 1), 1);
+    assert_int_equal(TIFFWriteDirectory(tiff), 1);
+    assert_int_equal(TIFFCreateEXIFDirectory(tiff), 0);
+    if (exif->date)
+        TIFFSetField(tiff, EXIFTAG_DATETIMEORIGINAL, exif->date);
+    if (exif->fraction)
+        TIFFSetField(tiff, EXIFTAG_SUBSECTIMEORIGINAL, exif->fraction);
+    if (exif->offset)
+        TIFFSetField(tiff, EXIFTAG_OFFSETTIMEORIGINAL, exif->offset);
+    if (exif->other_offset)
+        TIFFSetField(tiff, EXIFTAG_OFFSETTIME, exif->other_offset);
+    TIFFSetField(tiff, EXIFTAG_EXPOSURETIME, exif->exposure_s);
+    assert_int_equal(TIFFWriteCustomDirectory(tiff, &at), 1);
+    assert_int_equal(TIFFSetDirectory(tiff, 0), 1);
+    TIFFSetField(tiff, TIFFTAG_EXIFIFD, at);
+    assert_int_equal(TIFFRewriteDirectory(tiff), 1);
+    TIFFClose(tiff);
+    assert_int_equal(ttf_tiff_reader_open(ttf_io_posix(), path, &reader, NULL), 0);
+    info = *ttf_tiff_reader_info(reader);
+    ttf_tiff_reader_close(reader);
+    return info;
+}
+
+#define DAY_2 "1970:01:02 00:00:00"
+
+static void what_a_camera_says_of_time_is_read_as_far_as_it_is_a_time(void **state)
+{
+    static const struct {
+        struct exif exif;
+        int64_t start_ns;
+        int zone_s;
+        bool zone_known;
+        int64_t exposure_ns;
+    } cases[] = {
+        {{DAY_2, "25", "+01:30", NULL, 0.5},
+         TTF_NS_PER_DAY - 5400 * TTF_NS_PER_S + 250000000,
+         5400,
+         true,
+         500000000},
+        {{DAY_2, NULL, NULL, "-02:00", 0}, TTF_NS_PER_DAY + 7200 * TTF_NS_PER_S, -7200, true, 0},
+        {{DAY_2, "1234567890123", NULL, NULL, 2e6}, TTF_NS_PER_DAY + 123456789, 0, false, 0},
+        {{DAY_2, "1:9", "+24:00", NULL, 0}, TTF_NS_PER_DAY + 100000000, 0, false, 0},
+        {{DAY_2, NULL, "+10:60", NULL, 0}, TTF_NS_PER_DAY, 0, false, 0},
+        {{DAY_2, NULL, "+-1:00", NULL, 0}, TTF_NS_PER_DAY, 0, false, 0},
+        {{DAY_2, NULL, "+01:-1", NULL, 0}, TTF_NS_PER_DAY, 0, false, 0},
+        {{DAY_2, NULL, "noon", NULL, 0}, TTF_NS_PER_DAY, 0, false, 0},
+        {{"no date, no time...", "25", "+01:30", NULL, 0}, TTF_NS_UNKNOWN, 0, false, 0},
+        {{NULL, "25", "+01:30", NULL, 1}, TTF_NS_UNKNOWN, 0, false, 1000000000},
+        {{"9999:12:31 23:59:59", NULL, NULL, NULL, 0}, TTF_NS_UNKNOWN, 0, false, 0},
+    };
+
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
+        struct ttf_tiff_info info = info_of_exif(state, &cases[i].exif);
+
+        if (info.times.start_utc_ns != cases[i].start_ns ||
+            info.times.zone_offset_s != cases[i].zone_s || info.zone_known != cases[i].zone_known ||
+            info.times.exposure_ns != cases[i].exposure_ns)
+            fail_msg("case %u: %lld ns, zone %d s (%d), exposed %lld ns", i,
+                     (long long)info.times.start_utc_ns, info.times.zone_offset_s, info.zone_known,
+                     (long long)info.times.exposure_ns);
+    }
+}
+
 static void what_is_no_tiff_is_told_so(void **state)
 {
     struct ttf_tiff_reader *reader = NULL;
@@ -539,6 +637,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(what_is_no_tiff_is_told_so, scratch_make, scratch_remove),
         cmocka_unit_test_setup_teardown(dates_that_are_none_are_not_known, scratch_make,
                                         scratch_remove),
+        cmocka_unit_test_setup_teardown(what_a_camera_says_of_time_is_read_as_far_as_it_is_a_time,
+                                        scratch_make, scratch_remove),
         cmocka_unit_test_setup_teardown(a_full_disk_is_reported_at_whatever_write, scratch_make,
                                         scratch_remove),
     };

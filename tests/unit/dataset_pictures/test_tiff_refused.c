@@ -63,6 +63,19 @@ static void the_good_one_is_read(void **state)
     ttf_pixbuf_free(&got);
 }
 
+/* As some programs say that they do not say what it is. */
+static void a_sample_format_of_nothing_is_whole_numbers(void **state)
+{
+    struct ttf_pixbuf got = {0};
+
+    assert_int_equal(ttf_tiff_read(ttf_io_posix(),
+                                   file_with(state, (struct tag){TAG_KIND, 3, 1, 4}, good[0]), 0,
+                                   &got, NULL),
+                     0);
+    assert_int_equal(((uint8_t *)got.data)[7], 70);
+    ttf_pixbuf_free(&got);
+}
+
 static void each_tag_that_is_not_read_is_told(void **state)
 {
     static const struct {
@@ -109,6 +122,8 @@ static void each_tag_that_is_not_read_is_told(void **state)
 static void pages_and_rows_that_are_not_there_are_refused(void **state)
 {
     struct ttf_tiff_reader *reader = NULL;
+    struct ttf_pixbuf got = {0};
+    struct ttf_err err = {0};
     uint8_t rows[8];
 
     assert_int_equal(
@@ -120,6 +135,10 @@ static void pages_and_rows_that_are_not_there_are_refused(void **state)
     assert_int_equal(rows[0], 40);
     ttf_tiff_reader_close(reader);
     ttf_tiff_reader_close(NULL);
+    assert_int_equal(
+        ttf_tiff_read(ttf_io_posix(), file_with(state, good[0], good[1]), 1, &got, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "page"));
+    assert_null(got.data);
 }
 
 static void what_is_no_raw_frame_is_not_read_as_one(void **state)
@@ -142,6 +161,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         T(the_good_one_is_read),
+        T(a_sample_format_of_nothing_is_whole_numbers),
         T(each_tag_that_is_not_read_is_told),
         T(pages_and_rows_that_are_not_there_are_refused),
         T(what_is_no_raw_frame_is_not_read_as_one),

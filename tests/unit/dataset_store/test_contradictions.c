@@ -20,6 +20,7 @@
 #include "store_test.h"
 #include "ttf/dataset/hash.h"
 #include "ttf/dataset/reader.h"
+#include "ttf/dataset/sequence.h"
 #include "ttf/dataset/verify.h"
 
 /* Lines: 0 plan, 1 segment, 2..4 slots 0..2; closed, not sealed. */
@@ -95,6 +96,47 @@ static int opened_for_reading(const char *path)
     return r;
 }
 
+/* Flags are words of whoever wrote them: what is none is passed over, and what finds no room. */
+static void flags_are_read_as_far_as_they_are_words(void **state)
+{
+    const char *path = three_slots(state);
+    char changed[700] = "\"stream\":\"main\",\"flags\":[\"\",7,\"late\",\"";
+    struct ttf_reader *reader = NULL;
+    struct ttf_slot_record record;
+
+    memset(changed + strlen(changed), 'x', 500);
+    snprintf(changed + strlen(changed), 40, "\",\"door-open\"]");
+    change_line(path, 3, "\"stream\":\"main\"", changed);
+    assert_int_equal(ttf_reader_open(quick_io(), path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_slot(reader, 1, &record, NULL), 0);
+    assert_string_equal(record.images[0].flags, "late,door-open");
+    ttf_slot_record_free(&record);
+    ttf_reader_close(reader);
+}
+
+/* Whoever shows a dataset that came from elsewhere must not be led to other files of the machine. */
+static void a_sequence_never_leaves_its_dataset(void **state)
+{
+    static const char *const outside[] = {"../main/000000.tif", "/etc/passwd", "frames/../../x",
+                                          ".."};
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(outside); i++) {
+        const char *path = three_slots(state);
+        struct ttf_sequence *sequence = NULL;
+        struct ttf_reader *reader = NULL;
+        struct ttf_err err = {0};
+
+        change_line(path, 2, "frames/main/000000.tif", outside[i]);
+        assert_int_equal(ttf_reader_open(quick_io(), path, &reader, NULL), 0);
+        assert_int_equal(ttf_sequence_of_dataset(reader, NULL, &sequence, &err), -TTF_EDAMAGED);
+        if (!strstr(err.what, "outside") && !strstr(err.what, "does not lie in the dataset"))
+            fail_msg("%s: %s", outside[i], err.what);
+        assert_null(sequence);
+        ttf_reader_close(reader);
+        assert_int_equal(run("rm -r '%s'", path), 0);
+    }
+}
+
 static void records_that_contradict_each_other_are_damage(void **state)
 {
     static const struct {
@@ -113,6 +155,8 @@ static void records_that_contradict_each_other_are_damage(void **state)
         {4, "frames/main/000002.tif", "../main/000002.tif", "does not lie in the dataset",
          -TTF_EDAMAGED, 0},
         {4, "\"sha256\":\"0b02eb1c", "\"sha256\":\"0B02EB1C", "64 hex digits", -TTF_EDAMAGED, 0},
+        {1, "\"dataset_sha256\":\"", "\"dataset_sha256\":\"5c\",\"x\":\"",
+         "dataset_sha256 must be 64 hex digits", -TTF_EDAMAGED, -TTF_EDAMAGED},
         {4, "\"files\":", "\"fires\":", "no files and does not say why", -TTF_EDAMAGED, 0},
         {4, "\"n_averaged\":1", "\"n_averaged\":1,\"calibration\":\"cal-1\"",
          "names calibration cal-1", 0, 0},
@@ -381,6 +425,8 @@ int main(void)
         T(rot_in_the_events_is_refused_too),
         T(a_line_without_end_is_damage),
         T(a_record_that_changes_while_it_is_read_is_not_passed_on),
+        T(flags_are_read_as_far_as_they_are_words),
+        T(a_sequence_never_leaves_its_dataset),
         T(a_fragment_is_told_by_the_reader),
         T(sums_that_say_something_else_are_made_anew_from_the_records),
         T(damage_is_named_among_a_thousand_notes),

@@ -85,6 +85,27 @@ static void json_that_cannot_be_is_refused_at_the_end(void **state)
     ttf_json_init(&json, false);
     ttf_json_object(&json);
     assert_int_equal(ttf_json_finish(&json, NULL, NULL), -EINVAL);
+    ttf_json_again(&json, false); /* nothing at all */
+    assert_int_equal(ttf_json_finish(&json, NULL, NULL), -EINVAL);
+    ttf_json_again(&json, false); /* two values at the top */
+    ttf_json_null(&json);
+    ttf_json_null(&json);
+    assert_int_equal(ttf_json_finish(&json, NULL, NULL), -EINVAL);
+    ttf_json_again(&json, false); /* an end without a beginning */
+    ttf_json_array_end(&json);
+    assert_int_equal(ttf_json_finish(&json, NULL, NULL), -EINVAL);
+    ttf_json_again(&json, false); /* a key without a value, and the object's end */
+    ttf_json_object(&json);
+    ttf_json_key(&json, "a");
+    ttf_json_object_end(&json);
+    assert_int_equal(ttf_json_finish(&json, NULL, NULL), -EINVAL);
+    ttf_json_again(&json, false); /* two keys on end */
+    ttf_json_object(&json);
+    ttf_json_key(&json, "a");
+    ttf_json_key(&json, "b");
+    ttf_json_null(&json);
+    ttf_json_object_end(&json);
+    assert_int_equal(ttf_json_finish(&json, NULL, NULL), -EINVAL);
     ttf_json_free(&json);
 }
 

@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -247,6 +248,15 @@ static void names_that_are_none_are_refused(void **state)
     assert_int_equal(ttf_writer_file(writer, "deve loped", "main", 0, -1, "tif", produce_nothing,
                                      NULL, &file, NULL),
                      -EINVAL);
+    assert_int_equal(ttf_writer_file(writer, "a-role-of-more-letters-than-a-record-has-room-for",
+                                     "main", 0, -1, "tif", produce_nothing, NULL, &file, NULL),
+                     -EINVAL);
+    assert_int_equal(ttf_writer_file(writer, "developed", "main", -1, -1, "tif", produce_nothing,
+                                     NULL, &file, NULL),
+                     -EINVAL);
+    assert_int_equal(ttf_writer_file(writer, "developed", "main", 0, -1, "t/if", produce_nothing,
+                                     NULL, &file, NULL),
+                     -EINVAL);
     ttf_writer_close(writer);
     small_manifest(&manifest);
     assert_int_equal(
@@ -258,6 +268,52 @@ static void names_that_are_none_are_refused(void **state)
     assert_int_equal(
         ttf_writer_create(io, in(*state, "file"), &manifest, NULL, "{}\n", &other, NULL), -EEXIST);
     assert_int_equal(size_of(in(*state, "file")), 1);
+}
+
+/* As a shell completes it. */
+static void a_path_that_ends_in_slashes_is_that_folder(void **state)
+{
+    struct ttf_io *io = ttf_io_posix();
+    struct ttf_writer *writer = small_create(io, in(*state, "d//"));
+
+    assert_int_equal(small_slot(writer, 0), 0);
+    ttf_writer_close(writer);
+    assert_true(exists(in(*state, "d/records.jsonl")));
+    assert_int_equal(small_check(io, in(*state, "d")), 1);
+    assert_int_equal(ttf_writer_open(io, in(*state, "d/"), &writer, NULL), 0);
+    ttf_writer_close(writer);
+}
+
+/* A folder that a person looked into, or put things into, is still that calibration; one without files is none. */
+static void of_a_calibration_s_folder_its_files_are_copied(void **state)
+{
+    struct ttf_io *io = ttf_io_posix();
+    struct ttf_writer *writer = small_create(io, in(*state, "d"));
+    struct ttf_err err = {0};
+
+    assert_int_equal(run("mkdir -p '%s/cal/folder' '%s/bare/folder' '%s/odd'", (char *)*state,
+                         (char *)*state, (char *)*state),
+                     0);
+    write_text(in(*state, "cal/calibration.json"), "{}", 2);
+    write_text(in(*state, "cal/.hidden"), "x", 1);
+    write_text(in(*state, "cal/left.tmp"), "x", 1);
+    write_text(in(*state, "bare/.hidden"), "x", 1);
+    write_text(in(*state, "odd/a b"), "x", 1);
+    assert_int_equal(ttf_writer_calibration(writer, "bare", in(*state, "bare"), &err), -ENOENT);
+    assert_non_null(strstr(err.what, "is no calibration that can be copied"));
+    ttf_writer_close(writer);
+    writer = NULL;
+    assert_int_equal(ttf_writer_open(io, in(*state, "d"), &writer, NULL), 0);
+    assert_int_equal(ttf_writer_calibration(writer, "odd", in(*state, "odd"), &err), -EILSEQ);
+    ttf_writer_close(writer);
+    writer = NULL;
+    assert_int_equal(ttf_writer_open(io, in(*state, "d"), &writer, NULL), 0);
+    assert_int_equal(ttf_writer_calibration(writer, "cal", in(*state, "cal"), &err), 0);
+    ttf_writer_close(writer);
+    assert_true(exists(in(*state, "d/calibration/cal/calibration.json")));
+    assert_false(exists(in(*state, "d/calibration/cal/.hidden")));
+    assert_false(exists(in(*state, "d/calibration/cal/left.tmp")));
+    assert_false(exists(in(*state, "d/calibration/cal/folder")));
 }
 
 /* ---- what is read ---- */
@@ -435,6 +491,65 @@ static void json_that_could_be_read_in_two_ways_is_none(void **state)
     json_decref(json);
 }
 
+/* ---- regions ---- */
+
+static void more_regions_than_anybody_marks_are_refused(void **state)
+{
+    static const char region[] = "{\"id\":\"a\",\"region\":[0,0,1,1]},";
+    struct ttf_writer *writer = small_create(ttf_io_posix(), in(*state, "d"));
+    struct ttf_sample_region *regions = NULL;
+    struct ttf_err err = {0};
+    static const char begin[] = "{\"samples\":[";
+    const size_t bytes = sizeof(region) - 1, all = sizeof(begin) - 1 + 4097 * bytes;
+    char *text = calloc(1, all + 2);
+    unsigned n = 0;
+
+    assert_non_null(text);
+    ttf_writer_close(writer);
+    memcpy(text, begin, sizeof(begin) - 1);
+    for (size_t at = sizeof(begin) - 1; at < all; at += bytes)
+        memcpy(text + at, region, bytes);
+    text[all - 1] = ']'; /* for the last comma */
+    text[all] = '}';
+    write_text(in(*state, "d/samples.json"), text, strlen(text));
+    free(text);
+    assert_int_equal(ttf_samples_read(ttf_io_posix(), in(*state, "d"), &regions, &n, &err),
+                     -EINVAL);
+    assert_non_null(strstr(err.what, "samples has more than 4096"));
+    assert_null(regions);
+}
+
+/* ---- the table that fails ---- */
+
+static int refuse_sync_all(void *ctx, const char *op, const char *path)
+{
+    (void)ctx;
+    (void)path;
+    return strcmp(op, "sync_all") == 0 ? -EIO : 0;
+}
+
+/* Whatever was left open in it is closed with it; the sync of a whole disk fails like anything else. */
+static void a_disk_made_to_fail_closes_what_was_left_open(void **state)
+{
+    struct ttf_io *io = ttf_io_faulty_create(ttf_io_posix(), refuse_sync_all, NULL);
+    struct ttf_io *plain = ttf_io_faulty_create(ttf_io_posix(), NULL, NULL);
+    int first, second, r;
+
+    assert_true(io && plain);
+    first = io->ops->open(io, in(*state, "a"), TTF_IO_CREATE_NEW);
+    second = io->ops->open(io, in(*state, "b"), TTF_IO_CREATE_NEW);
+    assert_true(first >= 0 && second >= 0);
+    assert_int_equal(ttf_io_sync_all(io, first), -EIO);
+    ttf_io_faulty_destroy(io);
+    assert_int_equal(fcntl(first, F_GETFD), -1);
+    assert_int_equal(fcntl(second, F_GETFD), -1);
+    first = plain->ops->open(plain, in(*state, "a"), TTF_IO_READ);
+    r = ttf_io_sync_all(plain, first);
+    assert_true(r == 0 || r == -EOPNOTSUPP); /* as the disk below can */
+    ttf_io_faulty_destroy(plain);
+    ttf_io_faulty_destroy(NULL);
+}
+
 /* ---- the table that hashes ---- */
 
 /* Whoever writes through it may do with it what he may do with the one below. */
@@ -529,12 +644,16 @@ int main(void)
         T(a_record_that_cannot_be_is_refused_by_field),
         T(a_segment_that_cannot_be_is_refused_by_field),
         T(names_that_are_none_are_refused),
+        T(a_path_that_ends_in_slashes_is_that_folder),
+        T(of_a_calibration_s_folder_its_files_are_copied),
         T(who_asks_for_what_is_not_there_is_told),
         T(a_line_that_changes_under_its_reader_is_damage),
         T(a_note_that_says_nothing_or_too_much_is_refused),
         T(json_that_cannot_be_is_not_written),
         T(json_that_could_be_read_in_two_ways_is_none),
         T(text_that_is_no_utf8_becomes_text_that_is),
+        T(more_regions_than_anybody_marks_are_refused),
+        T(a_disk_made_to_fail_closes_what_was_left_open),
         T(what_is_done_while_hashing_is_done),
         T(a_file_that_is_not_open_or_not_there_is_told_as_such),
     };

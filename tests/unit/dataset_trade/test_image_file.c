@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <jpeglib.h> /* after stdio.h, which it needs */
+
 #include "ttf/dataset/hash.h"
 #include "ttf/dataset/icc.h"
 
@@ -293,6 +295,87 @@ static void broken_jpeg_never_crashes(void **state)
     ttf_pixbuf_free(&pixels);
 }
 
+/* What libjpeg writes of 8 x 8 pixels of so many components, in so many scans. */
+static void odd_jpeg(const char *path, int components, int scans)
+{
+    struct jpeg_compress_struct jpeg;
+    struct jpeg_error_mgr errors;
+    jpeg_scan_info *script = calloc((size_t)scans, sizeof(*script));
+    unsigned char *bytes = NULL;
+    unsigned long n = 0;
+    JSAMPLE row[8 * 4] = {0};
+    JSAMPROW rows[] = {row};
+
+    assert_non_null(script);
+    jpeg.err = jpeg_std_error(&errors);
+    jpeg_create_compress(&jpeg);
+    jpeg_mem_dest(&jpeg, &bytes, &n);
+    jpeg.image_width = jpeg.image_height = 8;
+    jpeg.input_components = components;
+    jpeg.in_color_space = components == 4 ? JCS_CMYK : JCS_GRAYSCALE;
+    jpeg_set_defaults(&jpeg);
+    /* Each frequency on its own. */
+    for (int i = 0; i < scans; i++)
+        script[i] = (jpeg_scan_info){.comps_in_scan = 1, .Ss = i, .Se = i, .Al = 0};
+    if (scans > 1) {
+        jpeg.scan_info = script;
+        jpeg.num_scans = scans;
+    }
+    jpeg_start_compress(&jpeg, TRUE);
+    while (jpeg.next_scanline < jpeg.image_height)
+        (void)jpeg_write_scanlines(&jpeg, rows, 1);
+    jpeg_finish_compress(&jpeg);
+    jpeg_destroy_compress(&jpeg);
+    write_bytes(path, bytes, n);
+    free(bytes);
+    free(script);
+}
+
+static void a_jpeg_for_print_is_refused_with_what_to_do(void **state)
+{
+    const char *path = in_folder(state, "cmyk.jpg");
+    struct ttf_pixbuf pixels = {0};
+    struct ttf_err err = {0};
+
+    odd_jpeg(path, 4, 1);
+    assert_int_equal(ttf_image_read(ttf_io_posix(), path, 0, &pixels, NULL, &err), -ENOTSUP);
+    assert_non_null(strstr(err.what, "4 components (CMYK?)"));
+    assert_non_null(strstr(err.hint, "save it as RGB"));
+    assert_null(pixels.data);
+}
+
+/* A small file that says the same pixels over and over: each scan costs as much as the first. */
+static void a_jpeg_of_endless_scans_is_refused(void **state)
+{
+    const char *path = in_folder(state, "scans.jpg");
+    struct ttf_pixbuf pixels = {0};
+    struct ttf_err err = {0};
+    size_t n, scan, at;
+    uint8_t *bytes, *many;
+
+    odd_jpeg(path, 1, 64);
+    assert_int_equal(ttf_image_read(ttf_io_posix(), path, 0, &pixels, NULL, &err), 0);
+    ttf_pixbuf_free(&pixels);
+    bytes = slurp(path, &n);
+    for (scan = n - 2; !(bytes[scan - 1] == 0xff && bytes[scan] == 0xda); scan--)
+        assert_true(scan > 2);
+    scan--; /* the last scan, to the end's mark */
+    many = malloc(n + 300 * (n - 2 - scan));
+    assert_non_null(many);
+    memcpy(many, bytes, n - 2);
+    at = n - 2;
+    for (int i = 0; i < 300; i++, at += n - 2 - scan)
+        memcpy(many + at, bytes + scan, n - 2 - scan);
+    memcpy(many + at, bytes + n - 2, 2);
+    write_bytes(path, many, at + 2);
+    assert_true(ttf_image_read(ttf_io_posix(), path, 0, &pixels, NULL, &err) < 0);
+    if (!strstr(err.what, "more than 200 scans"))
+        fail_msg("%s", err.what);
+    assert_null(pixels.data);
+    free(bytes);
+    free(many);
+}
+
 /* Puts a profile into a JPEG as one APP2 segment, behind its first marker. */
 static void add_profile(const char *path, enum ttf_icc icc)
 {
@@ -368,6 +451,8 @@ int main(void)
         IN_FOLDER(a_forged_size_is_refused_before_memory_is_asked_for),
         IN_FOLDER(broken_png_never_crashes),
         IN_FOLDER(broken_jpeg_never_crashes),
+        IN_FOLDER(a_jpeg_for_print_is_refused_with_what_to_do),
+        IN_FOLDER(a_jpeg_of_endless_scans_is_refused),
         IN_FOLDER(an_srgb_profile_is_known_and_another_is_told),
         IN_FOLDER(a_full_disk_is_told_when_writing),
     };

@@ -285,6 +285,9 @@ static void missing_times_and_intervals_are_asked_for(void **state)
     const char *const inputs[] = {in_folder(state, "1.png"), in_folder(state, "2.png")};
     const char *const same[] = {in_folder(state, "050504_181349.png"),
                                 in_folder(state, "050504_181350.png")};
+    const char *const at_once[] = {in_folder(state, "a_050504_181349.png"),
+                                   in_folder(state, "c_050504_181349.png"),
+                                   in_folder(state, "b_050504_181349.png")};
     struct ttf_import_config config = {
         .inputs = inputs, .n_inputs = 2, .output = in_folder(state, "data")};
 
@@ -292,7 +295,15 @@ static void missing_times_and_intervals_are_asked_for(void **state)
         picture_file(inputs[i], W, H, i);
         picture_file(same[i], W, H, i);
     }
+    for (unsigned i = 0; i < 3; i++)
+        picture_file(at_once[i], W, H, i);
     refused(state, &config, -EINVAL, NULL, "how long");
+    config.order = TTF_IMPORT_NAME_TIME;
+    config.inputs = at_once;
+    config.n_inputs = 3;
+    refused(state, &config, -EINVAL, at_once[0], "most pictures have the same time");
+    config.inputs = inputs;
+    config.n_inputs = 2;
     config.interval_ns = TTF_NS_PER_MIN;
     config.order = TTF_IMPORT_EXIF_TIME;
     refused(state, &config, -EINVAL, inputs[0], "when it was taken");
@@ -304,6 +315,70 @@ static void missing_times_and_intervals_are_asked_for(void **state)
     refused(state, &config, -EINVAL, NULL, "slots");
     config.interval_ns = -1;
     refused(state, &config, -EINVAL, NULL, "negative");
+}
+
+static void put_le(uint8_t *at, uint32_t value, unsigned bytes)
+{
+    for (unsigned i = 0; i < bytes; i++)
+        at[i] = (uint8_t)(value >> 8 * i);
+}
+
+/* A TIFF file of so many grey pages of W x H, as microscopes write them; page k is of the code 20 k + 7. */
+static void stack_file(const char *path, unsigned pages)
+{
+    const uint32_t tags[][3] = {{256, 4, W}, {257, 4, H}, {258, 3, 8}, {259, 3, 1},    {262, 3, 1},
+                                {273, 4, 0}, {277, 3, 1}, {278, 4, H}, {279, 4, W * H}};
+    const unsigned n_tags = sizeof(tags) / sizeof(*tags), page_bytes = 6 + 12 * n_tags + W * H;
+    uint8_t *bytes = calloc(1, 8 + (size_t)pages * page_bytes);
+
+    assert_non_null(bytes);
+    memcpy(bytes, "II*", 4);
+    put_le(bytes + 4, 8, 4);
+    for (unsigned k = 0; k < pages; k++) {
+        uint8_t *page = bytes + 8 + (size_t)k * page_bytes;
+        uint32_t codes = 8 + k * page_bytes + 6 + 12 * n_tags;
+
+        put_le(page, n_tags, 2);
+        for (unsigned i = 0; i < n_tags; i++) {
+            uint8_t *entry = page + 2 + 12 * (size_t)i;
+
+            put_le(entry, tags[i][0], 2);
+            put_le(entry + 2, tags[i][1], 2);
+            put_le(entry + 4, 1, 4);
+            put_le(entry + 8, tags[i][0] == 273 ? codes : tags[i][2], 4);
+        }
+        put_le(page + 2 + 12 * (size_t)n_tags, k + 1 < pages ? 8 + (k + 1) * page_bytes : 0, 4);
+        memset(bytes + codes, (int)(20 * k + 7), W * H);
+    }
+    write_bytes(path, bytes, 8 + (size_t)pages * page_bytes);
+    free(bytes);
+}
+
+static void pages_of_stacks_come_one_after_the_other(void **state)
+{
+    const char *const inputs[] = {in_folder(state, "s10.tif"), in_folder(state, "s9.tif")};
+    struct ttf_import_config config = {.inputs = inputs,
+                                       .n_inputs = 2,
+                                       .output = in_folder(state, "data"),
+                                       .interval_ns = TTF_NS_PER_S};
+    struct ttf_import_result result;
+    struct opened opened;
+
+    stack_file(inputs[0], 4);
+    stack_file(inputs[1], 2);
+    result = import_ok(&config);
+    assert_int_equal(result.frames, 6);
+    opened = open_dataset(config.output);
+    for (uint32_t t = 0; t < 6; t++) {
+        uint16_t *frame = read_frame(opened.sequence, t);
+
+        assert_int_equal(ttf_linear16_to_srgb8(frame[0]), 20 * (t < 2 ? t : t - 2) + 7);
+        free(frame);
+    }
+    close_dataset(&opened);
+    config.order = TTF_IMPORT_NAME_TIME;
+    config.output = in_folder(state, "other");
+    refused(state, &config, -EINVAL, inputs[0], "date");
 }
 
 static void times_that_lie_centuries_apart_are_refused_by_name(void **state)
@@ -595,6 +670,7 @@ int main(void)
         IN_FOLDER(the_odd_picture_out_is_named_and_nothing_is_left),
         IN_FOLDER(colour_after_grey_is_refused_but_grey_after_colour_is_widened),
         IN_FOLDER(missing_times_and_intervals_are_asked_for),
+        IN_FOLDER(pages_of_stacks_come_one_after_the_other),
         IN_FOLDER(times_that_lie_centuries_apart_are_refused_by_name),
         IN_FOLDER(an_existing_dataset_is_left_alone),
         IN_FOLDER(a_float_stack_keeps_its_values),

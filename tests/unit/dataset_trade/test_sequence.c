@@ -205,6 +205,41 @@ static void times_beyond_all_that_can_be_said_are_as_if_the_grid_had_gone_on(voi
     ttf_pixbuf_free(&a);
 }
 
+static void streams_that_are_no_pictures_are_refused_by_name(void **state)
+{
+    static const struct {
+        const char *id, *says;
+        int code;
+    } cases[] = {
+        {"pair", "stream 'pair' has 2 samples a pixel", -ENOTSUP},
+        {"none", "there is no stream 'none'", -ENODATA},
+        {"empty", "", -ENODATA},
+    };
+    const char *path = in_folder(state, "data");
+    struct ttf_manifest manifest;
+    struct ttf_writer *writer;
+    struct ttf_reader *reader;
+
+    assert_int_equal(ttf_manifest_init(&manifest, NULL), 0);
+    add_stream(&manifest, "pair", 2, TTF_SAMPLE_U16);
+    add_stream(&manifest, "empty", 3, TTF_SAMPLE_U16);
+    writer = create(path, &manifest);
+    add_segment(writer, 0, 0, TTF_NS_UNKNOWN);
+    ttf_writer_close(writer);
+    reader = open_reader(path);
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
+        const struct ttf_sequence_choice choice = {.stream = cases[i].id};
+        struct ttf_sequence *sequence = NULL;
+        struct ttf_err err = {0};
+
+        assert_int_equal(ttf_sequence_of_dataset(reader, &choice, &sequence, &err), cases[i].code);
+        if (!strstr(err.what, cases[i].says))
+            fail_msg("'%s' does not say '%s'", err.what, cases[i].says);
+        assert_null(sequence);
+    }
+    ttf_reader_close(reader);
+}
+
 struct reading {
     struct ttf_sequence *sequence;
     const struct ttf_pixbuf *frames;
@@ -328,6 +363,7 @@ int main(void)
         IN_FOLDER(of_a_bracket_the_reference_is_read_and_holes_are_left_out),
         IN_FOLDER(grey_and_eight_bit_streams_read_as_sixteen_bit_rgb),
         IN_FOLDER(time_goes_on_over_boots_by_utc_or_else_by_the_grid),
+        IN_FOLDER(streams_that_are_no_pictures_are_refused_by_name),
         IN_FOLDER(times_beyond_all_that_can_be_said_are_as_if_the_grid_had_gone_on),
         IN_FOLDER(many_threads_read_one_sequence_with_bounded_open_files),
         IN_FOLDER(an_image_of_another_size_than_its_stream_is_damage),

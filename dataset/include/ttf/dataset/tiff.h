@@ -115,9 +115,6 @@ TTF_MUST_USE int ttf_tiff_reader_page(struct ttf_tiff_reader *reader, unsigned p
 /* Of the current page; belongs to the reader. */
 const struct ttf_tiff_info *ttf_tiff_reader_info(const struct ttf_tiff_reader *reader);
 
-/* The current page's profile, NULL if none; belongs to the reader until page or close. */
-const void *ttf_tiff_reader_icc(const struct ttf_tiff_reader *reader, size_t *ret_bytes);
-
 /*
  * Rows y0..y0+n-1 as info says, into dst with stride bytes from row to row; in any
  * order, cheapest downwards. Holds one strip or row of tiles. -EINVAL outside the image.
