@@ -39,8 +39,8 @@ TTF_MUST_USE int tiff_order_pixels(struct tiff_order *order, struct ttf_io *io, 
                                    int64_t size, int64_t bytes);
 
 /* 1: taken. 0: to be written by the caller, now. A negative errno of the disk. */
-TTF_MUST_USE int tiff_order_write(struct tiff_order *order, struct ttf_io *io, int file,
-                                  int64_t at, const void *bytes, size_t n);
+TTF_MUST_USE int tiff_order_write(struct tiff_order *order, struct ttf_io *io, int file, int64_t at,
+                                  const void *bytes, size_t n);
 
 /* What is held goes to the disk; from now on nothing is held back. */
 TTF_MUST_USE int tiff_order_release(struct tiff_order *order, struct ttf_io *io, int file);
