@@ -42,8 +42,8 @@ compile() { # SUITE
         while IFS= read -r -d '' file; do [ ! -f "$file" ] || printf '%s\0' "$file"; done |
         tar -c --null -T - | tar -x -C "$root/src" || return 1 # set -e is off in what || follows
     chroot "$root" sh -c "cd /src && cmake -G Ninja -S . -B build -DCMAKE_BUILD_TYPE=RelWithDebInfo -DTTFBOX_WERROR=ON \
-        -DTTFBOX_LIBCAMERA=ON >build.log 2>&1 && ninja -C build -j $(nproc) >>build.log 2>&1" ||
-        { echo "suites: $1 does not build:"; grep -E 'error|warning|FAILED|CMake' "$root/src/build.log" | head -n 40; return 1; }
+        -DTTFBOX_LIBCAMERA=ON >build.log 2>&1 && ninja -C build -k 0 -j $(nproc) >>build.log 2>&1" ||
+        { echo "suites: $1 does not build:"; grep -E '(error|warning):|^FAILED|^CMake (Error|Warning)' "$root/src/build.log" | head -n 40; return 1; }
     # With its processes: programs find out there where they lie.
     # shellcheck disable=SC2016 # expanded in there
     unshare --mount sh -c 'mount -t proc proc "$1/proc" && exec chroot "$1" sh -c "$2"' sh "$root" "cd /src && ctest --no-tests=error --test-dir build -R '$tests' -j $(nproc) >test.log 2>&1" ||
