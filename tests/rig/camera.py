@@ -7,6 +7,7 @@ import time
 import lamps
 
 SLOTS = int(os.environ.get("TTFBOX_RIG_SLOTS", "40"))
+SOAK = int(os.environ.get("TTFBOX_RIG_SOAK", "1000"))
 BOARD = lamps.BOARD.replace("{backend: sim}", "{backend: v4l2, name: vivid, format: RG10, width: 320, height: 180, frame_period: 40ms}")
 PLAN = """interval: 1s
 count: %d
@@ -67,7 +68,7 @@ def a_camera_whose_driver_fails_loses_at_most_one_slot(m):
 
 def many_frames_restarts_and_reopenings_leave_nothing_behind(m):
     load(m)
-    code, out = m.run("rig_camera soak 1000", 400)
+    code, out = m.run("rig_camera soak %d" % SOAK, 100 + SOAK * 3 // 10)
     print("    " + out.strip())
     assert code == 0, out
 

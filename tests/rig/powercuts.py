@@ -167,7 +167,7 @@ def main():
     import rig  # sets up the machine's files
     cases = int(sys.argv[1]) if len(sys.argv) > 1 else 2000
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
-    share = rig.prepare()
+    share = rig.prepare(None)
     wrong, line = run(rig.RIG + "/system", share, 1, cases, seed)
     print(line)
     return 1 if wrong else 0
