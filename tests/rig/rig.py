@@ -123,6 +123,8 @@ def run(scenario, share, tier):
         return "%s\n%s" % (e, traceback.format_exc(limit=2))
     except (RuntimeError, OSError) as e:
         return "the machine: %s" % e
+    except Exception as e:  # a scenario that does not understand what it is told; the others are run all the same
+        return "%s: %s\n%s" % (type(e).__name__, e, traceback.format_exc(limit=3))
 
 
 def main():
