@@ -68,6 +68,8 @@ static tmsize_t client_write(thandle_t handle, void *buf, tmsize_t n)
 
     if (n < 0 || client->position < 0)
         return -1;
+    if (client->dropped)
+        return -1;
     client->window_bytes = 0;
     r = tiff_order_write(&client->order, client->io, client->file, client->position, buf,
                          (size_t)n);
@@ -198,6 +200,7 @@ int tiff_client_open(struct tiff_client *client, struct ttf_io *io, const char *
 
 void tiff_client_drop(struct tiff_client *client)
 {
+    client->dropped = true; /* libtiff would write a last folder */
     if (client->tiff)
         TIFFCleanup(client->tiff);
     client->tiff = NULL;

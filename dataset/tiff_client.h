@@ -24,7 +24,7 @@
 struct tiff_client {
     struct ttf_io *io;
     int file;
-    bool owns_file;
+    bool owns_file, dropped;
     int64_t position, size;
     int io_error;      /* the first negative errno of the I/O table */
     char message[256]; /* the first thing that libtiff complained of */

@@ -47,7 +47,7 @@ int tiff_order_pixels(struct tiff_order *order, struct ttf_io *io, int file, int
     tell_place(order, (uint64_t)place);
     memcpy(order->head, order->held, order->header);
     r = hand_on(order, io, file);
-    order->state = TIFF_ORDER_TAIL;
+    order->state = r < 0 ? TIFF_ORDER_NONE : TIFF_ORDER_TAIL;
     order->from = end;
     return r;
 }
