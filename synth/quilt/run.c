@@ -24,6 +24,7 @@ struct run {
     struct ttf_figures *figures; /* NULL: nothing is measured */
     uint32_t frames;             /* of the output */
     struct ttf_kept kept;        /* frames whose rows are handed on while blocks are looked for */
+    uint32_t handed_on;          /* so many, the first, were handed on that way */
     struct ttf_ahead *ahead;     /* NULL: none are */
     struct ttf_quilt_report report;
 };
@@ -63,10 +64,16 @@ static int start(struct run *run, struct ttf_err *err)
     return 0;
 }
 
-static void finish(struct run *run)
+static void free_kept(struct run *run)
 {
     ttf_ahead_destroy(run->ahead);
+    run->ahead = NULL;
     ttf_kept_free(&run->kept);
+}
+
+static void finish(struct run *run)
+{
+    free_kept(run);
     ttf_quilt_map_free(&run->map);
     ttf_figures_destroy(run->figures);
 }
@@ -191,9 +198,15 @@ static int search_map(struct run *run, struct ttf_err *err)
 {
     int r = may_go_ahead(run) ? go_ahead(run, err) : 0;
 
-    return r < 0 ? r
-                 : ttf_plan_ahead(&run->inner, run->sources.list[0], run->pool, run->ahead,
-                                  &run->map, err);
+    if (r == 0)
+        r = ttf_plan_ahead(&run->inner, run->sources.list[0], run->pool, run->ahead, &run->map,
+                           err);
+    if (r == 0 && run->ahead) {
+        ttf_ahead_costs(run->ahead, &run->report);
+        run->handed_on = run->kept.frames;
+        free_kept(run); /* the other frames need the room */
+    }
+    return r;
 }
 
 static int find_map(struct run *run, struct ttf_err *err)
@@ -237,8 +250,6 @@ static int sum_up(struct run *run, const struct ttf_quilt_map *map, struct ttf_r
 
     sum_up_blocks(map, run->config->per_frame ? 1 : run->sources.frames, report);
     ttf_render_costs(render, report);
-    if (run->ahead)
-        ttf_ahead_costs(run->ahead, report);
     if (run->figures)
         report->frame_bytes += ttf_figures_bytes(run->figures);
     if ((run->figures ? ttf_figures_finish(run->figures, map, report)
@@ -255,7 +266,7 @@ static int render_all(struct run *run, struct ttf_quilt_map *ret_first, struct t
                                        .figures = run->figures,
                                        .sink = run->sink,
                                        .pool = run->pool,
-                                       .first = run->kept.frames,
+                                       .first = run->handed_on,
                                        .frames = run->frames,
                                        .progress_from = PLAN_SHARE};
     struct ttf_render *render;

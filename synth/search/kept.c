@@ -6,6 +6,11 @@
 #include <string.h>
 #include <sys/mman.h>
 
+#include "search/factors.h"
+
+/* Frames that are held besides while those are read that are not kept (learner.c): all together are no more than is allowed. */
+#define OTHERS ((size_t)2 * TTF_FACTORS_BATCH)
+
 /* Pages of this size, where the system has them, cost one fault each instead of 512. */
 #define LARGE_PAGE ((size_t)2 << 20)
 
@@ -23,6 +28,8 @@ int ttf_kept_create(size_t pixels, uint32_t frames, size_t bytes_max, struct ttf
 
     if (kept.frame > UINT32_MAX)
         fit = 0;
+    if (fit < frames)
+        fit -= fit / 8 < OTHERS ? fit / 8 : OTHERS;
     kept.frames = fit < frames ? (uint32_t)fit : frames;
     bytes = ttf_kept_bytes(&kept);
     if (bytes > 0 && posix_memalign(&codes, LARGE_PAGE, bytes) != 0)
