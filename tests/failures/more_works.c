@@ -61,7 +61,7 @@ int more_show_small(struct ttf_err *err)
 
 int more_read_float_dataset(struct ttf_err *err)
 {
-    float values[SIDE * SIDE * 3];
+    float values[SIDE * SIDE * 3] = {0};
     uint16_t rows[SIDE * SIDE * 3];
     struct ttf_sequence *s = NULL;
     struct ttf_reader *reader = NULL;
