@@ -4,7 +4,8 @@
  *
  * Work is cut into tiles by the caller, never by the number of threads, and
  * reductions are done by the caller in tile order: so results are the same bits
- * for any number of threads. Not for work that waits: only for computing.
+ * for any number of threads. Not for work that waits for anything but another tile of the same run
+ * that is being worked on: only for computing.
  */
 #ifndef TTF_DATASET_POOL_H
 #define TTF_DATASET_POOL_H
