@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """rig.py [quick|smoke] [WORDS]: real kernel drivers in an emulated board; scenarios whose names hold one of WORDS. README.md."""
+import fcntl
 import os
 import shutil
 import subprocess
@@ -65,15 +66,14 @@ def configure():
 
 
 def compile_programs(names):
-    step(["ninja", "-C", RIG + "/arm64"] + names)
+    step(["ninja", "-C", RIG + "/arm64", "-j", str(os.cpu_count())] + names)
 
 
-def build(programs):
+def build(programs, share):
     """The scenarios' programs, where the guest finds them."""
     configure()
     compile_programs(programs)
     out = RIG + "/arm64"
-    share = RIG + "/share"
     shutil.rmtree(share, ignore_errors=True)
     os.makedirs(share)
     for name in programs:
@@ -83,7 +83,6 @@ def build(programs):
         shutil.copy(out + folder + name, share)
     shutil.copy(ROOT + "/firmware/gadget/ttfbox-gadget", share)
     shutil.copy(ROOT + "/boards/sim-small/board.yaml", share + "/sim-small.yaml")
-    return share
 
 
 def prepare_system():
@@ -93,20 +92,29 @@ def prepare_system():
         sys.exit(done.returncode)
 
 
+def of_tier(name, tier):
+    """A folder that each tier has for itself, as one may run beside another."""
+    return RIG + "/" + name + ("-" + tier if tier else "")
+
+
 def prepare(tier):
-    """The system and the programs; where the guest finds them."""
-    prepare_system()
-    if tier != "smoke":
-        subprocess.run(["bash", HERE + "/modules.sh", RIG], check=True)
-    share = build(SMOKE_PROGRAMS if tier == "smoke" else PROGRAMS)
-    if tier:
-        frozen.prepare(RIG + "/system", share, RIG + "/frozen")
+    """The system and the programs; where the guest finds them. One at a time, in a tree."""
+    os.makedirs(RIG, exist_ok=True)
+    share = of_tier("share", tier)
+    with open(RIG + "/lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        prepare_system()
+        if tier != "smoke":
+            subprocess.run(["bash", HERE + "/modules.sh", RIG], check=True)
+        build(SMOKE_PROGRAMS if tier == "smoke" else PROGRAMS, share)
+        if tier:
+            frozen.prepare(RIG + "/system", share, of_tier("frozen", tier))
     return share
 
 
 def machine_for(scenario, share, tier):
     if tier:
-        return frozen.Frozen(RIG + "/system", RIG + "/frozen")
+        return frozen.Frozen(RIG + "/system", of_tier("frozen", tier))
     return (Board if scenario in usb.SCENARIOS + usb_speed.SCENARIOS + uvc.SCENARIOS else Machine)(RIG + "/system", share)
 
 
