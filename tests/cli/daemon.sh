@@ -3,6 +3,7 @@
 # ttfboxd from boot to boot, in real time: a simulated camera, and where it says so a real guardian on wires in a file.
 . "$(dirname "$0")/cli.bash"
 . "$(dirname "$0")/bench.bash"
+. "$(dirname "$0")/daemon.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
 # Its faults are of the sample's age: by the machine's clock the disk would be full at once after a restart.
@@ -17,17 +18,6 @@ listen: []
 END
 plan grass.yaml 'interval: 400ms' 'count: 12' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B'
 
-start() { # [ENVIRONMENT...]: in the background, what it says in `log`
-    env "$@" "$DAEMON" --config ttfboxd.yaml >>log 2>&1 &
-    daemon=$!
-}
-heard() { # FILE WORDS [SECONDS]: within 30 s on a busy machine
-    for _ in $(seq $((${3:-30} * 20))); do
-        grep -qF -- "$2" "$1" 2>/dev/null && return 0
-        sleep 0.05
-    done
-    fail "$1 does not say '$2': $(cat "$1")"
-}
 ends() { # CODE: the daemon, within 20 s
     local got
     for _ in $(seq 400); do
@@ -86,19 +76,19 @@ expect 0 "$DAEMON" --config ttfboxd.yaml --check
 # ---- a whole run under a manager, which hears of it; then it waits to be told to end ----
 "$PYTHON" "$HERE/manager.py" "$WORK/notify" "$WORK/manager" &
 manager=$!
-heard manager listening
-start NOTIFY_SOCKET="$WORK/notify" WATCHDOG_USEC=20000000
-heard log "<5>done slots=12"
-heard manager "STATUS=SIMULATED, capturing: 12 of 12 slots"
-heard manager " of 12 slots captured, sealed"
-heard manager "READY=1 | WATCHDOG_USEC=0"
-heard manager "WATCHDOG_USEC=20000000" # armed while it runs
-heard manager "WATCHDOG=1"
+heard listening manager
+begin_daemon NOTIFY_SOCKET="$WORK/notify" WATCHDOG_USEC=20000000
+heard "<5>done slots=12"
+heard "STATUS=SIMULATED, capturing: 12 of 12 slots" manager
+heard " of 12 slots captured, sealed" manager
+heard "READY=1 | WATCHDOG_USEC=0" manager
+heard "WATCHDOG_USEC=20000000" manager # armed while it runs
+heard "WATCHDOG=1" manager
 grep -q STOPPING manager && fail "it stops too soon"
 kill -TERM "$daemon"
 ends 0
-heard manager "STOPPING=1"
-heard log "<5>stopped"
+heard "STOPPING=1" manager
+heard "<5>stopped"
 grep -qE '^<[1-7]>[a-z]+ [a-z_]+=' log || fail "lines without a priority and keys: $(cat log)"
 whole 12
 is simulated true
@@ -110,25 +100,25 @@ wait "$manager" 2>/dev/null
 
 # ---- started again, there is nothing to do, and it says so ----
 rm -f log
-start X=1
-heard log "<5>done slots=12"
+begin_daemon X=1
+heard "<5>done slots=12"
 kill -TERM "$daemon"
 ends 0
 
 # ---- told to end within a run, it ends within a slot; started again it goes on ----
 rm -rf data log
-start X=1
-heard log "<6>armed next=0 slots=12"
+begin_daemon X=1
+heard "<6>armed next=0 slots=12"
 sleep 1
 kill -TERM "$daemon"
 ends 0
-heard log "<5>cut slots="
+heard "<5>cut slots="
 "$TTFBOX" info data/grass --json >out
 is sealed false
 rm -f log
-start X=1
-heard log "<5>resuming"
-heard log "sealed=yes"
+begin_daemon X=1
+heard "<5>resuming"
+heard "sealed=yes"
 kill -TERM "$daemon"
 ends 0
 whole 12
@@ -137,8 +127,8 @@ grep -q "disk full" log && fail "the sample aged with the machine: $(cat log)"
 # ---- who owns the box ----
 rm -rf data log
 plan grass.yaml 'interval: 400ms' 'count: 500' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B'
-start X=1
-heard log "<6>armed"
+begin_daemon X=1
+heard "<6>armed"
 expect 1 "$DAEMON" --config ttfboxd.yaml
 said err "the box is owned by ttfboxd, process $daemon, into data/grass"
 expect 1 "$TTFBOX" capture grass.yaml --board ./box.yaml -o other
@@ -157,9 +147,9 @@ for _ in 1 2 3; do
     kill -9 "$daemon"
     wait "$daemon" 2>/dev/null
     rm -f log
-    start X=1
-    heard log "<5>resuming"
-    heard log "<6>armed"
+    begin_daemon X=1
+    heard "<5>resuming"
+    heard "<6>armed"
 done
 kill -TERM "$daemon"
 ends 0
@@ -178,10 +168,10 @@ END
 
 # ---- no plan yet; then one comes ----
 rm -rf data log grass.yaml
-start X=1
-heard log "<5>waiting plan="
+begin_daemon X=1
+heard "<5>waiting plan="
 plan grass.yaml 'interval: 300ms' 'count: 3' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B'
-heard log "<5>done slots=3"
+heard "<5>done slots=3"
 kill -TERM "$daemon"
 ends 0
 
@@ -195,9 +185,9 @@ sed -i "s|SOCKET|$WORK/socket|" box.yaml
 rm -rf data log
 plan grass.yaml 'interval: 1s' 'count: 3' 'keep: raw' 'reserve: 0B' 'lamps: {mode: capture-only}' \
     'shot: {exposure: 10ms, lamps: {left: 100%}}'
-start X=1
-heard log "<4>retry"
-heard log "the lamp guardian does not answer"
+begin_daemon X=1
+heard "<4>retry"
+heard "the lamp guardian does not answer"
 lit=no
 for _ in $(seq 400); do # the light flashes: somebody is needed
     [ "$(tail -c 1 panel)" = 1 ] && lit=yes && break
@@ -222,24 +212,24 @@ pressed() { # until WORDS are heard; a press that begins just while it is tried 
     fail "a press is not felt: $(cat log)"
 }
 pressed '<5>resting why="stopped by a person"'
-heard log "<5>button press=long"
+heard "<5>button press=long"
 grep -q '"state": *"stopped"' data/.ttfbox/run.json || fail "it is not written down: $(cat data/.ttfbox/run.json)"
 kill -TERM "$daemon"
 ends 0
 rm -f log
-start X=1
-heard log '<5>resting why="stopped by a person"'
+begin_daemon X=1
+heard '<5>resting why="stopped by a person"'
 pressed "<5>button press=long"
 sleep 0.5
 grep -q "retry" log && fail "it is tried all the same: $(cat log)"
 kill -TERM "$daemon"
 ends 0
 rm -rf log data/.ttfbox
-start X=1
-heard log "the lamp guardian does not answer"
+begin_daemon X=1
+heard "the lamp guardian does not answer"
 "$LAMPD" --board box.yaml >guarding 2>&1 &
 guardian=$!
-heard log "<5>done slots=3 captured=3"
+heard "<5>done slots=3 captured=3"
 kill -TERM "$daemon"
 ends 0
 kill -TERM $guardian

@@ -3,6 +3,7 @@
 # A calibration made by HTTP alone, on a box that a daemon owns: dark, flat, in use, a run that is developed with it; and what is refused.
 . "$(dirname "$0")/cli.bash"
 . "$(dirname "$0")/server.bash"
+. "$(dirname "$0")/daemon.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
 printf 'board: %s\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0"]\n' "$SOURCE/boards/sim-small/board.yaml" >ttfboxd.yaml
@@ -11,13 +12,8 @@ printf 'set: {lock: %s/box.lock, sim.clock: real, sim.scene.name: white, sim.sen
 
 start() {
     : >log
-    "$DAEMON" --config ttfboxd.yaml >>log 2>&1 &
-    daemon=$!
-    for _ in $(seq 600); do
-        URL=http://$(sed -n 's/.*listening at="\(127[^"]*\)".*/\1/p' log)/api/v1
-        [ "$URL" = http:///api/v1 ] || break
-        sleep 0.05
-    done
+    begin_daemon
+    daemon_url
     ME=(-H "Authorization: Bearer $(cat data/.ttfbox/token)" -H 'Content-Type: application/json')
 }
 send() { # METHOD PATH STATUS JSON
@@ -31,14 +27,7 @@ step() { # STATE: what the last step comes to, within a minute
     done
     fail "the step: $(cat out); $(cat log)"
 }
-state() { # WORD
-    for _ in $(seq 600); do
-        get "$URL/status" 200 "${ME[@]}"
-        [ "$(json state)" = "$1" ] && return 0
-        sleep 0.05
-    done
-    fail "it is $(json state), not $1: $(cat log)"
-}
+ask_status() { get "$URL/status" 200 "${ME[@]}"; }
 ended() { # DATASET: it is sealed, and the box rests (it may do so still just after a run was asked for)
     for _ in $(seq 1200); do
         [ -e "data/$1/SHA256SUMS" ] && break

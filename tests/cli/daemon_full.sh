@@ -14,6 +14,7 @@ fi
 . "$(dirname "$0")/cli.bash"
 . "$(dirname "$0")/bench.bash"
 . "$(dirname "$0")/server.bash"
+. "$(dirname "$0")/daemon.bash"
 
 bench_box
 mkdir data
@@ -25,18 +26,9 @@ printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nretry: 300ms\nlisten: [
 
 start() {
     : >log
-    "$DAEMON" --config ttfboxd.yaml >>log 2>&1 &
-    daemon=$!
-    heard 'listening at="127'
-    URL=http://$(sed -n 's/.*listening at="\(127[^"]*\)".*/\1/p' log)/api/v1
+    begin_daemon
+    daemon_url
     ME=(-H "Authorization: Bearer $(cat data/.ttfbox/token)")
-}
-heard() { # WORDS
-    for _ in $(seq 600); do
-        grep -qF -- "$1" log && return 0
-        sleep 0.05
-    done
-    fail "the log does not say '$1': $(cat log)"
 }
 status() { get "$URL/status" 200 "${ME[@]}"; }
 until_is() { # CONDITION: of the status, in Python, within 15 s
@@ -97,8 +89,7 @@ get "$URL/datasets/grass" 200 "${ME[@]}"
 is sealed false
 
 # ---- killed there it begins anew: the line that says so finds room in a block of its file, and records wait for theirs, or it is tried again ----
-kill -9 "$daemon"
-{ wait "$daemon"; } 2>/dev/null
+end_daemon KILL
 start
 until_is 's["disk"]["free_bytes"] == 0 and (s["state"] == "retrying" and "No space left on device" in s["why"]
     or s["state"] == "capturing" and any("disk full" in a for a in alarms))'
@@ -109,8 +100,7 @@ expect 0 "$TTFBOX" verify data/grass
 seen=$(grep -c '"result":"captured"' data/grass/records.jsonl)
 rm data/ballast.*
 until_is 's["state"] == "capturing" and n.get("captured", 0) >= '$((seen + 3))' and not alarms'
-kill -TERM "$daemon"
-wait "$daemon" || fail "it ended with $?: $(cat log)"
+end_daemon
 expect 0 "$TTFBOX" verify data/grass --json
 (cd data/grass && sha256sum --quiet -c) <before || fail "what was committed is not there any more"
 "$PYTHON" -I -S - data/grass/records.jsonl <<'END' || fail "records are lacking"

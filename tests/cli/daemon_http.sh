@@ -4,6 +4,7 @@
 . "$(dirname "$0")/cli.bash"
 . "$(dirname "$0")/bench.bash"
 . "$(dirname "$0")/server.bash"
+. "$(dirname "$0")/daemon.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
 bench_box 'lamps: {left: {backend: sim}}' 'sensors: {box-temp: {backend: sim, kind: temperature}}'
@@ -12,25 +13,11 @@ printf 'board: ./box.yaml\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0", "un
 
 start() {
     : >log
-    "$DAEMON" --config ttfboxd.yaml >>log 2>&1 &
-    daemon=$!
+    begin_daemon
     heard 'listening at="unix:'
-    URL=http://$(sed -n 's/.*listening at="\(127[^"]*\)".*/\1/p' log)/api/v1
+    daemon_url
     TOKEN=$(cat data/.ttfbox/token)
     ME=(-H "Authorization: Bearer $TOKEN")
-}
-heard() { # WORDS [FILE]
-    for _ in $(seq 600); do
-        grep -qF -- "$1" "${2:-log}" 2>/dev/null && return 0
-        sleep 0.05
-    done
-    fail "${2:-log} does not say '$1': $(cat "${2:-log}")"
-}
-end() { # [SIGNAL]
-    kill "-${1:-TERM}" "$daemon"
-    wait "$daemon"
-    local got=$?
-    [ -n "${1:-}" ] || [ $got = 0 ] || fail "it ended with $got: $(cat log)"
 }
 json_of() { # FILE URL STATUS [curl's options]: a JSON or YAML file sent
     local file=$1 type=application/json
@@ -42,14 +29,7 @@ post() { # URL STATUS JSON [curl's options]
     printf '%s' "$3" >asked.json
     json_of asked.json "$1" "$2" "${@:4}"
 }
-state() { # WORD: within 15 s
-    for _ in $(seq 300); do
-        get "$URL/status" 200 "${ME[@]}"
-        [ "$(json state)" = "$1" ] && return 0
-        sleep 0.05
-    done
-    fail "it is $(json state), not $1: $(cat log)"
-}
+ask_status() { get "$URL/status" 200 "${ME[@]}"; }
 answered() { # what was asked last is done
     local number
     number=$(json number)
@@ -273,7 +253,7 @@ else
 fi
 get "$URL/plans/second" 200 "${ME[@]}" -X DELETE
 before=$(slots two)
-end KILL
+end_daemon KILL
 start
 state capturing
 is run.dataset two
@@ -298,7 +278,7 @@ get "$URL/run/stop" 202 "${ME[@]}" -X POST
 state stopped
 is why "stopped by a person"
 get "$URL/run/stop" 404 "${ME[@]}" -X POST
-end
+end_daemon
 start
 state stopped
 before=$(slots two)
@@ -320,7 +300,7 @@ post "$URL/run" 409 '{"plan":"first","dataset":"two"}'
 said out 'another plan'
 state stopped
 [ "$(sha256sum <data/first/SHA256SUMS)" = "$sealed" ] || fail "a sealed dataset was changed"
-end
+end_daemon
 
 # ---- orders that cannot be read: nothing runs, everything can be asked, and a person goes on ----
 echo '{"state":' >data/.ttfbox/run.json
@@ -334,7 +314,7 @@ post "$URL/run" 202 '{"plan":"second","dataset":"two"}'
 state capturing
 get "$URL/run/stop" 202 "${ME[@]}" -X POST
 state stopped
-end
+end_daemon
 none_missed two
 expect 0 "$TTFBOX" verify data/two
 grep -q '"reason":"watering"' data/two/records.jsonl || fail "the pause is not in the records"
@@ -365,14 +345,14 @@ counted() { # SLOTS: within 15 s
     fail "$(json run.done) slots are counted of $1"
 }
 counted "$all"
-end
+end_daemon
 mv data/three three.away
 start
 state stopped
 counted $((all - $(grep -c '"type":"slot"' three.away/records.jsonl)))
 mv three.away data/three
 counted "$all"
-end
+end_daemon
 mv whole.yaml box.yaml
 
 plan first.yaml 'interval: 500ms' 'count: 4' 'shot: {exposure: 10ms}' 'keep: both' 'reserve: 0B'
@@ -393,4 +373,4 @@ heard "<5>done slots=4 captured=4"
 exec 9>&-
 heard "listening at=\"127.0.0.1:$port\""
 [ "$(grep -c unreachable log)" = 1 ] || fail "it says so again and again"
-end
+end_daemon

@@ -11,6 +11,7 @@ fi
 . "$(dirname "$0")/cli.bash"
 . "$(dirname "$0")/bench.bash"
 . "$(dirname "$0")/server.bash"
+. "$(dirname "$0")/daemon.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
 bench_box
@@ -18,13 +19,6 @@ data_in_memory
 printf 'board: ./box.yaml\nplan: grass.yaml\ndata: data\nlisten: ["127.0.0.1:8417", "usb0:8417"]\n' >ttfboxd.yaml
 plan grass.yaml 'interval: 500ms' 'count: 900' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 0B'
 
-heard() { # WORDS [TIMES]: within 30 s
-    for _ in $(seq 600); do
-        [ "$(grep -cF -- "$1" log)" -ge "${2:-1}" ] && return 0
-        sleep 0.05
-    done
-    fail "the log does not say '$1': $(cat log)"
-}
 plug() { # ADDRESS
     ip link add usb0 type veth peer name pc0
     ip link set usb0 up
@@ -37,8 +31,7 @@ there() { # ADDRESS
 }
 
 ip link set lo up
-"$DAEMON" --config ttfboxd.yaml >log 2>&1 &
-daemon=$!
+begin_daemon
 heard 'listening at="127.0.0.1:8417"'
 heard 'unreachable at="usb0:8417"'
 TOKEN=$(cat data/.ttfbox/token)
@@ -61,7 +54,7 @@ there 10.9.0.2
 ip link del usb0
 heard 'left at="10.9.0.2:8417"'
 plug 10.9.0.1
-heard 'listening at="10.9.0.1:8417" for="usb0:8417"' 2
+heard 'listening at="10.9.0.1:8417" for="usb0:8417"' log 2
 there 10.9.0.1
 there 127.0.0.1
 
@@ -71,8 +64,7 @@ code=$(curl -sS -o out -w '%{http_code}' -X POST -H "Authorization: Bearer $TOKE
 heard '<5>resting'
 kill -0 $listener 2>/dev/null || fail "who listens at another address was cut off: $(cat told)"
 kill $listener
-kill "$daemon"
-wait "$daemon" || fail "it ended with $?: $(cat log)"
+end_daemon
 "$PYTHON" - told data/grass <<'END' || fail "slots were missed, or not told"
 import json, sys
 lines = open(sys.argv[1], encoding="utf-8").read().split("\n")

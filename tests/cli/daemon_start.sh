@@ -3,6 +3,7 @@
 # ttfboxd and a plan with a start: it waits for it and says so; a box that does not know what time it is says that, and waits for whoever knows.
 . "$(dirname "$0")/cli.bash"
 . "$(dirname "$0")/bench.bash"
+. "$(dirname "$0")/daemon.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
 bench_box
@@ -10,20 +11,8 @@ printf 'board: ./box.yaml\ndata: data\nretry: 300ms\nlisten: [unix:http]\n' >ttf
 
 start() {
     : >log
-    "$DAEMON" --config ttfboxd.yaml >>log 2>&1 &
-    daemon=$!
+    begin_daemon
     heard listening
-}
-heard() { # WORDS
-    for _ in $(seq 600); do
-        grep -qF -- "$1" log && return 0
-        sleep 0.05
-    done
-    fail "the log does not say '$1': $(cat log)"
-}
-end() {
-    kill -TERM "$daemon"
-    wait "$daemon" || fail "it ended with $?: $(cat log)"
 }
 asked() { # STATUS PATH [curl's options]
     local got
@@ -31,14 +20,7 @@ asked() { # STATUS PATH [curl's options]
     [ "$got" = "$1" ] || fail "$2 is answered with $got instead of $1: $(cat out)"
 }
 AS_JSON=(-H 'Content-Type: application/json' -d)
-state() { # WORD
-    for _ in $(seq 300); do
-        asked 200 status
-        [ "$(json state)" = "$1" ] && return 0
-        sleep 0.05
-    done
-    fail "it is $(json state), not $1: $(cat log)"
-}
+ask_status() { asked 200 status; }
 in_future() { date -u -d "+$1 seconds" +%Y-%m-%dT%H:%M:%SZ; }
 tell_time() { asked 200 time "${AS_JSON[@]}" "{\"utc_ns\":$(date +%s%N)}"; }
 starting() { # NAME SECONDS LINE...: a plan that starts so much later
@@ -61,7 +43,7 @@ if [ "$trust" = none ]; then
     said out "nobody vouches for the box's clock"
     said out "by a PC"
     state idle
-    end
+    end_daemon
 
     # ---- the configuration's waits, and says for what; the clock is set when its start has passed: the slots of that time are lost, and no others ----
     starting grass 2 'count: 9'
@@ -84,7 +66,7 @@ lost = [r for r in slots if r["result"] != "captured"]
 assert 1 <= len(lost) <= 8 and slots[: len(lost)] == lost, slots
 assert {r.get("reason") for r in lost} == {"the capture began after this slot"}, lost
 END
-    end
+    end_daemon
     sed -i '/^plan/d' ttfboxd.yaml
     rm -rf data
     mkdir data
@@ -110,5 +92,5 @@ asked 200 status
 is state waiting
 state capturing
 heard '<5>done slots=3 captured=3'
-end
+end_daemon
 expect 0 "$TTFBOX" verify data/soon
