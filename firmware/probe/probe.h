@@ -55,6 +55,10 @@ void probe_add(struct probe_findings *findings, enum probe_weight weight, const 
 void probe_cameras(const struct probe_machine *machine, const struct ttf_board *board,
                    struct probe_findings *findings);
 
+/* A camera of libcamera's does not answer: if nothing else is said of cameras, that and where to look on. */
+void probe_silent_camera(const struct probe_machine *machine, const struct ttf_board *board,
+                         struct probe_findings *findings);
+
 /* Wires of lamps, door, button and light: of what else they are on this machine, who has them, hats. */
 void probe_lines(const struct probe_machine *machine, const struct ttf_board *board,
                  struct probe_findings *findings);

@@ -92,14 +92,20 @@ static void load(struct bench *b, const char *text)
         fail_msg("%s: %s", err.where, err.what);
 }
 
-#define CAMERA "board: t\ncameras: {main: {backend: v4l2}}\nclock: {backend: machine}\n"
+#define LIBCAMERA "board: t\ncameras: {main: {backend: libcamera}}\nclock: {backend: machine}\n"
+#define CAMERA    "board: t\ncameras: {main: {backend: v4l2}}\nclock: {backend: machine}\n"
 
 /* A finding that says this; its hint if it must say something, too. */
 static const struct probe_finding *found(const struct bench *b, const char *text)
 {
     for (unsigned i = 0; i < b->findings.n; i++)
-        if (strstr(b->findings.finding[i].text, text))
-            return &b->findings.finding[i];
+        if (strstr(b->findings.finding[i].text, text)) {
+            const struct probe_finding *f = &b->findings.finding[i];
+
+            assert_true(strlen(f->text) < sizeof f->text - 1); /* none is cut short */
+            assert_true(strlen(f->hint) < sizeof f->hint - 1);
+            return f;
+        }
     for (unsigned i = 0; i < b->findings.n; i++)
         print_message("    %s\n", b->findings.finding[i].text);
     fail_msg("nothing says '%s'", text);
@@ -195,7 +201,7 @@ static void a_camera_behind_libcamera_says_what_is_in_its_way(void **state)
 {
     struct bench *b = *state;
 
-    load(b, "board: t\ncameras: {main: {backend: libcamera}}\nclock: {backend: machine}\n");
+    load(b, LIBCAMERA);
     put(b, "dev/video0", ""); /* alone it is none of libcamera's */
     cameras(b);
     assert_int_equal(b->findings.n, 1);
@@ -212,6 +218,117 @@ static void a_camera_behind_libcamera_says_what_is_in_its_way(void **state)
     cameras(b);
     assert_int_equal(b->findings.n, 1);
     (void)found(b, "/dev/media0 is held by rpicam-vid (process 812)");
+}
+
+/* A node and what its driver calls it. */
+static void put_node(const struct bench *b, const char *node, const char *called)
+{
+    char path[96];
+
+    (void)snprintf(path, sizeof path, "dev/%s", node);
+    put(b, path, "");
+    (void)snprintf(path, sizeof path,
+                   strncmp(node, "media", 5) == 0 ? "sys/bus/media/devices/%s/model"
+                                                  : "sys/class/video4linux/%s/name",
+                   node);
+    put(b, path, called);
+}
+
+/* What a Raspberry Pi 4 without any camera has (Raspberry Pi's kernel 6.1). */
+static void put_codecs(const struct bench *b)
+{
+    put(b, "proc/device-tree/model", "Raspberry Pi 4 Model B Rev 1.4");
+    put(b, "run/udev/data/c1", "");
+    put_node(b, "video10", "bcm2835-codec-decode\n");
+    put_node(b, "video11", "bcm2835-codec-encode\n");
+    put_node(b, "video13", "bcm2835-isp-output0\n");
+    put_node(b, "video14", "bcm2835-isp-capture0\n");
+    put_node(b, "video19", "rpivid\n");
+    put_node(b, "media0", "bcm2835-isp\n");
+    put_node(b, "media1", "bcm2835-codec\n");
+    put_node(b, "media2", "rpivid\n");
+}
+
+static void codecs_and_image_processors_of_a_pi_are_no_cameras(void **state)
+{
+    struct bench *b = *state;
+
+    put_codecs(b);
+    put_holder(b, "812", "ffmpeg\n", "/dev/video10"); /* who decodes is in nobody's way */
+    load(b, CAMERA);
+    cameras(b);
+    assert_int_equal(b->findings.n, 1);
+    assert_non_null(
+        strstr(found(b, "only processes pictures: bcm2835-codec-decode")->hint, "ribbon"));
+    put_node(b, "video0", "HD Pro Webcam C920\n");
+    cameras(b);
+    assert_int_equal(b->findings.n, 0);
+    load(b, LIBCAMERA);
+    cameras(b);
+    assert_int_equal(b->findings.n, 1);
+    assert_non_null(strstr(
+        found(b, "each /dev/media* only processes pictures: bcm2835-isp, bcm2835-codec")->hint,
+        "ribbon"));
+}
+
+static void a_camera_port_without_a_sensor_says_so(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, LIBCAMERA);
+    put_codecs(b);
+    put_node(b, "media3", "unicam\n"); /* its overlay is on; video nodes come with the sensor */
+    cameras(b);
+    assert_int_equal(b->findings.n, 1);
+    assert_non_null(
+        strstr(found(b, "camera port is on (unicam), but no sensor answers")->hint, "ribbon"));
+    put_node(b, "video0", "unicam-image\n");
+    cameras(b);
+    assert_int_equal(b->findings.n, 0);
+}
+
+static void a_sensor_of_a_pi_5_is_known_by_its_subdevice(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, LIBCAMERA);
+    put(b, "proc/device-tree/model", "Raspberry Pi 5 Model B Rev 1.0");
+    put(b, "run/udev/data/c1", "");
+    put_node(b, "video20", "pispbe-input\n");
+    put_node(b, "media0", "pispbe\n");
+    put_node(b, "media1", "rpi-hevc-dec\n");
+    put_node(b, "v4l-subdev0", "csi2\n");
+    put_node(b, "v4l-subdev1", "pisp-fe\n");
+    cameras(b);
+    (void)found(b, "only processes pictures: pispbe, rpi-hevc-dec");
+    put_node(b, "media2", "rp1-cfe\n");
+    cameras(b);
+    (void)found(b, "camera port is on (rp1-cfe), but no sensor answers");
+    put_node(b, "v4l-subdev2", "imx477 10-001a\n");
+    cameras(b);
+    assert_int_equal(b->findings.n, 0);
+}
+
+static void a_camera_that_libcamera_does_not_give_is_no_dead_end(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, LIBCAMERA);
+    put_codecs(b);
+    cameras(b);
+    probe_silent_camera(&b->machine, &b->board, &b->findings);
+    assert_int_equal(b->findings.n, 1); /* why is said already */
+    put_node(b, "media3", "unicam\n");
+    put_node(b, "v4l-subdev0", "imx219 10-0010\n");
+    cameras(b);
+    assert_int_equal(b->findings.n, 0);
+    probe_silent_camera(&b->machine, &b->board, &b->findings);
+    assert_non_null(strstr(
+        found(b, "has a camera: imx219 10-0010, and yet libcamera does not give")->hint, "cam -l"));
+    b->findings.n = 0;
+    load(b, CAMERA);
+    probe_silent_camera(&b->machine, &b->board, &b->findings);
+    assert_int_equal(b->findings.n, 0);
 }
 
 #define WIRES                                                                             \
@@ -396,6 +513,10 @@ int main(void)
         ON_FILES(a_camera_that_is_busy_says_who_has_it),
         ON_FILES(a_device_that_has_another_number_now_is_told),
         ON_FILES(a_camera_behind_libcamera_says_what_is_in_its_way),
+        ON_FILES(codecs_and_image_processors_of_a_pi_are_no_cameras),
+        ON_FILES(a_camera_port_without_a_sensor_says_so),
+        ON_FILES(a_sensor_of_a_pi_5_is_known_by_its_subdevice),
+        ON_FILES(a_camera_that_libcamera_does_not_give_is_no_dead_end),
         ON_FILES(lines_of_a_pi_that_are_something_else_are_told),
         ON_FILES(a_lamp_on_a_pwm_channel_that_is_not_there_is_told),
         ON_FILES(a_line_that_is_taken_says_by_whom),
