@@ -169,6 +169,26 @@ static void every_real_board_can_be_built_by_its_readme(void **state)
     }
 }
 
+static void a_port_that_also_feeds_the_board_is_wired_without_vbus(void **state)
+{
+    unsigned n = 0;
+
+    (void)state;
+    for (unsigned k = 0; k < n_boards; k++) {
+        const struct ttf_board_machine *m = &boards[k].b.machine;
+        char *text;
+
+        if (!m->usb_powers || m->usb_role != TTF_USB_DEVICE)
+            continue;
+        n++;
+        text = text_of(&boards[k], "README.md");
+        if (!strstr(text, "VBUS wire is cut") || !strstr(text, "VBUS contact"))
+            fail_msg("%s: two supplies may meet", boards[k].b.name);
+        free(text);
+    }
+    assert_int_equal(n, 3); /* every Raspberry Pi */
+}
+
 static void the_lamps_circuit_says_how_many_of_each_part(void **state)
 {
     struct board lamps = {.folder = BOARDS};
@@ -314,6 +334,7 @@ int main(void)
         cmocka_unit_test(an_image_says_what_it_is_made_of),
         cmocka_unit_test(a_raspberry_pi_s_lamps_are_dark_from_its_firmware_on),
         cmocka_unit_test(every_real_board_can_be_built_by_its_readme),
+        cmocka_unit_test(a_port_that_also_feeds_the_board_is_wired_without_vbus),
         cmocka_unit_test(the_lamps_circuit_says_how_many_of_each_part),
         cmocka_unit_test(a_readme_without_a_check_a_number_or_a_wire_is_refused),
         cmocka_unit_test(every_real_board_says_what_was_tried_and_how_its_lamps_are_safe),
