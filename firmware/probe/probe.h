@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * probe.h: what is wrong with a box, in words for whoever built it. Looks at the machine's files alone (/sys, /dev,
- * /proc), asks no device and changes nothing; the folder that they lie in is a parameter.
+ * probe.h: what is wrong with a box, in words for whoever built it. Looks at the machine's files (/sys, /dev, /proc),
+ * and asks the kernel who has its GPIO lines; asks no device and changes nothing. The folder is a parameter.
  */
 #ifndef FIRMWARE_PROBE_H
 #define FIRMWARE_PROBE_H
@@ -25,6 +25,11 @@ struct probe_machine {
     uid_t uid;
     unsigned n_groups;
     gid_t groups[PROBE_GROUPS_MAX];
+    /*
+     * Who holds a line, as ttf_lines_gpiod_holder (hal/gpiod.h); NULL: the kernel is not asked, as of another
+     * machine's files.
+     */
+    int (*line_holder)(const struct ttf_line_spec *spec, char ret_holder[64], struct ttf_err *err);
 };
 
 /* This process, on this machine or on what lies below root. */
@@ -63,8 +68,9 @@ void probe_silent_camera(const struct probe_machine *machine, const struct ttf_b
 void probe_lines(const struct probe_machine *machine, const struct ttf_board *board,
                  struct probe_findings *findings);
 
-/* Who holds the USB device controller. */
-void probe_usb(const struct probe_machine *machine, struct probe_findings *findings);
+/* Who holds the USB device controller, and whether that is what the board's machine.usb_role wants. */
+void probe_usb(const struct probe_machine *machine, const struct ttf_board *board,
+               struct probe_findings *findings);
 
 /* Another machine than the board is for. */
 void probe_is_meant(const struct probe_machine *machine, const struct ttf_board *board,

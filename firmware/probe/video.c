@@ -29,9 +29,9 @@ enum probe_video probe_video_kind(const struct probe_machine *machine, const cha
     bool media = strncmp(node, "media", 5) == 0;
     char path[320];
 
-    (void)snprintf(path, sizeof path, media ? "sys/bus/media/devices/%.200s/model"
-                                            : "sys/class/video4linux/%.200s/name",
-                   node);
+    (void)snprintf(
+        path, sizeof path,
+        media ? "sys/bus/media/devices/%.200s/model" : "sys/class/video4linux/%.200s/name", node);
     (void)probe_line(machine, path, ret_name, 64);
     if (begins_with_any(ret_name, PROCESSORS))
         return PROBE_VIDEO_PROCESSOR;
@@ -42,8 +42,8 @@ enum probe_video probe_video_kind(const struct probe_machine *machine, const cha
 static void add_name(char *list, size_t size, const char *name)
 {
     size_t used = strlen(list);
-    int n = strstr(list, name) ? 0
-                               : snprintf(list + used, size - used, "%s%s", used ? ", " : "", name);
+    int n =
+        strstr(list, name) ? 0 : snprintf(list + used, size - used, "%s%s", used ? ", " : "", name);
 
     if (n < 0 || (size_t)n >= size - used)
         list[used] = '\0'; /* only whole ones */

@@ -7,8 +7,8 @@
 
 enum probe_video {
     PROBE_VIDEO_CAMERA = 0, /* or of a driver that is not known here */
-    PROBE_VIDEO_RECEIVER,   /* of a Raspberry Pi's camera port: a camera if a sensor answers behind it */
-    PROBE_VIDEO_PROCESSOR   /* codec or image processor: there with and without a camera */
+    PROBE_VIDEO_RECEIVER, /* of a Raspberry Pi's camera port: a camera if a sensor answers behind it */
+    PROBE_VIDEO_PROCESSOR /* codec or image processor: there with and without a camera */
 };
 
 struct probe_nodes {

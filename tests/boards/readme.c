@@ -31,8 +31,9 @@ static bool has(const char *text, const char *word)
     const char *at = text;
 
     while ((at = strcasestr(at, word)) != NULL) {
-        bool part = isdigit((unsigned char)word[0]) &&
-                    ((at > text && isdigit((unsigned char)at[-1])) || isdigit((unsigned char)at[n]));
+        bool part =
+            isdigit((unsigned char)word[0]) &&
+            ((at > text && isdigit((unsigned char)at[-1])) || isdigit((unsigned char)at[n]));
 
         if (!part)
             return true;
@@ -131,7 +132,8 @@ bool readme_checks(const char *text, const struct readme_wire *wires, unsigned n
     bool ok = wiring && power && n_wires <= 32;
 
     if (!ok)
-        (void)snprintf(ret_fault, FAULT, "there are no steps for its wires, or for its first power");
+        (void)snprintf(ret_fault, FAULT,
+                       "there are no steps for its wires, or for its first power");
     ok = ok && steps_check(wiring, wires, n_wires, found, ret_fault) &&
          steps_check(power, wires, 0, none, ret_fault);
     for (unsigned i = 0; ok && i < n_wires; i++)

@@ -91,12 +91,41 @@ enum ttf_usb_role {
     TTF_USB_DEVICE
 };
 
+/* By what the computer is fed. */
+enum ttf_power_input {
+    TTF_POWER_UNSAID = 0,
+    TTF_POWER_USB,    /* the port that usb_role is of */
+    TTF_POWER_HEADER, /* 5 V at its pin header */
+    TTF_POWER_POE,
+    TTF_POWER_SOCKET /* one of its own */
+};
+
+#define TTF_USB_DEVICES_MAX 8
+
 /* What the computer in the box is. */
 struct ttf_board_machine {
     char model[64]; /* how its own name for itself begins; empty: any */
     int header;     /* enum ttf_header_kind */
     int usb_role;   /* enum ttf_usb_role */
     bool usb_single, usb_powers;
+    int power; /* enum ttf_power_input */
+    /* What is plugged into its USB ports: cameras and chips by their names, "disk", "network". */
+    unsigned n_usb_devices;
+    char usb_devices[TTF_USB_DEVICES_MAX][64];
+};
+
+/* Services of a box (firmware/units/), and functions of its gadget (firmware/gadget/): bits. */
+enum ttf_board_unit_bit {
+    TTF_UNIT_LAMPD = 1,
+    TTF_UNIT_DAEMON = 2,
+    TTF_UNIT_PREVIEW = 4,
+    TTF_UNIT_ALERTS = 8,
+    TTF_UNIT_GADGET = 16,
+    TTF_UNIT_CABLE = 32
+};
+enum ttf_gadget_function_bit {
+    TTF_GADGET_STREAMS = 1,
+    TTF_GADGET_NETWORK = 2
 };
 
 /* Lines of a header that are something else, too. */
@@ -122,6 +151,8 @@ struct ttf_board {
     struct ttf_board_guardian guardian;
     struct ttf_board_panel panel; /* of other back-ends than "sim" */
     struct ttf_board_machine machine;
+    unsigned units,
+        gadget; /* what an image of it runs, what it is on the bus; 0: it does not say */
     char watchdog_path[64]; /* of back-end "device" */
     char lock[512];         /* the file that says who owns the box; empty: nobody asks */
     unsigned n_sysfs;
@@ -136,6 +167,10 @@ struct ttf_board {
 struct ttf_board_set {
     const char *path, *value;
 };
+
+/* The i-th service that the board names, without ".service"; the i-th function of its gadget. NULL: no more. */
+const char *ttf_board_unit(const struct ttf_board *board, unsigned i);
+const char *ttf_board_function(const struct ttf_board *board, unsigned i);
 
 /*
  * Where the board called `name` lies: a path to a file or folder as it is, else
