@@ -145,6 +145,7 @@ static int told(const struct ttf_line_spec *spec, char ret_holder[64], struct tt
     return holder != NULL;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the kernel's, as probe_machine has it */
 static int denied(const struct ttf_line_spec *spec, char ret_holder[64], struct ttf_err *err)
 {
     (void)ret_holder;
