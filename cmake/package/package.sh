@@ -27,7 +27,7 @@ programs() { # COMPONENT: below the folder that is built into
     case $1 in
     tools) echo bin/ttfbox ;;
     box) echo bin/ttfboxd bin/ttfbox-lampd bin/ttfbox-usbd bin/ttfbox-preview bin/ttfbox-alertd ;;
-    libcamera) echo lib/ttfbox/ttfbox-libcamera.so ;;
+    libcamera) echo lib/ttfbox/ttfbox-libcamera.so lib/ttfbox/ttfbox-libcamera-host ;;
     esac
 }
 

@@ -13,7 +13,10 @@
 namespace
 {
 
-/* Takes what libcamera logs, which a library must not print, and keeps its last complaint. */
+/*
+ * Takes what libcamera logs, and keeps its last complaint. Its last word before it ends the process goes where whoever looks for the
+ * reason finds it: this is a process of its own.
+ */
 class listener : public std::streambuf
 {
   public:
@@ -59,6 +62,8 @@ class listener : public std::streambuf
     /* "[0:00:01.2] [12] ERROR Category file.cpp:34 words": the words. */
     void end_line()
     {
+        if (line_.find(" FATAL ") != std::string::npos)
+            (void)fprintf(stderr, "libcamera: %s\n", line_.c_str());
         const size_t level = line_.find(" ERROR ");
         const size_t place = line_.find(".cpp:", level == std::string::npos ? 0 : level);
         const size_t words = line_.find(' ', place == std::string::npos ? 0 : place);
@@ -171,6 +176,7 @@ extern "C" const struct lc_ops ttf_libcamera_ops = {
     lc_adapter_limits,
     lc_adapter_allocate,
     lc_adapter_buffer,
+    lc_adapter_shared,
     lc_adapter_start,
     lc_adapter_stop,
     lc_adapter_queue,

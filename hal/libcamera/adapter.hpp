@@ -41,6 +41,7 @@ int lc_adapter_limits(struct lc_handle *handle, struct lc_limits *ret) noexcept;
 int lc_adapter_allocate(struct lc_handle *handle, unsigned n, unsigned *ret_n) noexcept;
 int lc_adapter_buffer(struct lc_handle *handle, unsigned i, const void **ret_at,
                       size_t *ret_length) noexcept;
+int lc_adapter_shared(struct lc_handle *handle, unsigned i) noexcept;
 int lc_adapter_start(struct lc_handle *handle, const struct lc_settings *settings) noexcept;
 int lc_adapter_stop(struct lc_handle *handle) noexcept;
 int lc_adapter_queue(struct lc_handle *handle, unsigned buffer,

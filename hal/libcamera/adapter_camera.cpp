@@ -332,6 +332,11 @@ int lc_adapter_buffer(struct lc_handle *handle, unsigned i, const void **ret_at,
     return 0;
 }
 
+int lc_adapter_shared(struct lc_handle *handle, unsigned i) noexcept
+{
+    return i < handle->mappings.size() ? handle->mappings[i].descriptor : -EINVAL;
+}
+
 int lc_adapter_start(struct lc_handle *handle, const struct lc_settings *settings) noexcept
 {
     libcamera::ControlList list(handle->camera->controls());

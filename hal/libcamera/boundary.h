@@ -5,7 +5,8 @@
  * Private to hal/libcamera.
  *
  * A process without memory ends in the module (libcamera itself and C++ have no other way out: what they throw meets
- * noexcept): the service manager starts it again, and the run goes on.
+ * noexcept), as it does where libcamera's own assertions fail. So it is a process of its own (host.c, remote.h): the camera is lost
+ * with it, is found again by another, and the run goes on.
  *
  * All functions return a negative errno on failure. One thread calls them, but for queue and take, which any may.
  */
@@ -21,7 +22,7 @@ extern "C" {
 #endif
 
 /* Grows with any change below: a module of another one is not used. */
-#define LC_ABI 1u
+#define LC_ABI 2u
 
 /* Which stream: as the sensor gives it, or as the image processor makes it. */
 enum lc_role {
@@ -142,6 +143,8 @@ struct lc_ops {
     /* Buffers of the configured stream, ret_n of them; configure and let_go give them up. */
     int (*allocate)(struct lc_handle *handle, unsigned n, unsigned *ret_n);
     int (*buffer)(struct lc_handle *handle, unsigned i, const void **ret_at, size_t *ret_length);
+    /* The descriptor of such a buffer's memory, from its beginning; the module's own. What a process asks that lends it to another. */
+    int (*shared)(struct lc_handle *handle, unsigned i);
     int (*start)(struct lc_handle *handle, const struct lc_settings *settings);
     /* Whatever was queued is over; nothing of it can be taken afterwards. */
     int (*stop)(struct lc_handle *handle);

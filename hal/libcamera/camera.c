@@ -230,11 +230,18 @@ static int camera_recover(struct ttf_camera *base, enum ttf_camera_recovery step
     return start(camera, err);
 }
 
+static void free_system(const struct lc_system *system)
+{
+    if (system->destroy)
+        system->destroy(system->ctx);
+}
+
 static void free_camera(struct lc_camera *camera)
 {
     lc_let_go(camera);
     ttf_gate_destroy(camera->freed);
     pthread_mutex_destroy(&camera->stream.lock);
+    free_system(&camera->system);
     free(camera);
 }
 
@@ -288,11 +295,11 @@ int lc_camera_create_on(const struct lc_system *system, const struct ttf_libcame
     struct lc_camera *camera;
     int r = check_config(config, err);
 
-    if (r < 0)
-        return r;
-    camera = calloc(1, sizeof(*camera));
-    if (!camera)
-        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    camera = r == 0 ? calloc(1, sizeof(*camera)) : NULL;
+    if (!camera) {
+        free_system(system);
+        return r < 0 ? r : ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    }
     camera->base.ops = &OPS;
     camera->config = *config;
     camera->config.buffers = config->buffers ? config->buffers : BUFFERS_DEFAULT;
@@ -303,6 +310,7 @@ int lc_camera_create_on(const struct lc_system *system, const struct ttf_libcame
     camera->clock = clock;
     camera->system = *system;
     if (pthread_mutex_init(&camera->stream.lock, NULL) != 0) {
+        free_system(system);
         free(camera);
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     }
@@ -319,7 +327,7 @@ int lc_camera_create_on(const struct lc_system *system, const struct ttf_libcame
 int ttf_libcamera_camera_create(const struct ttf_libcamera_config *config, struct ttf_clock *clock,
                                 struct ttf_camera **ret, struct ttf_err *err)
 {
-    struct lc_system system;
+    struct lc_system system = {0};
     int r = check_config(config, err);
 
     if (r == 0)

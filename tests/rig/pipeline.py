@@ -67,13 +67,14 @@ def a_capture_through_libcamera_has_every_slot(m):
     lamps.end(m)
 
 
-def a_camera_behind_libcamera_that_goes_is_found_again(m):
+def goes_and_comes(m, before=""):
+    """The camera's driver unbound in the middle of a capture, and bound again."""
     slots = 14
     prepare(m, slots)
-    m.begin(camera.CAPTURE + " & sleep 8; echo vimc.0 >/sys/bus/platform/drivers/vimc/unbind; sleep %d; "
+    m.begin(before + camera.CAPTURE + " & sleep 8; echo vimc.0 >/sys/bus/platform/drivers/vimc/unbind; sleep %d; "
             "echo vimc.0 >/sys/bus/platform/drivers/vimc/bind; cut -d' ' -f1 /proc/uptime >/run/back; wait $!" % AWAY_S)
     code, out = m.end(slots * INTERVAL_S + 160)
-    assert code == 0, out
+    assert code == 0, (code, out)
     records = camera.slots_of(m, slots)
     lost = camera.tell_lost(records)
     code, out = m.run("cat /run/back")
@@ -85,8 +86,18 @@ def a_camera_behind_libcamera_that_goes_is_found_again(m):
     lamps.end(m)
 
 
+def a_camera_behind_libcamera_that_goes_is_found_again(m):
+    goes_and_comes(m)
+
+
+def a_camera_behind_libcamera_that_goes_unheard_is_found_again(m):
+    """As the service runs: in a network of its own, where no word of udev arrives."""
+    goes_and_comes(m, "unshare -n ")
+
+
 SCENARIOS = [the_camera_suite_passes_on_vimc_through_libcamera,
              a_capture_through_libcamera_has_every_slot,
              a_camera_behind_libcamera_that_goes_is_found_again,
+             a_camera_behind_libcamera_that_goes_unheard_is_found_again,
              no_camera_behind_libcamera_is_said_with_its_reason,
              many_frames_through_libcamera_leave_nothing_behind]

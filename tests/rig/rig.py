@@ -30,7 +30,7 @@ ROOT = os.path.dirname(os.path.dirname(HERE))
 RIG = ROOT + "/build-rig"
 QEMU_USER = shutil.which("qemu-aarch64-static") or shutil.which("qemu-aarch64")
 PROGRAMS = ["ttfbox", "ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "lampd_child", "capture_child", "rig_camera", "rig_usb", "rig_uvc", "strike", "test_lines", "test_sysfs",
-            "test_conformance_lampd", "ttfbox-libcamera"]
+            "test_conformance_lampd", "ttfbox-libcamera", "ttfbox-libcamera-host"]
 # What no machine here has; said, so that nobody takes silence for a pass.
 NOT_HERE = ["exposure control of a camera behind libcamera", "a Raspberry Pi's own PWM and under-voltage alarm"]
 
@@ -78,8 +78,8 @@ def build(programs, share):
     os.makedirs(share)
     for name in programs:
         folder = "/bin/" if name.startswith("ttfbox") else "/tests/"
-        if name == "ttfbox-libcamera":  # a module that programs find beside them
-            folder, name = "/lib/ttfbox/", name + ".so"
+        if name.startswith("ttfbox-libcamera"):  # a module and what loads it, that programs find beside them
+            folder, name = "/lib/ttfbox/", name if name.endswith("host") else name + ".so"
         shutil.copy(out + folder + name, share)
     shutil.copy(ROOT + "/firmware/gadget/ttfbox-gadget", share)
     shutil.copy(ROOT + "/boards/sim-small/board.yaml", share + "/sim-small.yaml")
