@@ -70,6 +70,8 @@ struct ttf_committer {
     unsigned strikes;
     int64_t first_strike_ns;
     bool disk_full, disk_noted;
+    int64_t fs_errors; /* of the storage in use, at the last look */
+    bool fs_errors_noted;
     bool power_lost;
     int64_t busy_since_ns;          /* first image of the slot under way; TTF_NS_UNKNOWN */
     pthread_mutex_t progress_mutex; /* the session's: it tells before begin and after end, too */
