@@ -30,6 +30,9 @@ void box_host_serial(const struct box_host *host, char ret[64]);
 
 TTF_MUST_USE int box_gpiod_lines(const struct ttf_line_spec *specs, unsigned n,
                                  struct ttf_lines **ret, struct ttf_err *err);
+/* As ttf_lines_gpiod_holder. */
+TTF_MUST_USE int box_gpiod_holder(const struct ttf_line_spec *spec, char ret_holder[64],
+                                  struct ttf_err *err);
 TTF_MUST_USE int box_v4l2_camera(const struct ttf_v4l2_config *config, struct ttf_clock *clock,
                                  struct ttf_camera **ret, struct ttf_err *err);
 TTF_MUST_USE int box_libcamera_camera(const struct ttf_libcamera_config *config,

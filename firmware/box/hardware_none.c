@@ -17,6 +17,11 @@ int box_gpiod_lines(const struct ttf_line_spec *specs, unsigned n, struct ttf_li
     return none("gpiod", err);
 }
 
+int box_gpiod_holder(const struct ttf_line_spec *spec, char ret_holder[64], struct ttf_err *err)
+{
+    return none("gpiod", err);
+}
+
 int box_v4l2_camera(const struct ttf_v4l2_config *config, struct ttf_clock *clock,
                     struct ttf_camera **ret, struct ttf_err *err)
 {

@@ -9,7 +9,7 @@
 #include "probe.h"
 
 static void look(struct cli *cli, const struct ttf_board *board, struct ttf_clock *clock,
-                 struct probe_findings *findings)
+                 bool no_camera, struct probe_findings *findings)
 {
     struct probe_machine machine;
     struct ttf_utc utc = {.trust = TTF_TRUST_NONE};
@@ -18,6 +18,8 @@ static void look(struct cli *cli, const struct ttf_board *board, struct ttf_cloc
     probe_machine_here(&machine, cli->opt.root);
     probe_is_meant(&machine, board, findings);
     probe_cameras(&machine, board, findings);
+    if (no_camera)
+        probe_silent_camera(&machine, board, findings);
     probe_lines(&machine, board, findings);
     probe_usb(&machine, findings);
     if (clock)
@@ -41,14 +43,15 @@ static void look(struct cli *cli, const struct ttf_board *board, struct ttf_cloc
     }
 }
 
-unsigned board_findings(struct cli *cli, const struct ttf_board *board, struct ttf_clock *clock)
+unsigned board_findings(struct cli *cli, const struct ttf_board *board, struct ttf_clock *clock,
+                        bool no_camera)
 {
     struct probe_findings *findings = calloc(1, sizeof *findings);
     unsigned problems = 0;
 
     if (!findings)
         return 0;
-    look(cli, board, clock, findings);
+    look(cli, board, clock, no_camera, findings);
     ttf_json_key(&cli->out, "findings");
     ttf_json_array(&cli->out);
     for (unsigned i = 0; i < findings->n; i++) {

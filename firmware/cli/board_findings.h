@@ -7,8 +7,12 @@
 #include "ttf/config/board_file.h"
 #include "ttf/hal/clock.h"
 
-/* Looks, says, and puts them into the JSON; clock: NULL where the machine is another one's files. How many are problems. */
-unsigned board_findings(struct cli *cli, const struct ttf_board *board, struct ttf_clock *clock);
+/*
+ * Looks, says, and puts them into the JSON. How many are problems. clock: NULL where the machine is another one's
+ * files; no_camera: a back-end was asked and found none.
+ */
+unsigned board_findings(struct cli *cli, const struct ttf_board *board, struct ttf_clock *clock,
+                        bool no_camera);
 
 /* --bundle: with what the JSON says so far. */
 int board_bundle(struct cli *cli, const struct ttf_board *board);

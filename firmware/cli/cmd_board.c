@@ -16,6 +16,7 @@ struct probe {
     const struct ttf_board *board;
     struct ttf_box box;
     unsigned silent;
+    bool no_camera; /* a back-end found none of its cameras */
 };
 
 /* Cameras that do not answer are left out of a box: the others are found by name. */
@@ -214,6 +215,7 @@ static int ask_devices(struct probe *p)
     ttf_json_kstring(&p->cli->out, "board", p->box.board);
     ttf_json_kstring(&p->cli->out, "serial", p->box.serial);
     ttf_json_kbool(&p->cli->out, "simulated", p->box.simulated);
+    p->no_camera = errs[TTF_DEVICE_CAMERA].code == -ENODEV;
     say_silent(p, errs);
     if (box_lock_owner(p->board->lock, owner)) {
         cli_say(p->cli, "owner             %s: its camera is not asked", owner);
@@ -239,7 +241,7 @@ int cmd_board_probe(struct cli *cli)
     if (r == 0 && !cli->opt.root)
         r = ask_devices(&p);
     if (r == 0 && (board->real || cli->opt.root || cli->opt.output))
-        problems = board_findings(cli, board, p.box.clock);
+        problems = board_findings(cli, board, p.box.clock, p.no_camera);
     if (r == 0)
         ttf_json_kint(&cli->out, "problems", problems);
     if (r == 0 && cli->opt.bundle)

@@ -47,6 +47,11 @@ int board_read_machine(const struct cfg_field *field, struct yaml_node *node, vo
                        struct ttf_err *err);
 int board_finish_machine(struct ttf_board *board, struct yaml_node *root, struct ttf_err *err);
 
+/* `machine.usb_devices:`; and, at the end, what excludes what on its USB ports and its power input. */
+int board_read_usb_devices(const struct cfg_field *field, struct yaml_node *node, void *at,
+                           struct ttf_err *err);
+int board_finish_usb(const struct ttf_board *board, struct yaml_node *root, struct ttf_err *err);
+
 /* `sim:`: everything of struct ttf_sim_config and the scene; at is the struct ttf_board. */
 int board_read_sim(const struct cfg_field *field, struct yaml_node *node, void *at,
                    struct ttf_err *err);

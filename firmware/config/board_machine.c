@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* board_machine.c: `machine:` of a board: what the computer in the box is, and what excludes what on it. */
+/* board_machine.c: `machine:` of a board: what the computer in the box is, and which of its lines are something else. */
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +13,12 @@ static const struct cfg_name HEADERS[] = {
 static const struct cfg_name ROLES[] = {
     {"none", TTF_USB_NONE}, {"host", TTF_USB_HOST}, {"device", TTF_USB_DEVICE}, {NULL, 0}};
 
+static const struct cfg_name POWERS[] = {{"usb", TTF_POWER_USB},
+                                         {"header", TTF_POWER_HEADER},
+                                         {"poe", TTF_POWER_POE},
+                                         {"socket", TTF_POWER_SOCKET},
+                                         {NULL, 0}};
+
 static const struct cfg_field MACHINE[] = {
     {"model", cfg_text64, M(model), 0, 0, "how the machine's name for itself begins", 0, 0},
     {"header", cfg_enum, M(header), 0, 0, "its pin header: none or raspberry-pi", HEADERS, 0},
@@ -21,6 +26,10 @@ static const struct cfg_field MACHINE[] = {
      "of its port that may be either: none, host, or device (a PC pulls datasets by it)", ROLES, 0},
     {"usb_single", cfg_bool, M(usb_single), 0, 0, "true: it has no other USB port", 0, 0},
     {"usb_powers", cfg_bool, M(usb_powers), 0, 0, "true: that port is its power input, too", 0, 0},
+    {"power", cfg_enum, M(power), 0, 0, "by what it is fed: usb, header, poe or socket", POWERS, 0},
+    {"usb_devices", board_read_usb_devices, 0, 0, 0,
+     "a list of what is plugged into its USB ports: cameras and chips by name, disk, network", 0,
+     0},
     {0}};
 
 int board_read_machine(const struct cfg_field *field, struct yaml_node *node, void *at,
@@ -106,21 +115,6 @@ static int check_wire(const struct ttf_board *board, const struct place *places,
     return 0;
 }
 
-/* The one port cannot be a PC's device and a camera's host. */
-static int check_usb(const struct ttf_board *board, struct yaml_node *root, struct ttf_err *err)
-{
-    struct yaml_node *cameras = yaml_child(root, "cameras");
-
-    if (board->machine.usb_role != TTF_USB_DEVICE || !board->machine.usb_single)
-        return 0;
-    for (unsigned i = 0; i < board->n_cameras; i++)
-        if (strncmp(board->cameras[i].v4l2.bus, "usb", 3) == 0)
-            return cfg_error(yaml_child(cameras, board->cameras[i].name), err,
-                             "write usb_role: host, and pull datasets by the network",
-                             "a USB camera, but the machine's one USB port is a device");
-    return 0;
-}
-
 int board_finish_machine(struct ttf_board *board, struct yaml_node *root, struct ttf_err *err)
 {
     struct place places[2 * TTF_LINES_MAX];
@@ -132,5 +126,5 @@ int board_finish_machine(struct ttf_board *board, struct yaml_node *root, struct
         if (r < 0)
             return r;
     }
-    return check_usb(board, root, err);
+    return board_finish_usb(board, root, err);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "files.h"
+#include "video.h"
 
 /* A USB camera without a driver: interfaces of class 0e are video. */
 static bool orphan_usb_camera(const struct probe_machine *m, char ret_name[96])
@@ -34,9 +35,16 @@ static bool orphan_usb_camera(const struct probe_machine *m, char ret_name[96])
     return found;
 }
 
-static void none_at_all(const struct probe_machine *m, struct probe_findings *findings)
+#define RIBBON                                                                       \
+    "power off, then look at both ends of the ribbon cable (contacts to contacts); " \
+    "camera_auto_detect=1, or the sensor's dtoverlay, stands in config.txt"
+
+/* Of v4l2; nodes: what there is besides. */
+static void none_at_all(const struct probe_machine *m, const struct probe_nodes *nodes,
+                        struct probe_findings *findings)
 {
     char model[96], orphan[96];
+    bool pi = strncmp(probe_model(m, model), "Raspberry Pi", 12) == 0;
 
     if (orphan_usb_camera(m, orphan)) {
         probe_add(findings, PROBE_PROBLEM, "camera",
@@ -45,34 +53,30 @@ static void none_at_all(const struct probe_machine *m, struct probe_findings *fi
                   "a USB camera is plugged in (%s), but its driver uvcvideo is missing", orphan);
         return;
     }
-    probe_model(m, model);
-    if (strncmp(model, "Raspberry Pi", 12) == 0)
-        probe_add(findings, PROBE_PROBLEM, "camera",
-                  "power off, then look at both ends of the ribbon cable (contacts to contacts); "
-                  "camera_auto_detect=1, or the sensor's dtoverlay, stands in config.txt",
-                  "the kernel knows no camera: there is no /dev/video*");
-    else
-        probe_add(findings, PROBE_PROBLEM, "camera",
-                  "is it plugged in, and into a port that has power? lsusb lists what is",
-                  "the kernel knows no camera: there is no /dev/video*");
+    probe_add(findings, PROBE_PROBLEM, "camera",
+              pi ? RIBBON "; a USB camera is listed by lsusb"
+                 : "is it plugged in, and into a port that has power? lsusb lists what is",
+              "the kernel knows no camera: %s%s",
+              *nodes->processors ? "each /dev/video* only processes pictures: "
+                                 : "there is no /dev/video*",
+              nodes->processors);
 }
 
 /* Of libcamera: what it looks for cameras in. */
-static void no_pipeline(const struct probe_machine *m, struct probe_findings *findings)
+static void no_pipeline(const struct probe_machine *m, const struct probe_nodes *nodes,
+                        struct probe_findings *findings)
 {
     char model[96];
+    bool pi = strncmp(probe_model(m, model), "Raspberry Pi", 12) == 0;
 
-    probe_model(m, model);
-    if (strncmp(model, "Raspberry Pi", 12) == 0)
-        probe_add(findings, PROBE_PROBLEM, "camera",
-                  "power off, then look at both ends of the ribbon cable (contacts to contacts); "
-                  "camera_auto_detect=1, or the sensor's dtoverlay, stands in config.txt; a kernel "
-                  "without a driver for the camera port (Debian 12's) has none, either",
-                  "the kernel knows no camera of libcamera's: there is no /dev/media*");
-    else
-        probe_add(findings, PROBE_PROBLEM, "camera",
-                  "a USB camera is better served by back-end v4l2",
-                  "the kernel knows no camera of libcamera's: there is no /dev/media*");
+    probe_add(findings, PROBE_PROBLEM, "camera",
+              pi ? RIBBON "; a kernel without a driver for the camera port (Debian 12's) has none, "
+                          "either"
+                 : "a USB camera is better served by back-end v4l2",
+              "the kernel knows no camera of libcamera's: %s%s",
+              *nodes->processors ? "each /dev/media* only processes pictures: "
+                                 : "there is no /dev/media*",
+              nodes->processors);
 }
 
 static void one_device(const struct probe_machine *m, const char *name,
@@ -112,7 +116,7 @@ static void missing_device(const struct probe_machine *m, const char *device, ch
 
     if (probe_stat(m, device[0] == '/' ? device + 1 : device, &st))
         return;
-    for (char **name = names; *name; name++)
+    for (char **name = names; name && *name; name++)
         if (strncmp(*name, "video", 5) == 0)
             (void)snprintf(list + strlen(list), sizeof list - strlen(list), "%s/dev/%s",
                            *list ? ", " : "", *name);
@@ -125,18 +129,18 @@ static void missing_device(const struct probe_machine *m, const char *device, ch
 static void v4l2_cameras(const struct probe_machine *machine, const struct ttf_board *board,
                          struct probe_findings *findings)
 {
-    char **names;
-    bool any = false;
+    char **names = probe_names(machine, "dev"), called[64];
+    struct probe_nodes nodes;
+    bool any;
 
-    names = probe_names(machine, "dev");
-    for (char **name = names; name && *name; name++) {
-        if (strncmp(*name, "video", 5) != 0)
-            continue;
-        any = true;
-        one_device(machine, *name, findings);
-    }
+    probe_nodes_count(machine, names, "video", &nodes);
+    any = nodes.n[PROBE_VIDEO_CAMERA] + nodes.n[PROBE_VIDEO_RECEIVER] > 0;
+    for (char **name = names; name && *name; name++)
+        if (strncmp(*name, "video", 5) == 0 &&
+            probe_video_kind(machine, *name, called) != PROBE_VIDEO_PROCESSOR)
+            one_device(machine, *name, findings);
     if (!any)
-        none_at_all(machine, findings);
+        none_at_all(machine, &nodes, findings);
     for (unsigned i = 0; any && i < board->n_cameras; i++)
         if (board->cameras[i].v4l2.device[0])
             missing_device(machine, board->cameras[i].v4l2.device, names, findings);
@@ -145,18 +149,20 @@ static void v4l2_cameras(const struct probe_machine *machine, const struct ttf_b
 
 static void libcamera_cameras(const struct probe_machine *machine, struct probe_findings *findings)
 {
-    char **names = probe_names(machine, "dev");
+    char **names = probe_names(machine, "dev"), sensor[64];
+    struct probe_nodes nodes;
     struct stat st;
-    bool any = false;
 
-    for (char **name = names; name && *name; name++) {
-        if (strncmp(*name, "media", 5) != 0)
-            continue;
-        any = true;
-        one_device(machine, *name, findings);
-    }
-    if (!any)
-        no_pipeline(machine, findings);
+    probe_nodes_count(machine, names, "media", &nodes);
+    for (char **name = names; name && *name; name++)
+        if (strncmp(*name, "media", 5) == 0)
+            one_device(machine, *name, findings);
+    if (nodes.n[PROBE_VIDEO_CAMERA] + nodes.n[PROBE_VIDEO_RECEIVER] == 0)
+        no_pipeline(machine, &nodes, findings);
+    else if (nodes.n[PROBE_VIDEO_CAMERA] == 0 && !probe_sensor(machine, sensor))
+        probe_add(findings, PROBE_PROBLEM, "camera",
+                  RIBBON "; it must be this very sensor's. dmesg says what failed",
+                  "the camera port is on (%s), but no sensor answers behind it", nodes.receiver);
     else if (!probe_stat(machine, "run/udev/data", &st))
         probe_add(findings, PROBE_PROBLEM, "camera",
                   "start it: systemctl start systemd-udevd systemd-udev-trigger",
@@ -177,4 +183,26 @@ void probe_cameras(const struct probe_machine *machine, const struct ttf_board *
         v4l2_cameras(machine, board, findings);
     if (libcamera)
         libcamera_cameras(machine, findings);
+}
+
+void probe_silent_camera(const struct probe_machine *machine, const struct ttf_board *board,
+                         struct probe_findings *findings)
+{
+    bool libcamera = false;
+    char sensor[64];
+
+    for (unsigned i = 0; i < findings->n; i++)
+        if (strcmp(findings->finding[i].about, "camera") == 0)
+            return;
+    for (unsigned i = 0; i < board->n_cameras; i++)
+        libcamera |= strcmp(board->cameras[i].backend->name, "libcamera") == 0;
+    if (!libcamera)
+        return; /* v4l2 says itself what there is */
+    probe_add(
+        findings, PROBE_PROBLEM, "camera",
+        "do its own tools see it? `rpicam-hello --list-cameras` or `cam -l` (libcamera-tools); "
+        "LIBCAMERA_LOG_LEVELS=*:DEBUG before either says why not. One older than the kernel "
+        "may not know its drivers",
+        "the kernel has a camera%s%s, and yet libcamera does not give the one asked for",
+        probe_sensor(machine, sensor) ? ": " : "", sensor);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "files.h"
+#include "devices.h"
 
 #include <dirent.h>
 #include <stdarg.h>
@@ -18,6 +19,7 @@ void probe_machine_here(struct probe_machine *machine, const char *root)
     machine->groups[0] = getegid();
     n = getgroups(PROBE_GROUPS_MAX - 1, machine->groups + 1);
     machine->n_groups = 1 + (unsigned)(n > 0 ? n : 0);
+    machine->line_holder = machine->root[0] ? NULL : box_gpiod_holder;
 }
 
 void probe_add(struct probe_findings *findings, enum probe_weight weight, const char *about,

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* lines.c: GPIO lines that are something else, or somebody else's. */
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "files.h"
+#include "holders.h"
 
 static void look_up_reserved(const struct probe_machine *m, const struct ttf_line_spec *wire,
                              const char *about, struct probe_findings *findings)
@@ -20,48 +22,29 @@ static void look_up_reserved(const struct probe_machine *m, const struct ttf_lin
                   wire->line, use->what, in_use ? "" : ", which is switched off here");
 }
 
-/*
- * Who has a line, from the kernel's list (/sys/kernel/debug/gpio, which root alone may read):
- * " gpio-529 (GPIO17              |left                ) out lo".
- */
-static bool find_consumer(const struct probe_machine *m, const char *line, char ret[64])
-{
-    char path[512], text[256], want[80];
-    FILE *file = fopen(probe_path(m, "sys/kernel/debug/gpio", path), "re");
-    bool found = false;
-
-    if (!file)
-        return false;
-    (void)snprintf(want, sizeof want, "(%.64s", line);
-    while (!found && fgets(text, sizeof text, file)) {
-        char *name = strstr(text, want), *bar = name ? strchr(name, '|') : NULL;
-        char *end = bar ? strchr(bar, ')') : NULL;
-        size_t n = strlen(want);
-
-        if (!end || strspn(name + n, " ") != (size_t)(bar - name) - n)
-            continue;
-        *end = '\0';
-        for (end--; end > bar && *end == ' '; end--)
-            *end = '\0';
-        (void)snprintf(ret, 64, "%s", bar + 1);
-        found = *ret != '\0';
-    }
-    (void)fclose(file);
-    return found;
-}
-
 static void look_up_wire(const struct probe_machine *m, const struct ttf_line_spec *wire, bool pi,
-                         struct probe_findings *findings)
+                         bool *untold, struct probe_findings *findings)
 {
-    char about[32], consumer[64];
+    const char *on = *wire->chip ? " of chip " : "";
+    char about[32], holder[64];
+    struct ttf_err err = {0};
+    int r;
 
     (void)snprintf(about, sizeof about, "line %.26s", wire->label);
     if (pi)
         look_up_reserved(m, wire, about, findings);
-    if (find_consumer(m, wire->line, consumer) && strcmp(consumer, wire->label) != 0)
+    r = probe_line_holder(m, wire, holder, &err);
+    if (r == -ENOENT)
+        probe_add(findings, PROBE_PROBLEM, about, err.hint, "%s", err.what);
+    else if (r > 0 && !*holder)
+        probe_add(findings, PROBE_PROBLEM, about,
+                  "an overlay in config.txt, or another function of the chip has it",
+                  "line %s%s%s is taken by the kernel itself", wire->line, on, wire->chip);
+    else if (r > 0 && strcmp(holder, wire->label) != 0)
         probe_add(findings, PROBE_PROBLEM, about,
                   "an overlay in config.txt, or another program: a line has one holder",
-                  "line %s is taken by '%s'", wire->line, consumer);
+                  "line %s%s%s is taken by '%s'", wire->line, on, wire->chip, holder);
+    *untold |= r == -EACCES;
 }
 
 static bool is_pwm_chip(const struct probe_machine *m, const char *entry, const char *chip)
@@ -123,7 +106,7 @@ void probe_lines(const struct probe_machine *machine, const struct ttf_board *bo
     const struct ttf_backend_entry *panel = board->device[TTF_DEVICE_PANEL];
     char model[96];
     bool pi = strncmp(probe_model(machine, model), "Raspberry Pi", 12) == 0;
-    bool any = false;
+    bool any = false, untold = false;
 
     if (lamps && strcmp(lamps->name, "gpiod") == 0)
         for (unsigned i = 0; i < board->guardian.n_wires; i++, any = true) {
@@ -132,11 +115,15 @@ void probe_lines(const struct probe_machine *machine, const struct ttf_board *bo
             if (wire->period_ns > 0)
                 look_up_channel(machine, wire, findings);
             else
-                look_up_wire(machine, wire, pi, findings);
+                look_up_wire(machine, wire, pi, &untold, findings);
         }
     if (panel && strcmp(panel->name, "gpiod") == 0)
         for (unsigned i = 0; i < board->panel.n_wires; i++, any = true)
-            look_up_wire(machine, &board->panel.wires[i], pi, findings);
+            look_up_wire(machine, &board->panel.wires[i], pi, &untold, findings);
+    if (untold)
+        probe_add(findings, PROBE_NOTE, "lines",
+                  "run it by sudo, or join the group that /dev/gpiochip* has",
+                  "who has the GPIO lines is not told to whoever runs this");
     if (any && pi)
         look_for_hat(machine, findings);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * probe.h: what is wrong with a box, in words for whoever built it. Looks at the machine's files alone (/sys, /dev,
- * /proc), asks no device and changes nothing; the folder that they lie in is a parameter.
+ * probe.h: what is wrong with a box, in words for whoever built it. Looks at the machine's files (/sys, /dev, /proc),
+ * and asks the kernel who has its GPIO lines; asks no device and changes nothing. The folder is a parameter.
  */
 #ifndef FIRMWARE_PROBE_H
 #define FIRMWARE_PROBE_H
@@ -25,6 +25,11 @@ struct probe_machine {
     uid_t uid;
     unsigned n_groups;
     gid_t groups[PROBE_GROUPS_MAX];
+    /*
+     * Who holds a line, as ttf_lines_gpiod_holder (hal/gpiod.h); NULL: the kernel is not asked, as of another
+     * machine's files.
+     */
+    int (*line_holder)(const struct ttf_line_spec *spec, char ret_holder[64], struct ttf_err *err);
 };
 
 /* This process, on this machine or on what lies below root. */
@@ -54,6 +59,10 @@ void probe_add(struct probe_findings *findings, enum probe_weight weight, const 
 /* Cameras of back-ends v4l2 and libcamera: none and why, another one than meant, not allowed, in somebody's hands. */
 void probe_cameras(const struct probe_machine *machine, const struct ttf_board *board,
                    struct probe_findings *findings);
+
+/* A camera of libcamera's does not answer: if nothing else is said of cameras, that and where to look on. */
+void probe_silent_camera(const struct probe_machine *machine, const struct ttf_board *board,
+                         struct probe_findings *findings);
 
 /* Wires of lamps, door, button and light: of what else they are on this machine, who has them, hats. */
 void probe_lines(const struct probe_machine *machine, const struct ttf_board *board,

@@ -161,6 +161,12 @@ int ttf_lines_gpiod_create(const struct ttf_line_spec *specs, unsigned n, struct
     return 0;
 }
 
+int ttf_lines_gpiod_holder(const struct ttf_line_spec *spec, char ret_holder[64],
+                           struct ttf_err *err)
+{
+    return wire_holder(spec, ret_holder, err);
+}
+
 const char *ttf_lines_gpiod_version(void)
 {
     return wire_version();

@@ -21,6 +21,9 @@ int wire_fd(const struct wire *wire);         /* of an input: readable when an e
 /* 1 and the level after the edge, 0: none waits, a negative errno. */
 TTF_MUST_USE int wire_event(struct wire *wire, bool *ret_active);
 void wire_release(struct wire *wire); /* NULL allowed */
+/* As ttf_lines_gpiod_holder. */
+TTF_MUST_USE int wire_holder(const struct ttf_line_spec *spec, char ret_holder[64],
+                             struct ttf_err *err);
 const char *wire_version(void);
 
 /* "3" -> 3; -1: it is a name. */

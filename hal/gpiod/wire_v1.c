@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <gpiod.h>
 #include <poll.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "wire.h"
@@ -12,6 +13,8 @@ struct wire {
     struct gpiod_line *line;
 };
 
+#define MAY "who runs this must be in the group that /dev/gpiochip* has"
+
 const char *wire_version(void)
 {
     return gpiod_version_string();
@@ -20,13 +23,16 @@ const char *wire_version(void)
 static int no_chip(const struct ttf_line_spec *spec, int code, struct ttf_err *err)
 {
     ttf_err_set(err, code, spec->label, "GPIO chip '%s' cannot be opened", spec->chip);
-    ttf_err_hint(err, code == -EACCES ? "who runs this must be in the group that /dev/gpiochip* has"
-                                      : "gpiodetect lists the chips that there are");
+    ttf_err_hint(err, code == -EACCES ? MAY : "gpiodetect lists the chips that there are");
     return code;
 }
 
 static int no_line(const struct ttf_line_spec *spec, struct ttf_err *err)
 {
+    if (errno == EACCES || errno == EPERM) {
+        ttf_err_set(err, -EACCES, spec->label, "GPIO chips may not be looked at");
+        return ttf_err_hint(err, MAY), -EACCES;
+    }
     ttf_err_set(err, -ENOENT, spec->label, "no GPIO line is called '%s'%s%s", spec->line,
                 spec->chip[0] ? " on chip " : "", spec->chip);
     ttf_err_hint(err, "gpioinfo lists the lines that there are");
@@ -97,6 +103,24 @@ int wire_request(const struct ttf_line_spec *spec, struct wire **ret, struct ttf
     }
     *ret = wire;
     return 0;
+}
+
+int wire_holder(const struct ttf_line_spec *spec, char ret_holder[64], struct ttf_err *err)
+{
+    struct wire wire = {0};
+    int r;
+
+    errno = 0;
+    r = find(spec, &wire, err);
+    if (r == 0 && gpiod_line_is_used(wire.line)) {
+        const char *who = gpiod_line_consumer(wire.line);
+
+        (void)snprintf(ret_holder, 64, "%s", who ? who : "");
+        r = 1;
+    }
+    if (wire.chip)
+        gpiod_chip_close(wire.chip);
+    return r;
 }
 
 int wire_set(struct wire *wire, bool active)

@@ -165,6 +165,29 @@ int wire_request(const struct ttf_line_spec *spec, struct wire **ret, struct ttf
     return 0;
 }
 
+int wire_holder(const struct ttf_line_spec *spec, char ret_holder[64], struct ttf_err *err)
+{
+    unsigned offset;
+    int r = -ENOENT;
+    struct gpiod_chip *chip =
+        spec->chip[0] || wire_number(spec->line) < 0 ? find(spec, &offset, &r) : NULL;
+    struct gpiod_line_info *info = chip ? gpiod_chip_get_line_info(chip, offset) : NULL;
+
+    if (info) {
+        const char *who = gpiod_line_info_get_consumer(info);
+
+        r = gpiod_line_info_is_used(info);
+        if (r)
+            (void)snprintf(ret_holder, 64, "%s", who ? who : "");
+        gpiod_line_info_free(info);
+    } else {
+        r = not_found(spec, chip ? -ENOENT : r, err); /* of a chip: it has fewer lines */
+    }
+    if (chip)
+        gpiod_chip_close(chip);
+    return r;
+}
+
 /* ---- using ---- */
 
 int wire_set(struct wire *wire, bool active)

@@ -38,7 +38,7 @@ static int not_found(struct lc_camera *camera, bool again, const char *seen, str
     } else {
         ttf_err_set(err, -ENODEV, NULL, "libcamera %s finds no camera%s%s",
                     ops->version(camera->system.ctx), complaint[0] ? ": " : "", complaint);
-        ttf_err_hint(err, "`ttfbox board probe` says what is in the way");
+        ttf_err_hint(err, "a PROBLEM of `ttfbox board probe` says what is in the way");
     }
     return -ENODEV;
 }

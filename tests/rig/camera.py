@@ -85,14 +85,6 @@ def boot_at(m):
     return best[1]
 
 
-def level_at(changes, line, first, when):
-    level = first
-    for at, which, to in changes:
-        if which == line and at <= when:
-            level = to
-    return level
-
-
 def slots_of(m, slots):
     """The records of a dataset that verifies, one for each slot."""
     code, out = m.run("ttfbox verify /tmp/out && cat /tmp/out/records.jsonl", 120)
@@ -162,14 +154,14 @@ def lamps_as_recorded(records, changes, zero):
         for shot in [s for i in r.get("images", []) for s in i["shots"] if "start_ns" in s]:
             said = {lamp["name"]: lamp["commanded_permille"] for lamp in shot["lamps"]}
             for edge in (shot["start_ns"] / 1e9 + SLACK_S, shot["end_ns"] / 1e9 - SLACK_S):
-                left = level_at(changes, lamps.LEFT, 0, zero + edge)
-                right = level_at(changes, lamps.RIGHT, 1, zero + edge)
+                left = lamps.level_at(changes, lamps.LEFT, 0, zero + edge)
+                right = lamps.level_at(changes, lamps.RIGHT, 1, zero + edge)
                 around = [(at - zero, line, to) for at, line, to in changes if abs(at - zero - edge) < 1.5]
                 assert (said["left"] > 0) == (left == 1) and (said["right"] > 0) == (right == 0), (r, left, right, around)
             lit += left
         # In the middle between two slots it is dark, if the exposure came on time: the lamps burn for the capture only.
         late_one = any("late" in i.get("flags", []) for i in r.get("images", []))
-        assert late_one or level_at(changes, lamps.LEFT, 0, zero + r["due_ns"] / 1e9 + 0.5) == 0, r
+        assert late_one or lamps.level_at(changes, lamps.LEFT, 0, zero + r["due_ns"] / 1e9 + 0.5) == 0, r
     return lit
 
 

@@ -77,7 +77,11 @@ def a_door_that_another_holds_is_refused_with_its_name(m):
                       BOARD.replace("DOOR", "").replace("\n", "\\n"))
     assert code == 1 and "held by gpiomon" in out and "door" in out, (code, out)
     assert m.lines().get(lamps.LEFT, 0) == 0, m.lines()
+    _, out = m.run("umount /sys/kernel/debug; ttfbox board probe --board /run/board.yaml 2>&1")
+    assert "line door: line 2 of chip rig-sim is taken by 'gpiomon'" in out, out
     m.run("kill $(cat /run/holder)")
+    _, out = m.run("ttfbox board probe --board /run/board.yaml 2>&1")
+    assert "is taken by" not in out, out
     lamps.guard(m, BOARD.replace("DOOR", ""))
     lamps.end(m)
 

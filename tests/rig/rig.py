@@ -28,14 +28,14 @@ from machine import Machine
 
 RIG = ROOT + "/build-rig"
 ARM64 = Cross(RIG + "/system/tree", RIG + "/arm64")
-PROGRAMS = ["ttfbox", "ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "lampd_child", "capture_child", "rig_camera", "rig_usb", "rig_uvc", "test_lines", "test_sysfs",
+PROGRAMS = ["ttfbox", "ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "lampd_child", "capture_child", "rig_camera", "rig_usb", "rig_uvc", "strike", "test_lines", "test_sysfs",
             "test_conformance_lampd", "ttfbox-libcamera"]
 # What no machine here has; said, so that nobody takes silence for a pass.
 NOT_HERE = ["exposure control of a camera behind libcamera", "a Raspberry Pi's own PWM and under-voltage alarm"]
 
 
 # A machine that is thawed in place of booted; smoke: those that need neither many programs nor modules of our own.
-SMOKE_PROGRAMS = ["ttfbox-lampd", "lampd_child", "rig_camera", "test_lines", "test_sysfs"]
+SMOKE_PROGRAMS = ["ttfbox-lampd", "lampd_child", "rig_camera", "strike", "test_lines", "test_sysfs"]
 SMOKE = [lamps.lamps_are_dark_from_the_first_and_without_a_glitch, lamps.a_client_that_hangs_is_dark_after_its_declared_sign_of_life,
          lamps.a_killed_guardian_leaves_them_and_its_restart_darkens_them, lamps.a_line_that_another_holds_is_named_with_its_holder,
          lamps.clients_killed_a_few_times_leave_the_lamps_dark, camera.a_raw_and_a_yuv_stream_pass_the_camera_suite,

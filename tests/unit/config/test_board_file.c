@@ -339,6 +339,36 @@ static void one_simulated_device_makes_the_whole_box_simulated(void **state)
     assert_true(b.simulated && b.real && b.sim.real_time);
 }
 
+static void what_gets_along_on_usb_is_taken(void **state)
+{
+    static const char CAMERA[] =
+        "board: t\ncameras: {main: {backend: v4l2%s}}\nclock: {backend: machine}\n"
+        "lamps: {a: {backend: gpiod, chip: cp2112_gpio, line: 0}}\nmachine: {%s}\n";
+    static const char *const RIGHT[][2] = {
+        {"", "usb_role: host, usb_single: true, usb_devices: [main, cp2112_gpio]"},
+        {", bus: usb-1", "usb_role: device, usb_devices: [main, disk, network]"},
+        {", bus: 'platform:csi'", "usb_role: device, usb_single: true"},
+        {"", "usb_role: device, usb_powers: true, power: poe"},
+        {"", "usb_role: device, usb_powers: true, power: header, header: raspberry-pi"},
+        {"", "usb_role: none, usb_powers: true, power: usb"},
+    };
+    struct ttf_board b;
+    char text[600];
+
+    (void)state;
+    for (unsigned i = 0; i < TTF_COUNT_OF(RIGHT); i++) {
+        /* NOLINTNEXTLINE(clang-diagnostic-format-nonliteral): above */
+        (void)snprintf(text, sizeof text, CAMERA, RIGHT[i][0], RIGHT[i][1]);
+        parse_ok(text, &b);
+    }
+    assert_int_equal(b.machine.power, TTF_POWER_USB);
+    (void)snprintf(text, sizeof text, CAMERA, RIGHT[0][0], RIGHT[0][1]);
+    parse_ok(text, &b);
+    assert_int_equal(b.machine.n_usb_devices, 2);
+    assert_string_equal(b.machine.usb_devices[1], "cp2112_gpio");
+    assert_int_equal(b.machine.power, TTF_POWER_UNSAID);
+}
+
 static void a_box_with_real_devices_has_an_owner_and_a_simulated_one_needs_none(void **state)
 {
     struct ttf_board b;
@@ -464,6 +494,29 @@ static const struct {
     {"board: t\ncameras: {main: {backend: v4l2, bus: usb-1}}\nclock: {backend: machine}\n"
      "machine: {usb_role: device, usb_single: true}\n",
      "dir/b.yaml:2:17", "one USB port is a device", "host"},
+    /* what excludes what on USB and at the power input */
+    {"board: t\ncameras: {main: {backend: v4l2}}\nclock: {backend: machine}\n"
+     "machine: {usb_role: device, usb_single: true}\n",
+     "dir/b.yaml:2:17", "may be a USB camera", "platform:"},
+    {"board: t\ncameras: {main: {backend: v4l2, bus: usb-1}}\nclock: {backend: machine}\n"
+     "machine: {usb_single: true}\n",
+     "dir/b.yaml:2:17", "one USB port is not used", "host"},
+    {REAL "machine: {usb_role: device, usb_single: true, usb_devices: [disk]}\n", "dir/b.yaml:4:61",
+     "'disk', but the machine's one USB port is a device", "host"},
+    {REAL "lamps: {a: {backend: gpiod, chip: cp2112_gpio, line: 0}}\n"
+          "machine: {usb_role: device, usb_single: true, usb_devices: [cp2112_gpio]}\n",
+     "dir/b.yaml:5:61", "'cp2112_gpio', but", "host"},
+    {REAL "machine: {usb_role: host, usb_devices: [disk, side]}\n", "dir/b.yaml:4:47",
+     "the board has no 'side'", "disk or network"},
+    {REAL "machine: {usb_role: host, usb_devices: disk}\n", "dir/b.yaml:4:40", "a list", ""},
+    {REAL "machine: {usb_role: device, usb_powers: true}\n", "dir/b.yaml:4:21",
+     "cannot be a device as well", "VBUS"},
+    {REAL "machine: {usb_role: device, usb_powers: true, power: usb}\n", "dir/b.yaml:4:21",
+     "cannot be a device as well", "header, poe or socket"},
+    {REAL "machine: {usb_role: host, usb_powers: true, power: usb}\n", "dir/b.yaml:4:21",
+     "cannot be a host as well", ""},
+    {REAL "machine: {power: usb}\n", "dir/b.yaml:4:18", "no power input", "usb_powers"},
+    {REAL "machine: {power: header}\n", "dir/b.yaml:4:18", "no header", "raspberry-pi"},
     {REAL "machine: {usb_role: gadget}\n", "dir/b.yaml:4:21", "gadget", "device"},
     {REAL "watchdog: {backend: systemd, device: /dev/watchdog}\n", "dir/b.yaml:4:30", "unknown key",
      ""},
@@ -578,6 +631,7 @@ int main(void)
         cmocka_unit_test(every_key_of_a_camera_behind_libcamera_reaches_its_field),
         cmocka_unit_test(a_panel_may_have_either_wire_or_none),
         cmocka_unit_test(one_simulated_device_makes_the_whole_box_simulated),
+        cmocka_unit_test(what_gets_along_on_usb_is_taken),
         cmocka_unit_test(a_box_with_real_devices_has_an_owner_and_a_simulated_one_needs_none),
         cmocka_unit_test(simulated_sensors_are_not_looked_for_in_the_kernel),
         cmocka_unit_test(what_is_wrong_is_named_with_line_column_and_what_was_meant),

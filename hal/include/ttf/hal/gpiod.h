@@ -15,6 +15,13 @@
 TTF_MUST_USE int ttf_lines_gpiod_create(const struct ttf_line_spec *specs, unsigned n,
                                         struct ttf_lines **ret, struct ttf_err *err);
 
+/*
+ * Who holds the line that spec names; it is looked up, not requested. 1 and its name, "" if it has none; 0: nobody.
+ * -ENOENT (no such chip or line), -EACCES, -ENOMEM.
+ */
+TTF_MUST_USE int ttf_lines_gpiod_holder(const struct ttf_line_spec *spec, char ret_holder[64],
+                                        struct ttf_err *err);
+
 /* "1.6.3": of the library that is linked. Constant. */
 const char *ttf_lines_gpiod_version(void);
 

@@ -91,12 +91,27 @@ enum ttf_usb_role {
     TTF_USB_DEVICE
 };
 
+/* By what the computer is fed. */
+enum ttf_power_input {
+    TTF_POWER_UNSAID = 0,
+    TTF_POWER_USB,    /* the port that usb_role is of */
+    TTF_POWER_HEADER, /* 5 V at its pin header */
+    TTF_POWER_POE,
+    TTF_POWER_SOCKET /* one of its own */
+};
+
+#define TTF_USB_DEVICES_MAX 8
+
 /* What the computer in the box is. */
 struct ttf_board_machine {
     char model[64]; /* how its own name for itself begins; empty: any */
     int header;     /* enum ttf_header_kind */
     int usb_role;   /* enum ttf_usb_role */
     bool usb_single, usb_powers;
+    int power; /* enum ttf_power_input */
+    /* What is plugged into its USB ports: cameras and chips by their names, "disk", "network". */
+    unsigned n_usb_devices;
+    char usb_devices[TTF_USB_DEVICES_MAX][64];
 };
 
 /* Lines of a header that are something else, too. */
