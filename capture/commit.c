@@ -10,6 +10,7 @@
 #include "commit_storage.h"
 #include "image_flags.h"
 #include "previews.h"
+#include "ttf/capture/note.h"
 
 /* Removed so far ahead of the reserve that it need not be done anew for each slot. */
 #define PREVIEW_SLOTS 8
@@ -353,7 +354,7 @@ static void do_segment(struct ttf_committer *c, const struct ttf_job *job)
 static void do_note(struct ttf_committer *c, const struct ttf_job *job)
 {
     struct ttf_err err = {0};
-    int r = ttf_note_append(c->io, c->path, job->note, &err);
+    int r = ttf_note_add(c->box->clock, c->io, c->path, job->note, &err);
 
     ttf_asks_answer(c->control, job->ask, r, &err);
 }

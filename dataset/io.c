@@ -9,7 +9,8 @@
 
 #include "io_path.h"
 
-#define TEMPORARY ".tmp"
+#define TEMPORARY   ".tmp"
+#define PIECE_BYTES ((size_t)64 * 1024)
 
 int ttf_io_sync_all(struct ttf_io *io, int file)
 {
@@ -68,6 +69,36 @@ int64_t ttf_io_pread_all(struct ttf_io *io, int file, void *buf, size_t n, int64
         done += (size_t)got;
     }
     return (int64_t)done;
+}
+
+int ttf_io_copy_bytes(struct ttf_io *io, int from, int to, int64_t bytes)
+{
+    void *piece = malloc(PIECE_BYTES);
+    int64_t at = 0, got;
+    size_t n;
+    int r = 0;
+
+    if (!piece)
+        return -ENOMEM;
+    while (r == 0 && at < bytes) {
+        n = bytes - at < (int64_t)PIECE_BYTES ? (size_t)(bytes - at) : PIECE_BYTES;
+        got = ttf_io_pread_all(io, from, piece, n, at);
+        if (got != (int64_t)n)
+            r = got < 0 ? (int)got : -EIO;
+        else
+            r = ttf_io_append_all(io, to, piece, n);
+        at += (int64_t)n;
+    }
+    free(piece);
+    return r;
+}
+
+int ttf_io_lock(struct ttf_io *io, int file)
+{
+    int r = io->ops->lock(io, file);
+
+    /* Some network file systems know no locks: then nobody guards, and the work goes on. */
+    return r == -EBADF || r == -ENOTSUP || r == -ENOLCK || r == -EINVAL || r == -ENOSYS ? 0 : r;
 }
 
 int ttf_io_slurp(struct ttf_io *io, const char *path, size_t max_bytes, char **ret_text,

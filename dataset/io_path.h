@@ -22,4 +22,10 @@ char *ttf_path_parent(const char *path);
 /* Syncs the folder that `path` lies in. Allocates nothing. */
 TTF_MUST_USE int ttf_io_sync_parent(struct ttf_io *io, const char *path);
 
+/* The first so many bytes of one file behind what is in the other. -EIO: the first has not so many. */
+TTF_MUST_USE int ttf_io_copy_bytes(struct ttf_io *io, int from, int to, int64_t bytes);
+
+/* Locks what the handle is of, for this handle alone; not waiting: -EAGAIN. 0 also where the file system knows no locks. */
+TTF_MUST_USE int ttf_io_lock(struct ttf_io *io, int file);
+
 #endif

@@ -7,8 +7,6 @@
 
 #include "io_path.h"
 
-#define PIECE_BYTES ((size_t)64 * 1024)
-
 int ttf_jsonl_open(struct ttf_jsonl *f, struct ttf_io *io, const char *path,
                    const struct ttf_lines_tail *tail, struct ttf_err *err)
 {
@@ -24,29 +22,6 @@ int ttf_jsonl_open(struct ttf_jsonl *f, struct ttf_io *io, const char *path,
     if (f->file < 0)
         return ttf_err_set(err, f->file, path, "cannot be opened: %s", strerrordesc_np(-f->file));
     return 0;
-}
-
-/* Copies the good lines behind one another into a fresh file. */
-static int copy_good(struct ttf_jsonl *f, int to)
-{
-    void *piece = malloc(PIECE_BYTES);
-    int64_t at = 0, got;
-    size_t n;
-    int r = 0;
-
-    if (!piece)
-        return -ENOMEM;
-    while (r == 0 && at < f->bytes) {
-        n = f->bytes - at < (int64_t)PIECE_BYTES ? (size_t)(f->bytes - at) : PIECE_BYTES;
-        got = ttf_io_pread_all(f->io, f->file, piece, n, at);
-        if (got != (int64_t)n)
-            r = got < 0 ? (int)got : -EIO;
-        else
-            r = ttf_io_append_all(f->io, to, piece, n);
-        at += (int64_t)n;
-    }
-    free(piece);
-    return r;
 }
 
 /*
@@ -66,7 +41,7 @@ static int write_anew(struct ttf_jsonl *f, const char *text, size_t n)
         r = file = f->io->ops->open(f->io, temporary, TTF_IO_CREATE_NEW);
     if (r < 0)
         goto out;
-    r = copy_good(f, file);
+    r = ttf_io_copy_bytes(f->io, f->file, file, f->bytes);
     if (r == 0)
         r = ttf_io_append_all(f->io, file, text, n);
     if (r == 0)

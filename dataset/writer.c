@@ -58,16 +58,13 @@ int ttf_writer_lock(struct ttf_writer *writer, struct ttf_err *err)
     if (writer->lock < 0)
         return ttf_err_set(err, writer->lock, writer->path, "cannot be opened: %s",
                            strerrordesc_np(-writer->lock));
-    r = io->ops->lock(io, writer->lock);
+    r = ttf_io_lock(io, writer->lock);
     if (r == -EAGAIN) {
         ttf_err_set(err, -EBUSY, writer->path, "another program is writing this dataset");
         ttf_err_hint(err, "wait until it is done, or stop it");
         return -EBUSY;
     }
-    /* Some network file systems know no locks: then nobody guards, and the work goes on. */
-    if (r && r != -EBADF && r != -ENOTSUP && r != -ENOLCK && r != -EINVAL && r != -ENOSYS)
-        return ttf_err_set(err, r, writer->path, "cannot be locked: %s", strerrordesc_np(-r));
-    return 0;
+    return r ? ttf_err_set(err, r, writer->path, "cannot be locked: %s", strerrordesc_np(-r)) : 0;
 }
 
 const struct ttf_manifest *ttf_writer_manifest(const struct ttf_writer *writer)

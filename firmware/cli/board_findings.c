@@ -21,7 +21,7 @@ static void look(struct cli *cli, const struct ttf_board *board, struct ttf_cloc
     if (no_camera)
         probe_silent_camera(&machine, board, findings);
     probe_lines(&machine, board, findings);
-    probe_usb(&machine, findings);
+    probe_usb(&machine, board, findings);
     if (clock)
         ttf_clock_utc(clock, &utc);
     probe_clock(&machine, utc.trust, findings);

@@ -7,8 +7,8 @@
 
 #include "commands.h"
 #include "ttf/base/time.h"
+#include "ttf/capture/note.h"
 #include "ttf/config/units.h"
-#include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
 #include "ttf/hal/clock.h"
 
@@ -75,22 +75,28 @@ static int check_slots(struct cli *cli, const char *path, const struct ttf_note 
     return 0;
 }
 
-static int64_t now_utc_ns(void)
+/* With the time of now, where the machine knows it. */
+static int add(struct cli *cli, const char *path, struct ttf_note *note)
 {
     struct ttf_clock *clock = ttf_clock_real_create();
-    struct ttf_utc utc = {.trust = TTF_TRUST_NONE};
+    struct ttf_utc utc;
+    int r;
 
-    if (clock)
-        ttf_clock_utc(clock, &utc);
+    if (!clock)
+        return ttf_err_set(&cli->err, -ENOMEM, path, "no memory");
+    ttf_clock_utc(clock, &utc);
+    if (utc.trust != TTF_TRUST_NONE)
+        note->utc_ns = utc.utc_ns;
+    r = ttf_note_add(clock, cli->io, path, note, &cli->err);
     ttf_clock_destroy(clock);
-    return utc.trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : utc.utc_ns;
+    return r;
 }
 
 int cmd_note(struct cli *cli)
 {
     const char *path = cli->opt.args[0];
     const char *text = cli->opt.n_args > 1 ? cli->opt.args[1] : "";
-    struct ttf_note note = {.utc_ns = now_utc_ns()};
+    struct ttf_note note = {.utc_ns = TTF_NS_UNKNOWN};
     int r = 0;
 
     if (cli->opt.author && strlen(cli->opt.author) >= sizeof note.author)
@@ -109,7 +115,7 @@ int cmd_note(struct cli *cli)
     if (r == 0)
         r = check_slots(cli, path, &note);
     if (r == 0)
-        r = ttf_note_append(cli->io, path, &note, &cli->err);
+        r = add(cli, path, &note);
     if (r == 0) {
         cli_say(cli, "noted             %s/notes.jsonl", path);
         ttf_json_kstring(&cli->out, "dataset", path);

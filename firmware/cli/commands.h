@@ -43,6 +43,7 @@ const struct cli_command *cli_command_find(int n, char *const *words, int *ret_w
                                            bool *ret_group);
 
 int cmd_board_probe(struct cli *cli);
+int cmd_board_show(struct cli *cli);
 int cmd_calibrate_dark(struct cli *cli);
 int cmd_calibrate_flat(struct cli *cli);
 int cmd_calibrate_chart(struct cli *cli);

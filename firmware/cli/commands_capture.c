@@ -54,6 +54,22 @@ static const struct cli_command ROWS[] = {
                       "a real one and its disk, with an archive for whoever helps"}},
     },
     {
+        .name = "board show",
+        .args = "[CONFIG]",
+        .summary = "print what a board's description says to scripts",
+        .text = "Reads the board's description, asks no device, and prints a line each of its "
+                "name, what its USB port is (none, host, device), the services that it runs and "
+                "what it is on the bus; what it does not say has no line. With CONFIG, the "
+                "configuration of ttfboxd, it is the board that this names, with its changes of "
+                "it. An image enables these services, and ttfbox-gadget composes that gadget.",
+        .min_args = 0,
+        .max_args = 1,
+        .run = cmd_board_show,
+        .options = {{OPT_BOARD, NULL}, {OPT_SET, NULL}, {OPT_JSON, NULL}, {OPT_END, NULL}},
+        .examples = {{"ttfbox board show --board rpi4", NULL},
+                     {"ttfbox board show /etc/ttfbox/ttfboxd.yaml", "of the box that this is"}},
+    },
+    {
         .name = "calibrate dark",
         .args = "",
         .summary = "measure the sensor's dark signal and hot pixels",

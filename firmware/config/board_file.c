@@ -60,6 +60,12 @@ static const struct cfg_field BOARD[] = {
     {"watchdog", board_read_device, 0, TTF_DEVICE_WATCHDOG, 0, "the watchdog's back-end, or none",
      0, 0},
     {"machine", board_read_machine, 0, 0, 0, "what the computer in the box is", 0, 0},
+    {"units", board_read_units, 0, 0, 0,
+     "a list of the services that it runs: ttfbox-lampd, ttfboxd, ttfbox-preview, ttfbox-alertd, "
+     "ttfbox-gadget, ttfbox-usbd",
+     0, 0},
+    {"gadget", board_read_gadget, 0, 0, 0, "what it is on the bus, as {functions: [streams]}", 0,
+     0},
     {"lock", cfg_path512, B(lock), 0, 0, "the file that says who owns the box, or none", 0, 0},
     {"sim", board_read_sim, 0, 0, 0, "the simulated box's model", 0, 0},
     {0}};
@@ -127,6 +133,8 @@ static int decode_board(struct yaml_node *root, struct ttf_board *board, struct 
     if (r < 0)
         return r;
     r = board_finish_machine(board, root, err);
+    if (r == 0)
+        r = board_finish_services(board, root, err);
     if (r < 0)
         return r;
     finish_lock(board);

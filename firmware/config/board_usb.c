@@ -90,8 +90,7 @@ static int check_power(const struct ttf_board_machine *m, struct yaml_node *mach
     if (m->power == TTF_POWER_HEADER && m->header == TTF_HEADER_NONE)
         return cfg_error(yaml_child(machine, "power"), err, "write header: raspberry-pi, or socket",
                          "it has no header to be fed by");
-    if (m->usb_powers && m->usb_role != TTF_USB_NONE &&
-        (by_usb || m->power == TTF_POWER_UNSAID))
+    if (m->usb_powers && m->usb_role != TTF_USB_NONE && (by_usb || m->power == TTF_POWER_UNSAID))
         return cfg_error(yaml_child(machine, "usb_role"), err,
                          "write power: header, poe or socket; to a PC by a cable whose VBUS wire "
                          "is cut",

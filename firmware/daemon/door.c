@@ -12,7 +12,7 @@
 #include "library.h"
 #include "log.h"
 #include "parts.h"
-#include "ttf/dataset/notes.h"
+#include "ttf/capture/note.h"
 #include "ttf/http/token.h"
 
 static struct daemon *of(struct ttf_http_box *box)
@@ -287,7 +287,7 @@ static int door_note(struct ttf_http_box *box, const char *dataset, const struct
     if (utc.trust != TTF_TRUST_NONE)
         timed->utc_ns = utc.utc_ns;
     (void)snprintf(path, sizeof path, "%s/%s", d->config.data, dataset);
-    r = ttf_note_append(d->io, path, timed, err);
+    r = ttf_note_add(d->clock, d->io, path, timed, err);
     free(timed);
     return r;
 }

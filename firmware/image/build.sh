@@ -23,7 +23,6 @@ setting() { # KEY: of the board's image
     sed -n "s/^$1=//p" "$conf"
 }
 arch=$(setting arch) kernel=$(setting kernel) firmware=$(setting firmware) packages=$(setting packages)
-role=$(sed -n 's/^  usb_role: *\([a-z]*\).*/\1/p' "boards/$board/board.yaml")
 
 # What this machine's own apt has of Debian and of Raspberry Pi; and a file of further sources, for what the machine
 # does not use itself.
@@ -97,7 +96,7 @@ make_system() { # DISK-ID
     fstab "$1" >"$overlay/etc/fstab"
     echo ttfbox >"$overlay/etc/hostname"
     printf '127.0.0.1 localhost\n127.0.1.1 ttfbox\n' >"$overlay/etc/hosts"
-    cp build-package/"$arch"/*.deb $here/finish.sh "$overlay/debs/"
+    cp build-package/"$arch"/*.deb $here/finish.sh $here/services.sh "$overlay/debs/"
     sources >"$work/sources.list"
     # A week old, it is asked for anew: updates.
     base=$out/base-$(echo "$arch $base_packages $kernel $packages $(cat "$work/sources.list")" | sha256sum | cut -c1-16).tar
@@ -105,7 +104,7 @@ make_system() { # DISK-ID
     echo "image: making the system of $board" >&2
     # shellcheck disable=SC2016 # the hook's own $1
     mmdebstrap --quiet --variant=custom --architectures="$arch" --setup-hook="tar -C \"\$1\" --numeric-owner -xf $base" \
-        --customize-hook="sync-in $overlay /" --customize-hook='chroot "$1" sh /debs/finish.sh '"${role:-none}" \
+        --customize-hook="sync-in $overlay /" --customize-hook='chroot "$1" sh /debs/finish.sh '"$board" \
         bookworm "$work/system.tar" "$work/sources.list" >"$work/mmdebstrap.log" 2>&1 ||
         { tail -n 30 "$work/mmdebstrap.log" >&2; exit 1; }
 }
@@ -141,8 +140,8 @@ assemble() { # DISK-ID
     [ "$firmware" = efi ] || type=c
     # On the boot partition once; the root has no use for them.
     rm -rf "$tree"/boot/vmlinuz-* "$tree"/boot/initrd.img-* "$tree"/boot/firmware/*
-    # Where the board's port is no device there is no cable's network: what the daemon does by itself is right.
-    [ "$role" != device ] && listen=/^listen:/d || listen=''
+    # Without the cable's network what the daemon does by itself is right.
+    grep -q '^gadget .*network' "$tree/usr/lib/ttfbox/board" && listen='' || listen=/^listen:/d
     sed -e "s/@BOARD@/$board/g" -e "$listen" $here/settings/ttfbox.yaml >"$boot/settings/ttfbox.yaml"
     sed 's/$/\r/' $here/settings/README.txt >"$boot/README.txt"
     rm -f "$img" "$work"/part.*

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* machine.c: clock, USB device controller, storage, supply, watchdog. */
+/* machine.c: clock, storage, supply, watchdog. */
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -51,45 +51,6 @@ void probe_clock(const struct probe_machine *machine, enum ttf_trust trust,
                   "connect it to a network with a time server (timedatectl says if it is in step)",
                   "nobody vouches for this machine's date: a plan's 'start' is not checked against "
                   "it, and a capture's times are marked as unsure");
-}
-
-/* A gadget made by configfs names the controller that it is bound to. */
-static bool bound_gadget(const struct probe_machine *m, const char *controller, char ret[64])
-{
-    char **gadgets = probe_names(m, "sys/kernel/config/usb_gadget");
-    char path[384], text[96];
-    bool found = false;
-
-    for (char **g = gadgets; g && *g && !found; g++) {
-        (void)snprintf(path, sizeof path, "sys/kernel/config/usb_gadget/%.200s/UDC", *g);
-        found = probe_line(m, path, text, sizeof text) && strcmp(text, controller) == 0;
-        if (found)
-            (void)snprintf(ret, 64, "gadget '%.40s'", *g);
-    }
-    probe_names_free(gadgets);
-    return found;
-}
-
-void probe_usb(const struct probe_machine *machine, struct probe_findings *findings)
-{
-    char **names = probe_names(machine, "sys/class/udc");
-
-    if (!names || !*names)
-        probe_add(
-            findings, PROBE_NOTE, "usb",
-            "a Raspberry Pi's is switched on by dtoverlay=dwc2 in config.txt; most PCs have none",
-            "no USB device controller: a PC cannot pull datasets over a USB cable");
-    for (char **name = names; name && *name; name++) {
-        char path[384], holder[64];
-
-        (void)snprintf(path, sizeof path, "sys/class/udc/%.200s/function", *name);
-        if (bound_gadget(machine, *name, holder) ||
-            (probe_line(machine, path, holder, sizeof holder) && *holder))
-            probe_add(findings, PROBE_NOTE, "usb",
-                      "a controller has one gadget: unload that one for another to be bound",
-                      "USB device controller %.60s is held by %s", *name, holder);
-    }
-    probe_names_free(names);
 }
 
 /* The mount that a folder lies in. */

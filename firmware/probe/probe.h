@@ -68,8 +68,9 @@ void probe_silent_camera(const struct probe_machine *machine, const struct ttf_b
 void probe_lines(const struct probe_machine *machine, const struct ttf_board *board,
                  struct probe_findings *findings);
 
-/* Who holds the USB device controller. */
-void probe_usb(const struct probe_machine *machine, struct probe_findings *findings);
+/* Who holds the USB device controller, and whether that is what the board's machine.usb_role wants. */
+void probe_usb(const struct probe_machine *machine, const struct ttf_board *board,
+               struct probe_findings *findings);
 
 /* Another machine than the board is for. */
 void probe_is_meant(const struct probe_machine *machine, const struct ttf_board *board,

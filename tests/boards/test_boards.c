@@ -189,6 +189,21 @@ static void a_port_that_also_feeds_the_board_is_wired_without_vbus(void **state)
     assert_int_equal(n, 3); /* every Raspberry Pi */
 }
 
+static void every_real_board_says_what_it_runs_and_what_it_is_on_the_bus(void **state)
+{
+    (void)state;
+    for (unsigned k = 0; k < n_boards; k++) {
+        const struct ttf_board *b = &boards[k].b;
+
+        if (!b->real)
+            continue;
+        if (!b->units)
+            fail_msg("%s names no services: its image would run none", b->name);
+        if ((b->machine.usb_role == TTF_USB_DEVICE) != (b->gadget != 0))
+            fail_msg("%s: its port and its gadget are not of one mind", b->name);
+    }
+}
+
 static void the_lamps_circuit_says_how_many_of_each_part(void **state)
 {
     struct board lamps = {.folder = BOARDS};
@@ -335,6 +350,7 @@ int main(void)
         cmocka_unit_test(a_raspberry_pi_s_lamps_are_dark_from_its_firmware_on),
         cmocka_unit_test(every_real_board_can_be_built_by_its_readme),
         cmocka_unit_test(a_port_that_also_feeds_the_board_is_wired_without_vbus),
+        cmocka_unit_test(every_real_board_says_what_it_runs_and_what_it_is_on_the_bus),
         cmocka_unit_test(the_lamps_circuit_says_how_many_of_each_part),
         cmocka_unit_test(a_readme_without_a_check_a_number_or_a_wire_is_refused),
         cmocka_unit_test(every_real_board_says_what_was_tried_and_how_its_lamps_are_safe),

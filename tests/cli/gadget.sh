@@ -143,6 +143,36 @@ printf 'Box 7\r\n' >"$in/etc/ttfbox/usb-serial"
 expect 0 "$GADGET" --into "$in" show
 said out 'serial Box7, '
 
+# --- of which functions: as it is told, as the board says, and both where nobody knows
+expect 0 "$GADGET" --into "$WORK/streams" --serial 0007 --functions streams compose
+said out 'no network'
+alone=$WORK/streams/config/usb_gadget/ttfbox
+grep -v -e ncm -e 'configuration streams' wanted >wanted_alone
+(cd "$alone" && find . -type f -printf '%P ' -exec sh -c 'tr "\n" ";" <"$1"' sh {} \; -printf '\n' -o -type l -printf '%P -> %l\n') |
+    sed "s|$alone/||" | LC_ALL=C sort | grep -v 'configuration streams;' >is_alone
+diff wanted_alone is_alone >differs || fail "without a network it is another: $(cat differs)"
+[ -d "$alone/functions/ffs.ttfbox" ] || fail "the streams are gone with the network"
+[ ! -e "$WORK/streams/network" ] || fail "addresses are handed out on a network that is not there"
+expect 0 "$GADGET" --into "$WORK/streams" remove
+functions_of() { # BOARD: those of a box whose configuration names it
+    mkdir -p "$WORK/of/etc/ttfbox"
+    printf 'board: %s\nset: {%s}\n' "$1" "${2:-}" >"$WORK/of/etc/ttfbox/ttfboxd.yaml"
+    expect 0 "$GADGET" --into "$WORK/of" --serial 0007 --ttfbox "$TTFBOX" show
+}
+functions_of "$SOURCE/boards/rpi4/board.yaml"
+said out 'network 10.'
+functions_of "$SOURCE/boards/rpi4/board.yaml" 'gadget.functions: "[streams]"'
+said out 'no network'
+functions_of "$SOURCE/boards/pc-uvc/board.yaml" # it says nothing of a gadget
+said out 'network 10.'
+functions_of "$WORK/nowhere.yaml"
+said out 'network 10.'
+said err 'not known'
+for wrong in network 'network streams' printer 'streams network '; do
+    expect 2 "$GADGET" --into "$WORK/of" --serial 0007 --functions "$wrong" compose
+    [ ! -e "$WORK/of/config" ] || fail "of '$wrong' something was made"
+done
+
 # --- a serial that would be something else on the bus, or in a path
 for serial in 'a b' '../x' "$(printf 'a\nb')" 'ä' 123456789012345678901234567890123; do
     expect 2 "$GADGET" --into "$in" --serial "$serial" compose

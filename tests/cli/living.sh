@@ -73,6 +73,17 @@ expect 0 "$TTFBOX" export grass -o grass.y4m
 said out "excluded          2 slots"
 expect 2 "$TTFBOX" note grass
 expect 0 "$TTFBOX" verify grass
+# Somebody else is at it: waited for, if it does not take too long.
+mkfifo gate
+flock grass/dataset.json sh -c 'echo > gate; sleep 0.5' &
+read -r _ < gate
+expect 0 "$TTFBOX" note grass "after the other"
+wait
+flock -F grass/dataset.json sh -c 'echo > gate; exec sleep 30' &
+read -r _ < gate
+expect 1 "$TTFBOX" note grass "too long"
+said err "another note is being written"
+kill $!
 
 # ---- the second storage ----
 expect 0 "$TTFBOX" plan check p.yaml "${TINY[@]}" -o moved

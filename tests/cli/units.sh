@@ -49,9 +49,10 @@ done
 grep -qE '^ExecStopPost=\+.*/ttfbox-gadget stopped$' "$UNITS/ttfbox-usbd.service" || fail "ttfbox-usbd.service unbinds at each restart"
 grep -qE 'ttfbox-gadget( .*)? unbind' "$UNITS/ttfbox-usbd.service" && fail "ttfbox-usbd.service unbinds at each restart"
 
-# An image has each of them on; the cable's where the board's port is a PC's device.
+# A box's image has each of them on, as its board says (image_services.sh); the cable's where the board's port is a PC's device.
+"$TTFBOX" board show --board "$SOURCE/boards/rpi4" >shown || fail "no board says what it runs"
 for unit in "$UNITS"/*.service; do
-    grep -E '^ *systemctl enable ' "$SOURCE/firmware/image/finish.sh" | grep -qw "$(basename "$unit")" ||
+    sed -n 's/^units //p' shown | tr ' ' '\n' | grep -qx "$(basename "$unit" .service)" ||
         fail "images leave $(basename "$unit") off"
     # The cable's service reads no settings.
     [ "$(basename "$unit")" != ttfbox-usbd.service ] || continue

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "slot_hash.h"
+#include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
 #include "ttf/dataset/verify.h"
 
@@ -126,6 +127,35 @@ static void look_events(struct run *run)
     free(text);
 }
 
+static void tick_note(void *ctx, const struct ttf_note *note)
+{
+    bool *there = ctx;
+    char text[32];
+
+    for (unsigned n = 0; n < RUN_NOTES_MAX; n++) {
+        snprintf(text, sizeof(text), "note %u.", n);
+        there[n] = there[n] || strcmp(note->text, text) == 0;
+    }
+}
+
+static void look_notes(struct run *run)
+{
+    const struct run_promise *promise = &run->promise;
+    bool there[RUN_NOTES_MAX] = {false};
+    const struct ttf_note_visitor visitor = {.note = tick_note, .ctx = there};
+
+    if (ttf_notes_read(disk_io(run->disk), RUN_PATH, &visitor, NULL) != 0) {
+        run_break(run, RUN_OTHER, "notes.jsonl cannot be read");
+        return;
+    }
+    for (unsigned i = 0; i < RUN_NOTES_MAX; i++) {
+        if (i < promise->n_notes && promise->notes[i] && !there[i])
+            run_break(run, RUN_LOST, "note %u was acknowledged and is lost", i);
+        if (i >= promise->n_notes && there[i])
+            run_break(run, RUN_SHOWN, "there is a note %u, and nobody made it", i);
+    }
+}
+
 void judge_look(struct run *run, bool clean)
 {
     struct ttf_io *io = disk_io(run->disk);
@@ -152,6 +182,7 @@ void judge_look(struct run *run, bool clean)
     look_lines(run, reader);
     ttf_reader_close(reader);
     look_events(run);
+    look_notes(run);
 }
 
 void judge_go_on(struct run *run, unsigned looks)

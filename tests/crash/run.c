@@ -10,6 +10,7 @@
 #include "datasets/plain_stream.h"
 #include "slot_hash.h"
 #include "ttf/dataset/hash.h"
+#include "ttf/dataset/notes.h"
 
 #define BIG_BYTES   700 /* over a sector's end */
 #define SMALL_BYTES 90
@@ -213,6 +214,22 @@ static int do_event(struct run *run)
     return r;
 }
 
+static int do_note(struct run *run)
+{
+    struct run_promise *promise = &run->promise;
+    struct ttf_note note = {.utc_ns = TTF_NS_UNKNOWN};
+    unsigned n = promise->n_notes;
+    int r;
+
+    if (n == RUN_NOTES_MAX)
+        return 0;
+    promise->n_notes++;
+    snprintf(note.text, sizeof(note.text), "note %u.", n);
+    r = ttf_note_append(disk_io(run->disk), RUN_PATH, &note, NULL);
+    promise->notes[n] = r == 0;
+    return r;
+}
+
 static int do_plan(struct run *run)
 {
     int r;
@@ -273,6 +290,8 @@ static int do_step(struct run *run, enum run_step step)
         return do_slot(run, step);
     case RUN_EVENT:
         return do_event(run);
+    case RUN_NOTE:
+        return do_note(run);
     case RUN_SEAL:
         run->promise.maybe_sealed = true;
         r = ttf_writer_seal(run->writer, "count", NULL, NULL);
@@ -294,10 +313,11 @@ bool run_do(struct run *run, enum run_step step)
 {
     static const char *const names[RUN_STEP_COUNT] = {
         "create", "segment", "correct", "plan", "calibrate", "slot",   "slot",
-        "slot",   "slot",    "event",   "seal", "reopen",    "abandon"};
+        "slot",   "slot",    "event",   "note", "seal",      "reopen", "abandon"};
     int r;
 
-    if (step != RUN_SEAL && step != RUN_REOPEN && step != RUN_ABANDON && step != RUN_CREATE)
+    if (step != RUN_NOTE && step != RUN_SEAL && step != RUN_REOPEN && step != RUN_ABANDON &&
+        step != RUN_CREATE)
         run->promise.sealed = false;
     r = do_step(run, step);
     if (r && !run->may_fail)

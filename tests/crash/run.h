@@ -13,6 +13,7 @@
 #define RUN_CALIBRATION "/cal"
 #define RUN_SLOTS_MAX   40
 #define RUN_EVENTS_MAX  40
+#define RUN_NOTES_MAX   40
 
 enum run_step {
     RUN_CREATE,    /* or opens what is there */
@@ -25,6 +26,7 @@ enum run_step {
     RUN_SLOT_PAIR, /* one image with a developed and a raw file */
     RUN_SLOT_NONE, /* missed: no image */
     RUN_EVENT,
+    RUN_NOTE,
     RUN_SEAL,
     RUN_REOPEN,  /* closes, and opens again */
     RUN_ABANDON, /* lets go without a word to the disk, and opens again */
@@ -49,9 +51,10 @@ struct run_promise {
     bool sealed;       /* acknowledged, and nothing begun since */
     bool maybe_sealed; /* begun */
     bool troubled;     /* the disk failed, or the program was killed: files of no record may stay */
-    unsigned n_slots, n_events;
+    unsigned n_slots, n_events, n_notes;
     struct run_slot slots[RUN_SLOTS_MAX];
-    bool events[RUN_EVENTS_MAX]; /* acknowledged; its text is "event N" */
+    bool events[RUN_EVENTS_MAX]; /* acknowledged; its text is "event N." */
+    bool notes[RUN_NOTES_MAX];   /* acknowledged; its text is "note N." */
 };
 
 enum run_fault {

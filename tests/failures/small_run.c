@@ -13,6 +13,7 @@
 #include "datasets/plain_stream.h"
 #include "small_run.h"
 #include "ttf/dataset/hash.h"
+#include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
 #include "ttf/dataset/verify.h"
 
@@ -159,6 +160,14 @@ static int do_plan(struct small_run *run, int64_t arg, struct ttf_err *err)
     return r > 0 ? 0 : r;
 }
 
+static int do_note(struct small_run *run, int64_t n, struct ttf_err *err)
+{
+    struct ttf_note note = {.utc_ns = 1};
+
+    snprintf(note.text, sizeof(note.text), "note %d", (int)n);
+    return ttf_note_append(run->io, SMALL_PATH, &note, err);
+}
+
 static int do_seal(struct small_run *run, int64_t arg, struct ttf_err *err)
 {
     char digest[65];
@@ -236,6 +245,12 @@ static void slot(struct small_run *run, int64_t index)
         run->committed[index] = true;
 }
 
+static void note(struct small_run *run, int64_t n)
+{
+    if (step(run, "note", do_note, n) == 0)
+        run->noted[n] = true;
+}
+
 /* What is added takes the seal away, if only for as long as it takes to fail. */
 static void seal(struct small_run *run)
 {
@@ -254,6 +269,8 @@ void small_run(struct small_run *run)
     slot(run, 0);
     slot(run, 1);
     (void)step(run, "event", do_event, 0);
+    note(run, 0);
+    note(run, 1);
     (void)step(run, "calibration", do_calibration, 0);
     (void)step(run, "plan", do_plan, 0);
     (void)step(run, "correction", do_segment, 1000);
@@ -269,6 +286,7 @@ void small_run(struct small_run *run)
     (void)step(run, "event", do_event, 0);
     slot(run, 4);
     seal(run);
+    note(run, 2);
     ttf_writer_close(run->writer);
     run->writer = NULL;
 }
@@ -360,6 +378,43 @@ static bool slots_hold(const struct small_run *run, struct ttf_io *io, bool ghos
     return ok;
 }
 
+struct notes_seen {
+    bool there[SMALL_NOTES];
+    unsigned wrong;
+};
+
+static void see_note(void *ctx, const struct ttf_note *note)
+{
+    struct notes_seen *seen = ctx;
+    int n = note->text[5] - '0';
+
+    if (strncmp(note->text, "note ", 5) == 0 && n >= 0 && n < SMALL_NOTES)
+        seen->there[n] = true;
+    else
+        seen->wrong++;
+}
+
+static void see_wrong(void *ctx, int64_t line, const char *what)
+{
+    ((struct notes_seen *)ctx)->wrong++;
+}
+
+static bool notes_hold(const struct small_run *run, struct ttf_io *io, char ret[SMALL_TEXT])
+{
+    struct notes_seen seen = {0};
+    const struct ttf_note_visitor visitor = {see_note, see_wrong, &seen};
+    struct ttf_err err = {0};
+
+    if (ttf_notes_read(io, SMALL_PATH, &visitor, &err) != 0)
+        WRONG("%s: %s", err.where, err.what);
+    if (seen.wrong)
+        WRONG("%u lines of notes.jsonl are none", seen.wrong);
+    for (int i = 0; i < SMALL_NOTES; i++)
+        if (run->noted[i] && !seen.there[i])
+            WRONG("note %d was acknowledged and is lost", i);
+    return true;
+}
+
 /* Another caller comes, on a disk that works. */
 static bool goes_on(struct small_run *after, struct model_disk *disk, char ret[SMALL_TEXT])
 {
@@ -372,6 +427,7 @@ static bool goes_on(struct small_run *after, struct model_disk *disk, char ret[S
         (void)step(after, "segment", do_segment, 0);
     (void)step(after, "slot", do_slot, SMALL_SLOTS - 1);
     (void)step(after, "event", do_event, 0);
+    note(after, SMALL_NOTES - 1);
     (void)step(after, "calibration", do_calibration, 0);
     (void)step(after, "seal", do_seal, 0);
     ttf_writer_close(after->writer);
@@ -389,14 +445,17 @@ bool small_check(const struct small_run *run, struct model_disk *disk, bool ghos
     model_disk_fail(disk, (struct model_fault){0});
     if (run->created && !there)
         WRONG("the dataset was created and is gone");
-    if (there && (!whole(&disk->io, run->sealed, ret) || !slots_hold(run, &disk->io, ghosts, ret)))
+    if (there && (!whole(&disk->io, run->sealed, ret) || !slots_hold(run, &disk->io, ghosts, ret) ||
+                  !notes_hold(run, &disk->io, ret)))
         return false;
     if (!goes_on(&after, disk, ret))
         return false;
     memcpy(after.committed, run->committed, sizeof(after.committed));
     memcpy(after.tried, run->tried, sizeof(after.tried));
+    for (int i = 0; i < SMALL_NOTES; i++)
+        after.noted[i] = after.noted[i] || run->noted[i];
     after.tried[SMALL_SLOTS - 1] = true;
-    if (!slots_hold(&after, &disk->io, true, ret))
+    if (!slots_hold(&after, &disk->io, true, ret) || !notes_hold(&after, &disk->io, ret))
         return false;
     if (model_disk_open_handles(disk) != 0)
         WRONG("a handle was left open");

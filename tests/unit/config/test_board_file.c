@@ -369,6 +369,29 @@ static void what_gets_along_on_usb_is_taken(void **state)
     assert_int_equal(b.machine.power, TTF_POWER_UNSAID);
 }
 
+static void services_and_the_gadget_are_named_in_their_order(void **state)
+{
+    struct ttf_board b;
+
+    (void)state;
+    parse_ok(REAL "machine: {usb_role: device}\nlamps: {a: {backend: gpiod, line: x}}\n"
+                  "units: [ttfbox-usbd, ttfbox-gadget, ttfboxd, ttfbox-lampd]\n"
+                  "gadget: {functions: [network, streams]}\n",
+             &b);
+    assert_string_equal(ttf_board_unit(&b, 0), "ttfbox-lampd");
+    assert_string_equal(ttf_board_unit(&b, 1), "ttfboxd");
+    assert_string_equal(ttf_board_unit(&b, 2), "ttfbox-gadget");
+    assert_string_equal(ttf_board_unit(&b, 3), "ttfbox-usbd");
+    assert_null(ttf_board_unit(&b, 4));
+    assert_string_equal(ttf_board_function(&b, 0), "streams");
+    assert_string_equal(ttf_board_function(&b, 1), "network");
+    assert_null(ttf_board_function(&b, 2));
+    parse_ok(REAL "units: [ttfboxd]\n", &b);
+    assert_string_equal(ttf_board_unit(&b, 0), "ttfboxd");
+    assert_null(ttf_board_unit(&b, 1));
+    assert_null(ttf_board_function(&b, 0));
+}
+
 static void a_box_with_real_devices_has_an_owner_and_a_simulated_one_needs_none(void **state)
 {
     struct ttf_board b;
@@ -517,6 +540,28 @@ static const struct {
      "cannot be a host as well", ""},
     {REAL "machine: {power: usb}\n", "dir/b.yaml:4:18", "no power input", "usb_powers"},
     {REAL "machine: {power: header}\n", "dir/b.yaml:4:18", "no header", "raspberry-pi"},
+    /* services, and what it is on the bus */
+    {REAL "units: [ttfboxd, httpd]\n", "dir/b.yaml:4:18", "no 'httpd'", "ttfbox-alertd"},
+    {REAL "units: [ttfboxd, ttfboxd]\n", "dir/b.yaml:4:18", "twice", ""},
+    {REAL "units: []\n", "dir/b.yaml:4:8", "a list", ""},
+    {REAL "units: ttfboxd\n", "dir/b.yaml:4:8", "a list", ""},
+    {REAL "units: [ttfbox-alertd]\n", "dir/b.yaml:4:8", "nothing runs a plan", "add ttfboxd"},
+    {REAL "lamps: {a: {backend: gpiod, line: x}}\nunits: [ttfboxd]\n", "dir/b.yaml:5:8",
+     "no guardian", "ttfbox-lampd"},
+    {REAL "machine: {usb_role: device}\ngadget: {functions: [streams]}\n"
+          "units: [ttfboxd, ttfbox-usbd]\n",
+     "dir/b.yaml:6:8", "nothing without the other", "both"},
+    {REAL "machine: {usb_role: device}\nunits: [ttfboxd, ttfbox-gadget, ttfbox-usbd]\n",
+     "dir/b.yaml:5:8", "no gadget", "functions"},
+    {REAL "machine: {usb_role: device}\ngadget: {functions: [streams]}\nunits: [ttfboxd]\n",
+     "dir/b.yaml:6:8", "no service composes", "ttfbox-usbd"},
+    {REAL "machine: {usb_role: host}\ngadget: {functions: [streams]}\n", "dir/b.yaml:5:9",
+     "no USB port of the machine is a device", "usb_role"},
+    {REAL "machine: {usb_role: device}\ngadget: {functions: [network]}\n", "dir/b.yaml:5:9",
+     "nobody binds it", "streams"},
+    {REAL "machine: {usb_role: device}\ngadget: {functions: [streams, printer]}\n",
+     "dir/b.yaml:5:31", "no 'printer'", "network"},
+    {REAL "machine: {usb_role: device}\ngadget: {}\n", "dir/b.yaml:5:9", "functions", ""},
     {REAL "machine: {usb_role: gadget}\n", "dir/b.yaml:4:21", "gadget", "device"},
     {REAL "watchdog: {backend: systemd, device: /dev/watchdog}\n", "dir/b.yaml:4:30", "unknown key",
      ""},
@@ -632,6 +677,7 @@ int main(void)
         cmocka_unit_test(a_panel_may_have_either_wire_or_none),
         cmocka_unit_test(one_simulated_device_makes_the_whole_box_simulated),
         cmocka_unit_test(what_gets_along_on_usb_is_taken),
+        cmocka_unit_test(services_and_the_gadget_are_named_in_their_order),
         cmocka_unit_test(a_box_with_real_devices_has_an_owner_and_a_simulated_one_needs_none),
         cmocka_unit_test(simulated_sensors_are_not_looked_for_in_the_kernel),
         cmocka_unit_test(what_is_wrong_is_named_with_line_column_and_what_was_meant),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* test_probe.c: clock, USB device controller, storage, supply, watchdog of machines made of files. */
+/* test_probe.c: USB device controller, clock, storage, supply, watchdog of machines made of files. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,24 +13,88 @@
 
 #include "probe_bench.h"
 
-static void who_holds_the_usb_controller_is_told(void **state)
+static void usb(struct bench *b)
+{
+    b->findings.n = 0;
+    probe_usb(&b->machine, &b->board, &b->findings);
+}
+
+static void a_pcs_device_without_a_controller_is_a_problem(void **state)
 {
     struct bench *b = *state;
 
-    probe_usb(&b->machine, &b->findings);
-    (void)found(b, "no USB device controller");
-    b->findings.n = 0;
-    put(b, "sys/class/udc/fe980000.usb/state", "configured\n");
-    probe_usb(&b->machine, &b->findings);
+    load(b, CAMERA "machine: {usb_role: device, usb_powers: true, power: poe}\n");
+    put(b, "proc/device-tree/model", "Raspberry Pi 4 Model B Rev 1.4");
+    usb(b);
+    assert_int_equal(b->findings.n, 1);
+    assert_int_equal(found(b, "no USB device controller")->weight, PROBE_PROBLEM);
+    assert_non_null(strstr(b->findings.finding[0].hint, "dtoverlay=dwc2"));
+    /* who wants none misses none */
+    load(b, CAMERA "machine: {usb_role: host}\n");
+    usb(b);
     assert_int_equal(b->findings.n, 0);
+    load(b, CAMERA);
+    usb(b);
+    assert_int_equal(b->findings.n, 0);
+}
+
+#define DEVICE CAMERA "machine: {usb_role: device}\n"
+
+static void a_controller_in_the_boxs_own_hands_is_as_it_should_be(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, DEVICE);
+    put(b, "sys/class/udc/fe980000.usb/state", "not attached\n");
+    usb(b);
+    assert_int_equal(b->findings.n, 1);
+    assert_non_null(strstr(found(b, "fe980000.usb has no gadget")->hint, "ttfbox-usbd"));
+    put(b, "sys/kernel/config/usb_gadget/ttfbox/UDC", "fe980000.usb\n");
+    usb(b);
+    assert_int_equal(b->findings.n, 1);
+    assert_string_equal(found(b, "is held by this box's own gadget")->hint, "");
+    assert_int_equal(b->findings.finding[0].weight, PROBE_NOTE);
+    (void)found(b, "no PC at its cable has set it up");
+    put(b, "sys/class/udc/fe980000.usb/state", "configured\n");
+    usb(b);
+    (void)found(b, "a PC has set it up");
+}
+
+static void a_controller_in_other_hands_is_a_problem_of_a_pcs_device(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, DEVICE);
     put(b, "sys/class/udc/fe980000.usb/function", "g_ether\n");
-    probe_usb(&b->machine, &b->findings);
-    (void)found(b, "fe980000.usb is held by g_ether");
-    b->findings.n = 0;
+    usb(b);
+    assert_int_equal(found(b, "fe980000.usb is held by gadget 'g_ether'")->weight, PROBE_PROBLEM);
     put(b, "sys/kernel/config/usb_gadget/other/UDC", "\n");
     put(b, "sys/kernel/config/usb_gadget/webcam/UDC", "fe980000.usb\n");
-    probe_usb(&b->machine, &b->findings);
+    usb(b);
+    assert_int_equal(b->findings.n, 1);
     (void)found(b, "fe980000.usb is held by gadget 'webcam'");
+    load(b, CAMERA "machine: {usb_role: host}\n");
+    usb(b);
+    assert_int_equal(found(b, "that port is a device: gadget 'webcam'")->weight, PROBE_NOTE);
+    load(b, CAMERA "machine: {usb_role: host, usb_single: true}\n");
+    usb(b);
+    assert_int_equal(found(b, "that port is a device: gadget 'webcam'")->weight, PROBE_PROBLEM);
+}
+
+static void a_port_that_is_the_power_input_too_is_told(void **state)
+{
+    struct bench *b = *state;
+
+    load(b, CAMERA "machine: {usb_role: device, usb_powers: true, power: poe}\n");
+    put(b, "sys/class/udc/fe980000.usb/state", "configured\n");
+    put(b, "sys/kernel/config/usb_gadget/ttfbox/UDC", "fe980000.usb\n");
+    usb(b);
+    assert_int_equal(b->findings.n, 2);
+    assert_non_null(strstr(found(b, "is the power input, too")->hint, "VBUS"));
+    load(b, CAMERA "machine: {usb_role: host, usb_powers: true, power: poe}\n");
+    put(b, "sys/kernel/config/usb_gadget/ttfbox/UDC", "\n");
+    usb(b);
+    assert_int_equal(b->findings.n, 0);
 }
 
 static void a_board_for_another_machine_is_told(void **state)
@@ -124,7 +188,10 @@ static void a_supply_that_sagged_and_a_watchdog_in_other_hands_are_told(void **s
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        ON_FILES(who_holds_the_usb_controller_is_told),
+        ON_FILES(a_pcs_device_without_a_controller_is_a_problem),
+        ON_FILES(a_controller_in_the_boxs_own_hands_is_as_it_should_be),
+        ON_FILES(a_controller_in_other_hands_is_a_problem_of_a_pcs_device),
+        ON_FILES(a_port_that_is_the_power_input_too_is_told),
         ON_FILES(a_board_for_another_machine_is_told),
         ON_FILES(a_clock_that_forgets_is_told),
         ON_FILES(each_kind_of_storage_has_its_words),

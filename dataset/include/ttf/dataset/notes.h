@@ -32,8 +32,9 @@ struct ttf_note {
 TTF_MUST_USE int ttf_note_check(const struct ttf_note *note, struct ttf_err *err);
 
 /*
- * Appends the note as one line, synced, in one write. What a crash left of a line before it is ended
- * first and stays. Any thread, any process. -ENOENT: there is no dataset at path.
+ * Adds the note as one line: when this returns 0 it is on the disk and stays there. Else it may be seen and is not promised; what was noted
+ * before is as it was. What a crash left of a line of somebody else's is ended first and stays. Any thread, any process: -EAGAIN, at once, while
+ * another adds one; try again. -ENOENT: there is no dataset at path.
  */
 TTF_MUST_USE int ttf_note_append(struct ttf_io *io, const char *path, const struct ttf_note *note,
                                  struct ttf_err *err);

@@ -114,6 +114,20 @@ struct ttf_board_machine {
     char usb_devices[TTF_USB_DEVICES_MAX][64];
 };
 
+/* Services of a box (firmware/units/), and functions of its gadget (firmware/gadget/): bits. */
+enum ttf_board_unit_bit {
+    TTF_UNIT_LAMPD = 1,
+    TTF_UNIT_DAEMON = 2,
+    TTF_UNIT_PREVIEW = 4,
+    TTF_UNIT_ALERTS = 8,
+    TTF_UNIT_GADGET = 16,
+    TTF_UNIT_CABLE = 32
+};
+enum ttf_gadget_function_bit {
+    TTF_GADGET_STREAMS = 1,
+    TTF_GADGET_NETWORK = 2
+};
+
 /* Lines of a header that are something else, too. */
 struct ttf_header_use {
     int first, last;
@@ -137,6 +151,8 @@ struct ttf_board {
     struct ttf_board_guardian guardian;
     struct ttf_board_panel panel; /* of other back-ends than "sim" */
     struct ttf_board_machine machine;
+    unsigned units,
+        gadget; /* what an image of it runs, what it is on the bus; 0: it does not say */
     char watchdog_path[64]; /* of back-end "device" */
     char lock[512];         /* the file that says who owns the box; empty: nobody asks */
     unsigned n_sysfs;
@@ -151,6 +167,10 @@ struct ttf_board {
 struct ttf_board_set {
     const char *path, *value;
 };
+
+/* The i-th service that the board names, without ".service"; the i-th function of its gadget. NULL: no more. */
+const char *ttf_board_unit(const struct ttf_board *board, unsigned i);
+const char *ttf_board_function(const struct ttf_board *board, unsigned i);
 
 /*
  * Where the board called `name` lies: a path to a file or folder as it is, else
