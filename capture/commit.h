@@ -36,6 +36,8 @@ struct ttf_committer {
     char second_path[4096];  /* of the dataset in the second storage; empty: none */
     char calibration_id[64]; /* empty: none */
     const char *calibration_folder;
+    const struct ttf_plan *given; /* to the session; another may be in force */
+    const char *given_yaml;       /* NULL: not known */
     struct ttf_manifest manifest; /* of the dataset the run began in */
     int64_t reserve_bytes, slot_bytes, total;
     size_t line_bytes; /* of a record, at the most: the writer is made to hold it */
