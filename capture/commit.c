@@ -76,6 +76,28 @@ void ttf_committer_note_disk(struct ttf_committer *c, bool full)
     ttf_queue_tell_disk(c->queue, full);
 }
 
+/*
+ * What the file system has found in itself: slots are still safe, but the disk may be about to go. As above the first
+ * look of a run tells in any case; after a move to another storage there may be fewer.
+ */
+static void note_fs_errors(struct ttf_committer *c, int64_t errors)
+{
+    static const char TEXT[] =
+        "the storage's file system has found errors in itself: copy what matters, then check it "
+        "(fsck); a card or disk may be wearing out";
+
+    if (errors > c->fs_errors)
+        ttf_events_emit(c->events, "storage",
+                        "the file system has found errors in itself, %lld since it was last "
+                        "checked: the card or disk may be wearing out",
+                        (long long)errors);
+    if (errors > c->fs_errors || (errors == 0 && !c->fs_errors_noted))
+        tell_alarm(c, errors > 0 ? TTF_PROGRESS_ALARM : TTF_PROGRESS_ALARM_OVER,
+                   TTF_ALARM_UNTIL_OVER, TEXT);
+    c->fs_errors = errors;
+    c->fs_errors_noted = true;
+}
+
 /* Previews go first. True if that made room. */
 static bool drop_previews(struct ttf_committer *c, int64_t free_bytes)
 {
@@ -93,6 +115,7 @@ static void look_at_space(struct ttf_committer *c)
 
     if (!c->writer || ttf_writer_space(c->writer, &space) < 0)
         return;
+    note_fs_errors(c, space.fs_errors);
     if (space.free_bytes < needs + c->slot_bytes &&
         drop_previews(c, needs + PREVIEW_SLOTS * c->slot_bytes) &&
         ttf_writer_space(c->writer, &space) < 0)

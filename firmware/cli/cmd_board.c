@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "abilities.h"
 #include "board_findings.h"
 #include "box.h"
 #include "commands.h"
@@ -29,6 +30,35 @@ static const struct ttf_camera_mode *mode_of(const struct ttf_board *board, cons
     return &board->cameras[i].mode;
 }
 
+/* What it can and cannot: a 0 of exposure_max_ns or gain_max_milli is no such control. */
+static void say_abilities(struct probe *p, const char *name, const struct ttf_camera_caps *caps,
+                          const struct ttf_frame_format *f)
+{
+    struct ttf_json *j = &p->cli->out;
+    struct probe_abilities can;
+
+    probe_abilities(caps, f, &can);
+    cli_say(p->cli, "camera %-10s %s, %u x %u, %s", name, caps->model, f->width, f->height,
+            can.pixels);
+    for (unsigned i = 0; i < PROBE_ABILITIES; i++)
+        cli_say(p->cli, "                  %s", can.line[i]);
+    ttf_json_kstring(j, "model", caps->model);
+    ttf_json_kint(j, "width", f->width);
+    ttf_json_kint(j, "height", f->height);
+    ttf_json_kint(j, "bits", f->bits);
+    ttf_json_kstring(j, "pixels", can.pixels);
+    ttf_json_kint(j, "exposure_min_ns", caps->exposure_min_ns);
+    ttf_json_kint(j, "exposure_max_ns", caps->exposure_max_ns);
+    ttf_json_kint(j, "gain_min_milli", caps->gain_min_milli);
+    ttf_json_kint(j, "gain_max_milli", caps->gain_max_milli);
+    ttf_json_kbool(j, "white_balance", caps->has_white_balance);
+    ttf_json_kbool(j, "lens", caps->has_lens);
+    ttf_json_kbool(j, "steerable", caps->steerable);
+    ttf_json_kint(j, "timing_bound_ns", caps->timing_bound_ns);
+    ttf_json_kint(j, "frame_period_ns", caps->frame_period_ns);
+    ttf_json_kint(j, "lead_frames", caps->lead_frames);
+}
+
 static void probe_cameras_of(struct probe *p)
 {
     struct ttf_json *j = &p->cli->out;
@@ -40,7 +70,6 @@ static void probe_cameras_of(struct probe *p)
         struct ttf_err err = {0};
         const char *name = p->box.cameras[i].name;
         int r = ttf_camera_configure(p->box.cameras[i].camera, mode_of(p->board, name), &f, &err);
-        const struct ttf_camera_caps *caps = ttf_camera_caps(p->box.cameras[i].camera);
 
         ttf_json_object(j);
         ttf_json_kstring(j, "name", name);
@@ -51,20 +80,7 @@ static void probe_cameras_of(struct probe *p)
             ttf_json_object_end(j);
             continue;
         }
-        cli_say(p->cli,
-                "camera %-10s %s, %u x %u, %u bits, exposure %.3f ms to %.0f ms, gain %.1f to "
-                "%.1f, %s",
-                name, caps->model, f.width, f.height, f.bits, (double)caps->exposure_min_ns / 1e6,
-                (double)caps->exposure_max_ns / 1e6, caps->gain_min_milli / 1e3,
-                caps->gain_max_milli / 1e3, caps->steerable ? "steerable" : "free-running");
-        ttf_json_kstring(j, "model", caps->model);
-        ttf_json_kint(j, "width", f.width);
-        ttf_json_kint(j, "height", f.height);
-        ttf_json_kint(j, "bits", f.bits);
-        ttf_json_kint(j, "exposure_min_ns", caps->exposure_min_ns);
-        ttf_json_kint(j, "exposure_max_ns", caps->exposure_max_ns);
-        ttf_json_kbool(j, "steerable", caps->steerable);
-        ttf_json_kint(j, "timing_bound_ns", caps->timing_bound_ns);
+        say_abilities(p, name, ttf_camera_caps(p->box.cameras[i].camera), &f);
         ttf_json_object_end(j);
     }
     ttf_json_array_end(j);

@@ -121,6 +121,26 @@ void probe_storage(const struct probe_machine *machine, const char *folder,
             "%s lies on a memory card (%s)", mount.mnt_dir, mount.mnt_fsname);
 }
 
+void probe_fs_errors(const struct probe_machine *machine, struct probe_findings *findings)
+{
+    char **devices = probe_names(machine, "sys/fs/ext4");
+
+    for (char **device = devices; device && *device; device++) {
+        char path[384], text[32];
+
+        (void)snprintf(path, sizeof path, "sys/fs/ext4/%.200s/errors_count", *device);
+        if (!probe_line(machine, path, text, sizeof text) || strtol(text, NULL, 10) <= 0)
+            continue;
+        probe_add(
+            findings, PROBE_PROBLEM, "storage",
+            "dmesg says which; copy what matters, then check it unmounted (fsck -f). A card or "
+            "disk that wears out does this, a supply that sags, too",
+            "the file system on %.60s has found errors in itself: %s since it was last checked",
+            *device, text);
+    }
+    probe_names_free(devices);
+}
+
 static int write_and_sync(int fd)
 {
     static const char block[1 << 16];

@@ -28,10 +28,14 @@ is lamps.1.switchings 28
 
 expect 0 "$TTFBOX" board probe "${TINY[@]}"
 said out "SIMULATED"
-said out "96 x 64"
+said out "96 x 64, mosaic RGGB of 12 bits"
+said out "gain 1.00 to 16.00"
+said out "lens: not a plan's"
 expect 0 "$TTFBOX" board probe "${TINY[@]}" --json
 is silent 0
 is cameras.0.width 96
+is cameras.0.gain_max_milli 16000
+is cameras.0.lens false
 expect 0 "$TTFBOX" board probe "${TINY[@]}" --set watchdog=none --set panel=none --json
 is watchdog false
 expect 1 "$TTFBOX" board probe "${TINY[@]}" --set 'sim.faults=[{kind: sensor-gone, at: 0s, for: 1h, target: box-temp}]'

@@ -60,8 +60,7 @@ void put(const struct bench *b, const char *name, const char *text)
     (void)fclose(file);
 }
 
-void put_holder(const struct bench *b, const char *process, const char *name,
-                       const char *device)
+void put_holder(const struct bench *b, const char *process, const char *name, const char *device)
 {
     char file[128], path[512];
 

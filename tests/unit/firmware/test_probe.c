@@ -152,6 +152,21 @@ static void each_kind_of_storage_has_its_words(void **state)
     assert_int_equal(b->findings.n, 0);
 }
 
+static void a_file_system_with_errors_is_told(void **state)
+{
+    struct bench *b = *state;
+
+    put(b, "sys/fs/ext4/features/metadata_csum_seed", "supported\n");
+    put(b, "sys/fs/ext4/sda1/errors_count", "0\n");
+    probe_fs_errors(&b->machine, &b->findings);
+    assert_int_equal(b->findings.n, 0);
+    put(b, "sys/fs/ext4/mmcblk0p2/errors_count", "7\n");
+    probe_fs_errors(&b->machine, &b->findings);
+    assert_int_equal(b->findings.n, 1);
+    assert_int_equal(found(b, "on mmcblk0p2 has found errors in itself: 7 since")->weight,
+                     PROBE_PROBLEM);
+}
+
 static void a_disk_is_measured_and_nothing_is_left_behind(void **state)
 {
     struct bench *b = *state;
@@ -195,6 +210,7 @@ int main(void)
         ON_FILES(a_board_for_another_machine_is_told),
         ON_FILES(a_clock_that_forgets_is_told),
         ON_FILES(each_kind_of_storage_has_its_words),
+        ON_FILES(a_file_system_with_errors_is_told),
         ON_FILES(a_disk_is_measured_and_nothing_is_left_behind),
         ON_FILES(a_supply_that_sagged_and_a_watchdog_in_other_hands_are_told),
     };

@@ -109,8 +109,8 @@ static void a_line_is_found_by_its_number_on_its_chip(void **state)
     (void)found(b, "line 14 of chip gpiochip0 is taken by 'bt'");
 }
 
-#define LONG                                                                         \
-    CAMERA "lamps:\n  a-lamp-of-twenty-five-let: {backend: gpiod, line: GPIO17}\n"   \
+#define LONG                                                                       \
+    CAMERA "lamps:\n  a-lamp-of-twenty-five-let: {backend: gpiod, line: GPIO17}\n" \
            "  left: {backend: gpiod, line: a-line-of-twenty-five-let}\n"
 
 static void names_that_the_kernels_list_cuts_off_are_known(void **state)
@@ -145,6 +145,7 @@ static int told(const struct ttf_line_spec *spec, char ret_holder[64], struct tt
     return holder != NULL;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the kernel's, as probe_machine has it */
 static int denied(const struct ttf_line_spec *spec, char ret_holder[64], struct ttf_err *err)
 {
     (void)ret_holder;
