@@ -14,8 +14,7 @@ int ttf_note_add(struct ttf_clock *clock, struct ttf_io *io, const char *path,
     int64_t until = ttf_clock_now_ns(clock) + PATIENCE_NS;
     int r;
 
-    while ((r = ttf_note_append(io, path, note, err)) == -EAGAIN &&
-           ttf_clock_now_ns(clock) < until)
+    while ((r = ttf_note_append(io, path, note, err)) == -EAGAIN && ttf_clock_now_ns(clock) < until)
         (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + PAUSE_NS);
     return r;
 }
