@@ -36,6 +36,8 @@ struct ttf_committer {
     char second_path[4096];  /* of the dataset in the second storage; empty: none */
     char calibration_id[64]; /* empty: none */
     const char *calibration_folder;
+    const struct ttf_plan *given; /* to the session; another may be in force */
+    const char *given_yaml;       /* NULL: not known */
     struct ttf_manifest manifest; /* of the dataset the run began in */
     int64_t reserve_bytes, slot_bytes, total;
     size_t line_bytes; /* of a record, at the most: the writer is made to hold it */
@@ -70,6 +72,13 @@ struct ttf_committer {
     unsigned strikes;
     int64_t first_strike_ns;
     bool disk_full, disk_noted;
+    /* images of the slot under way: files were written; the storage took none of one */
+    bool image_stored, image_refused;
+    unsigned image_strikes; /* slots on end with such an image */
+    int64_t first_image_strike_ns;
+    bool images_alarm, images_noted;
+    int64_t fs_errors; /* of the storage in use, at the last look */
+    bool fs_errors_noted;
     bool power_lost;
     int64_t busy_since_ns;          /* first image of the slot under way; TTF_NS_UNKNOWN */
     pthread_mutex_t progress_mutex; /* the session's: it tells before begin and after end, too */

@@ -126,16 +126,31 @@ static int begun_after_all(struct ttf_committer *c, struct ttf_writer **writer, 
     return ttf_writer_state(*writer)->n_segments > 0 ? 0 : code;
 }
 
+/* With the plan given as well, if that is not the one in force: run again with it, the run goes on as it has become. */
+static int open_second(struct ttf_committer *c, struct ttf_writer **ret, struct ttf_err *err)
+{
+    const struct ttf_plan_text in_force = {c->in_force->json, c->in_force->yaml};
+    struct ttf_plan_text given = {NULL, c->given_yaml};
+    struct ttf_manifest manifest;
+    char *json = NULL;
+    int r = ttf_second_manifest(&c->manifest, &manifest, err);
+
+    if (r == 0 && !c->in_force->as_given)
+        r = ttf_plan_json(c->given, &json, err);
+    given.json = json;
+    if (r == 0)
+        r = ttf_second_open(c->io, c->second_path, &manifest, json ? &given : NULL, &in_force, ret,
+                            err);
+    free(json);
+    return r;
+}
+
 static int make_second(struct ttf_committer *c, struct ttf_writer **ret, struct ttf_err *err)
 {
     struct ttf_segment segment = continued(c);
-    struct ttf_manifest manifest;
     struct ttf_writer *writer = NULL;
-    int r = ttf_second_manifest(&c->manifest, &manifest, err);
+    int r = open_second(c, &writer, err);
 
-    if (r == 0)
-        r = ttf_second_open(c->io, c->second_path, &manifest, c->in_force->yaml, c->in_force->json,
-                            &writer, err);
     if (r < 0)
         return r;
     segment.plan = r;

@@ -16,6 +16,7 @@ struct ttf_plan_change {
     char *json;                               /* owned */
     char *yaml;                               /* owned; NULL: not given */
     struct ttf_segment segment;               /* the session's numbers of it and of its plan */
+    bool as_given;                            /* it is the plan that the session was given */
     int64_t count, slot_bytes, reserve_bytes; /* of the new plan */
 };
 

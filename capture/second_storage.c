@@ -154,29 +154,49 @@ static bool has_plan(struct ttf_io *io, const char *path, int n_plans, const cha
     return same;
 }
 
-int ttf_second_open(struct ttf_io *io, const char *path, const struct ttf_manifest *manifest,
-                    const char *yaml, const char *json, struct ttf_writer **ret,
-                    struct ttf_err *err)
+/* The number of its newest plan, which is this one: added, if it was another. */
+static int with_plan(struct ttf_io *io, const char *path, struct ttf_writer *writer,
+                     const struct ttf_plan_text *plan, struct ttf_err *err)
 {
-    struct ttf_writer *writer;
+    int n = ttf_writer_state(writer)->n_plans;
+
+    if (has_plan(io, path, n, plan->json))
+        return n - 1;
+    return ttf_writer_plan(writer, plan->yaml, plan->json, err);
+}
+
+static int make_or_open(struct ttf_io *io, const char *path, const struct ttf_manifest *manifest,
+                        const struct ttf_plan_text *plan, struct ttf_writer **ret,
+                        struct ttf_err *err)
+{
     struct ttf_manifest there;
-    int plan;
     int r;
 
     if (ttf_manifest_load(io, path, &there, NULL) < 0)
-        return ttf_writer_create(io, path, manifest, yaml, json, ret, err);
-    r = ttf_writer_open(io, path, &writer, err);
-    if (r < 0)
-        return r;
-    if (strcmp(there.group_uuid, manifest->group_uuid) != 0 ||
-        ttf_writer_state(writer)->n_segments > 0) {
-        ttf_writer_abandon(writer);
+        return ttf_writer_create(io, path, manifest, plan->yaml, plan->json, ret, err);
+    r = ttf_writer_open(io, path, ret, err);
+    if (r == 0 && (strcmp(there.group_uuid, manifest->group_uuid) != 0 ||
+                   ttf_writer_state(*ret)->n_segments > 0)) {
+        ttf_writer_abandon(*ret);
         return foreign(path, err);
     }
-    /* The plan may have changed since it was made. */
-    plan = ttf_writer_state(writer)->n_plans - 1;
-    if (!has_plan(io, path, plan + 1, json))
-        plan = ttf_writer_plan(writer, yaml, json, err);
+    return r;
+}
+
+int ttf_second_open(struct ttf_io *io, const char *path, const struct ttf_manifest *manifest,
+                    const struct ttf_plan_text *given, const struct ttf_plan_text *in_force,
+                    struct ttf_writer **ret, struct ttf_err *err)
+{
+    struct ttf_writer *writer = NULL;
+    int plan = make_or_open(io, path, manifest, given ? given : in_force, &writer, err);
+
+    if (plan < 0)
+        return plan;
+    /* Plans may have changed since it was made. */
+    if (given && !has_plan(io, path, ttf_writer_state(writer)->n_plans, in_force->json))
+        plan = with_plan(io, path, writer, given, err);
+    if (plan >= 0)
+        plan = with_plan(io, path, writer, in_force, err);
     if (plan < 0) {
         ttf_writer_abandon(writer);
         return plan;

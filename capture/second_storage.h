@@ -31,13 +31,23 @@ TTF_MUST_USE int ttf_second_find(struct ttf_io *io, const char *first, const cha
 TTF_MUST_USE int ttf_second_manifest(const struct ttf_manifest *first, struct ttf_manifest *ret,
                                      struct ttf_err *err);
 
+/* A plan as it is stored. */
+struct ttf_plan_text {
+    const char *json;
+    const char *yaml; /* as given; NULL: not known */
+};
+
 /*
  * Makes it with this plan, or opens one that was made and never begun; its plan may be another one by now: then this
- * one is added. The plan's number there; negative errno.
+ * one is added. given: the plan that whoever runs it has in his hand, where it is another one; else NULL. It comes
+ * before the one in force, so that it is known there as what the run has moved on from. The number that the plan in
+ * force has there; negative errno.
  */
 TTF_MUST_USE int ttf_second_open(struct ttf_io *io, const char *path,
-                                 const struct ttf_manifest *manifest, const char *yaml,
-                                 const char *json, struct ttf_writer **ret, struct ttf_err *err);
+                                 const struct ttf_manifest *manifest,
+                                 const struct ttf_plan_text *given,
+                                 const struct ttf_plan_text *in_force, struct ttf_writer **ret,
+                                 struct ttf_err *err);
 
 /* A dataset that can be read and not written, as a writer would know it. Its manifest as well. */
 TTF_MUST_USE int ttf_second_state_of(struct ttf_io *io, const char *first,

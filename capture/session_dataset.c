@@ -160,6 +160,23 @@ static void keep_zone(struct ttf_plan *plan, const struct ttf_writer_state *stat
         plan->zone_offset_s = state->last_segment.zone_offset_s;
 }
 
+/* The second dataset, begun by reading the first. The plan's number there. */
+static int second_with_plan(struct ttf_session *s, const struct ttf_manifest *manifest,
+                            const char *json, struct ttf_err *err)
+{
+    const struct ttf_plan_text in_force = {json, s->given_yaml};
+    struct ttf_plan_text given = {NULL, s->config->plan_yaml};
+    char *given_json = NULL;
+    int r = s->moved_on_from < 0 ? 0 : ttf_plan_json(s->config->plan, &given_json, err);
+
+    given.json = given_json;
+    if (r == 0)
+        r = ttf_second_open(s->config->io, s->path, manifest, given_json ? &given : NULL, &in_force,
+                            &s->committer.writer, err);
+    free(given_json);
+    return r;
+}
+
 /* Makes a new dataset, or sees to it that one that is gone on with has this plan. The plan's number. */
 static int dataset_with_plan(struct ttf_session *s, const struct ttf_manifest *manifest,
                              struct ttf_err *err)
@@ -176,7 +193,7 @@ static int dataset_with_plan(struct ttf_session *s, const struct ttf_manifest *m
     if (*writer)
         r = ttf_writer_plan(*writer, s->given_yaml, json, err);
     else if (s->from_first)
-        r = ttf_second_open(s->config->io, s->path, manifest, s->given_yaml, json, writer, err);
+        r = second_with_plan(s, manifest, json, err);
     else
         r = ttf_writer_create(s->config->io, s->path, manifest, s->given_yaml, json, writer, err);
     free(json);
@@ -247,6 +264,9 @@ static int set_in_force(struct ttf_session *s, const struct ttf_manifest *manife
     if (!c->in_force)
         return ttf_err_set(err, -ENOMEM, s->path, "no memory");
     c->in_force->segment = s->pulse.segment;
+    c->in_force->as_given = s->moved_on_from < 0;
+    c->given = s->config->plan;
+    c->given_yaml = s->config->plan_yaml;
     c->slot0_ns = s->slot0_ns;
     c->in_force->slot_bytes = s->figures.slot_bytes;
     c->n_plans = s->next_plan = ttf_writer_state(c->writer)->n_plans;

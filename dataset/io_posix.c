@@ -194,6 +194,7 @@ static int px_list(struct ttf_io *io, const char *path, ttf_io_entry_fn *fn, voi
 static int px_space(struct ttf_io *io, const char *path, struct ttf_io_space *ret)
 {
     struct statvfs vfs;
+    struct stat st;
     int r;
 
     RETRY(r, statvfs(path, &vfs));
@@ -202,6 +203,7 @@ static int px_space(struct ttf_io *io, const char *path, struct ttf_io_space *re
     ret->free_bytes = (int64_t)vfs.f_bavail * (int64_t)vfs.f_frsize;
     ret->total_bytes = (int64_t)vfs.f_blocks * (int64_t)vfs.f_frsize;
     ret->read_only = (vfs.f_flag & ST_RDONLY) != 0;
+    ret->fs_errors = stat(path, &st) == 0 ? ttf_io_fs_errors("/sys", st.st_dev) : 0;
     return 0;
 }
 

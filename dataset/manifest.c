@@ -9,6 +9,7 @@
 #include <sys/random.h>
 
 #include "manifest_rules.h"
+#include "ttf/dataset/hash.h"
 
 int ttf_manifest_init(struct ttf_manifest *manifest, struct ttf_err *err)
 {
@@ -172,5 +173,7 @@ int ttf_manifest_check(const struct ttf_manifest *m, const char *where, struct t
         return ttf_err_set(err, -EINVAL, where, "group.uuid must be a lower-case UUID");
     if (m->derived_uuid[0] && !is_uuid(m->derived_uuid))
         return ttf_err_set(err, -EINVAL, where, "derived_from.uuid must be a lower-case UUID");
+    if (m->derived_digest[0] && !ttf_sha256_is_hex(m->derived_digest))
+        return ttf_err_set(err, -EINVAL, where, "derived_from.digest must be 64 hex digits");
     return 0;
 }

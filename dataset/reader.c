@@ -106,10 +106,23 @@ static int take_segment(struct ttf_reader *reader, const struct ttf_line *line, 
     return 0;
 }
 
+static int take_plan(struct ttf_reader *reader, const struct ttf_line *line, struct ttf_err *err)
+{
+    struct ttf_reader_summary *sum = &reader->summary;
+    int number, r = ttf_plan_get(line, &number, err);
+
+    if (r == 0 && number != sum->n_plans)
+        return ttf_err_set(err, -TTF_EDAMAGED, line->where, "plan %d comes where plan %d is due",
+                           number, sum->n_plans);
+    sum->n_plans++;
+    return r;
+}
+
 static int take_line(void *ctx, const struct ttf_line *line, struct ttf_err *err)
 {
     struct ttf_reader *reader = ctx;
     struct ttf_reader_summary *sum = &reader->summary;
+    char id[64];
     int r = 0;
 
     if (strcmp(line->type, "end") == 0) {
@@ -121,10 +134,11 @@ static int take_line(void *ctx, const struct ttf_line *line, struct ttf_err *err
     else if (strcmp(line->type, "segment") == 0)
         r = take_segment(reader, line, err);
     else if (strcmp(line->type, "plan") == 0)
-        sum->n_plans++;
-    else if (strcmp(line->type, "calibration") == 0)
+        r = take_plan(reader, line, err);
+    else if (strcmp(line->type, "calibration") == 0) {
+        r = ttf_calibration_get(line, id, err);
         sum->n_calibrations++;
-    else
+    } else
         return 0; /* of a later version */
     sum->ended = false;
     return r;

@@ -122,6 +122,9 @@ static void get_image(struct ttf_json_in *in, const json_t *o, struct ttf_image 
         image->bracket = (int)ttf_in_int(in, bracket, "index", 0, INT32_MAX, 0, TTF_JSON_REQUIRED);
         image->relative_exposure =
             ttf_in_double(in, bracket, "relative_exposure", 0, TTF_JSON_OPTIONAL);
+        if (image->relative_exposure < 0 ||
+            (image->relative_exposure == 0 && json_object_get(bracket, "relative_exposure")))
+            ttf_in_wrong(in, "bracket.relative_exposure", "must be more than 0");
     }
     ttf_in_text(in, o, "lacking", image->lacking, sizeof(image->lacking), TTF_JSON_CUT);
     shots = ttf_in_array(in, o, "shots", TTF_JSON_OPTIONAL);
@@ -266,6 +269,26 @@ int ttf_end_get(const struct ttf_line *line, struct ttf_end_record *ret, struct 
     e.power = ttf_in_int(&in, o, "power", 0, INT64_MAX, 0, TTF_JSON_OPTIONAL);
     if (in.code == 0)
         *ret = e;
+    return in.code;
+}
+
+int ttf_plan_get(const struct ttf_line *line, int *ret_number, struct ttf_err *err)
+{
+    struct ttf_json_in in = reading(line, err);
+    int number = (int)ttf_in_int(&in, line->json, "plan", 0, INT32_MAX - 1, 0, TTF_JSON_REQUIRED);
+
+    ttf_in_array(&in, line->json, "files", TTF_JSON_REQUIRED);
+    if (in.code == 0)
+        *ret_number = number;
+    return in.code;
+}
+
+int ttf_calibration_get(const struct ttf_line *line, char ret_id[64], struct ttf_err *err)
+{
+    struct ttf_json_in in = reading(line, err);
+
+    ttf_in_text(&in, line->json, "id", ret_id, 64, TTF_JSON_REQUIRED);
+    ttf_in_array(&in, line->json, "files", TTF_JSON_REQUIRED);
     return in.code;
 }
 

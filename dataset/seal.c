@@ -199,6 +199,8 @@ int ttf_writer_seal(struct ttf_writer *writer, const char *reason, char ret_dige
     char digest[65], *reserve;
     int r = 0;
 
+    if (writer->manifest.rehearsal)
+        return ttf_err_set(err, -EINVAL, writer->path, "is a rehearsal, which is not sealed");
     if (!writer->ended) {
         r = ttf_writer_unseal(writer, err);
         if (r == 0)

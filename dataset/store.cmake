@@ -1,5 +1,5 @@
 set(TTF_DATASET_STORE
-    growth.c hash.c io.c io_faulty.c io_hashing.c io_posix.c json_parse.c json_read.c json_writer.c jsonl.c lines.c
+    fs_errors.c growth.c hash.c io.c io_faulty.c io_hashing.c io_posix.c json_parse.c json_read.c json_writer.c jsonl.c lines.c
     lines_scan.c manifest.c manifest_read.c manifest_write.c named_files.c
     notes.c notes_read.c reader.c record.c
     record_check.c record_read.c record_write.c recover.c reserve.c seal.c sums.c verify.c

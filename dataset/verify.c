@@ -202,6 +202,9 @@ static int check_all(struct ttf_verify_run *run, struct ttf_err *err)
     r = ttf_sums_sealed(run->io, run->path, &run->report->sealed, err);
     if (r)
         return r;
+    if (run->report->sealed && run->has_manifest && run->manifest.rehearsal)
+        ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, "dataset.json",
+                        "says that it is a rehearsal, which is not to be sealed");
     ttf_verify_records(run);
     ttf_verify_events(run);
     ttf_verify_flush(run);

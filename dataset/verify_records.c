@@ -47,6 +47,7 @@ static int take_file(void *ctx, const struct ttf_named_file *file, struct ttf_er
     return r;
 }
 
+/* While records.jsonl is damaged the line may have been there: the folder says that the calibration was. */
 static bool has_calibration(struct ttf_verify_run *run, const char *id)
 {
     struct ttf_io_stat st;
@@ -56,7 +57,7 @@ static bool has_calibration(struct ttf_verify_run *run, const char *id)
     for (i = 0; i < run->calibrations.n; i++)
         if (strcmp(run->calibrations.items[i], id) == 0)
             return true;
-    return ttf_path_put(folder, "%s/calibration/%s", run->path, id) == 0 &&
+    return !run->records_good && ttf_path_put(folder, "%s/calibration/%s", run->path, id) == 0 &&
            run->io->ops->stat(run->io, folder, &st) == 0 && st.is_dir;
 }
 
@@ -75,7 +76,7 @@ static void check_images(struct ttf_verify_run *run, const struct ttf_line *line
             bad_field(run, line, record->index, text);
         }
         if (image->calibration[0] && !has_calibration(run, image->calibration)) {
-            snprintf(text, sizeof(text), "names calibration %s, which is not there",
+            snprintf(text, sizeof(text), "names calibration %s, which no line before it brought",
                      image->calibration);
             bad_field(run, line, record->index, text);
         }
@@ -203,11 +204,36 @@ static void take_segment(struct ttf_verify_run *run, const struct ttf_line *line
         bad_field(run, line, -1, "its plan has no line before it");
 }
 
+/* Behind a damaged line, which may have been a plan's, one may be left out. */
+static int take_plan(struct ttf_verify_run *run, const struct ttf_line *line, struct ttf_err *err)
+{
+    bool may_lack = !run->records_good;
+    int number, due = run->n_plans++, r = ttf_plan_get(line, &number, err);
+
+    if (r == 0 && number > due && may_lack)
+        run->n_plans = number + 1;
+    else if (r == 0 && number != due)
+        r = ttf_err_set(err, -TTF_EDAMAGED, line->where, "plan %d comes where plan %d is due",
+                        number, due);
+    return r;
+}
+
+static int take_calibration(struct ttf_verify_run *run, const struct ttf_line *line,
+                            struct ttf_err *err)
+{
+    char id[64];
+    int r = ttf_calibration_get(line, id, err);
+
+    if (r == 0 && ttf_paths_add(&run->calibrations, id) != 0)
+        run->failed = -ENOMEM;
+    return r;
+}
+
 static int take_line(void *ctx, const struct ttf_line *line, struct ttf_err *unused)
 {
     struct ttf_verify_run *run = ctx;
     struct ttf_err err = {0};
-    const char *id;
+    int r;
 
     run->slot = -1;
     run->report->lines++;
@@ -222,11 +248,10 @@ static int take_line(void *ctx, const struct ttf_line *line, struct ttf_err *unu
     } else if (strcmp(line->type, "segment") == 0) {
         take_segment(run, line);
     } else if (strcmp(line->type, "plan") == 0 || strcmp(line->type, "calibration") == 0) {
-        id = json_string_value(json_object_get(line->json, "id"));
-        run->n_plans += line->type[0] == 'p';
-        if (id && ttf_paths_add(&run->calibrations, id) != 0)
-            run->failed = -ENOMEM;
-        if (ttf_line_files(line, take_file, run, &err) == -TTF_EDAMAGED)
+        r = line->type[0] == 'p' ? take_plan(run, line, &err) : take_calibration(run, line, &err);
+        if (r == 0)
+            r = ttf_line_files(line, take_file, run, &err);
+        if (r == -TTF_EDAMAGED)
             bad_field(run, line, -1, err.what);
     } else {
         return run->failed; /* of a later version */

@@ -29,7 +29,7 @@ static void read_list(struct ttf_verify_run *run, int file, struct ttf_named_fil
 {
     struct ttf_lines lines;
     const char *line, *path;
-    char name[200], where[40];
+    char name[200], last[200] = "", where[40];
     bool terminated;
     int64_t offset;
     size_t n;
@@ -45,6 +45,12 @@ static void read_list(struct ttf_verify_run *run, int file, struct ttf_named_fil
             ttf_verify_find(run, TTF_FINDING_DAMAGE, -1, where, "is no line that sha256sum checks");
             continue;
         }
+        if (strcmp(name, last) <= 0)
+            ttf_verify_find(
+                run, TTF_FINDING_DAMAGE, -1, where,
+                "%.150s does not come behind %.150s: a seal lists by the bytes of the paths", name,
+                last);
+        memcpy(last, name, sizeof(last));
         if (ttf_named_files_add(listed, name, line) != 0) {
             run->failed = -ENOMEM;
             break;

@@ -80,9 +80,31 @@ static int learn_segment(struct ttf_writer *writer, const struct ttf_line *line,
     return 0;
 }
 
+static int learn_plan(struct ttf_writer *writer, const struct ttf_line *line, struct ttf_err *err)
+{
+    int number, r = ttf_plan_get(line, &number, err);
+
+    if (r == 0 && number != writer->state.n_plans)
+        return ttf_err_set(err, -TTF_EDAMAGED, line->where, "plan %d comes where plan %d is due",
+                           number, writer->state.n_plans);
+    writer->state.n_plans++;
+    return r;
+}
+
+static int learn_calibration(struct ttf_writer *writer, const struct ttf_line *line,
+                             struct ttf_err *err)
+{
+    char id[64];
+    int r = ttf_calibration_get(line, id, err);
+
+    if (r)
+        return r;
+    r = ttf_writer_learn_calibration(writer, id);
+    return r ? ttf_err_set(err, r, line->where, "no memory") : 0;
+}
+
 int ttf_writer_learn(struct ttf_writer *writer, const struct ttf_line *line, struct ttf_err *err)
 {
-    const char *id;
     int r = 0;
 
     if (strcmp(line->type, "end") == 0) {
@@ -94,12 +116,9 @@ int ttf_writer_learn(struct ttf_writer *writer, const struct ttf_line *line, str
     } else if (strcmp(line->type, "segment") == 0) {
         r = learn_segment(writer, line, err);
     } else if (strcmp(line->type, "plan") == 0) {
-        writer->state.n_plans++;
+        r = learn_plan(writer, line, err);
     } else if (strcmp(line->type, "calibration") == 0) {
-        id = json_string_value(json_object_get(line->json, "id"));
-        r = ttf_writer_learn_calibration(writer, id ? id : "");
-        if (r)
-            return ttf_err_set(err, r, line->where, "no memory");
+        r = learn_calibration(writer, line, err);
     } else {
         return 0;
     }

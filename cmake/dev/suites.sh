@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # suites.sh [SUITE...]: the whole project, warnings being errors, compiled in chroots of newer suites, since libraries
 # change between them: trixie (libgpiod 2.2, libcamera 0.4) and bookworm-backports (2.1, 0.3). Called by ./dev suites;
-# chroots are kept below build-suites. Unit tests of what differs run in them, too.
+# chroots are kept below build-suites. Unit tests of what differs run in them, too. trixie-arm64 is the same for
+# another processor, against a tree of its libraries (tests/rig/newer.py).
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
 . cmake/dev/install.sh
@@ -53,10 +54,14 @@ compile() { # SUITE
         sed -n "1s/^/$1: builds without a warning, $(grep -cE 'Passed' "$root/src/test.log") test programs pass: /p"
 }
 
-[ $# -gt 0 ] || set -- trixie bookworm-backports
+[ $# -gt 0 ] || set -- trixie bookworm-backports trixie-arm64
 mkdir -p "$out"
 failed=0
 for suite; do
+    if [ "$suite" = trixie-arm64 ]; then
+        (ttf_install_build && ttf_install_rig && ttf_install_qemu_user && python3 tests/rig/newer.py) || failed=1
+        continue
+    fi
     make_chroot "$suite" && compile "$suite" || failed=1
 done
 exit "$failed"

@@ -19,7 +19,7 @@ compile() { # ARCH CMAKE-ARGUMENTS...
     mkdir -p "$out/$arch"
     # What was left out, and where a tree lies, may have changed: configured each time.
     quiet cmake -G Ninja -S . -B "$out/$arch/build" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_INSTALL_PREFIX=/usr \
-        -DTTFBOX_TESTS=OFF -DTTFBOX_PACKAGE=ON -DTTFBOX_LIBCAMERA=ON -DTTFBOX_ARCHITECTURE="$arch" "$@"
+        -DTTFBOX_TESTS=OFF -DTTFBOX_PACKAGE=ON -DTTFBOX_LIBCAMERA=ON -DTTFBOX_WERROR=ON -DTTFBOX_ARCHITECTURE="$arch" "$@"
     quiet ninja -C "$out/$arch/build" -j "$jobs"
 }
 
@@ -63,19 +63,9 @@ pack() { # ARCH
     ls "$out/$1"/*.deb
 }
 
-# Libraries whose link for the linker leads to the root of the file system: in a tree that is another one, and the
-# linker would take the static library in silence.
-links_stay_within() { # TREE
-    local link to
-    find "$1/usr/lib/aarch64-linux-gnu" -maxdepth 1 -name '*.so' -type l -lname '/*' | while read -r link; do
-        to=$1$(readlink "$link")
-        [ ! -e "$to" ] || ln -sfr "$to" "$link"
-    done
-}
-
 cross() { # arm64, against the rig's system
     bash tests/rig/tree.sh "$rig"
-    links_stay_within "$rig/tree"
+    bash tests/rig/links.sh "$rig/tree"
     export TTFBOX_RIG_TREE=$rig/tree PKG_CONFIG_SYSROOT_DIR=$rig/tree
     export PKG_CONFIG_LIBDIR=$rig/tree/usr/lib/aarch64-linux-gnu/pkgconfig:$rig/tree/usr/share/pkgconfig
     # Pages come from a program that this machine cannot run: the native one's are the same.

@@ -26,6 +26,7 @@ static void look(struct cli *cli, const struct ttf_board *board, struct ttf_cloc
         ttf_clock_utc(clock, &utc);
     probe_clock(&machine, utc.trust, findings);
     probe_power(&machine, board, findings);
+    probe_fs_errors(&machine, findings);
     if (!cli->opt.output)
         return;
     /* Mounts are told by whole paths; another machine's are taken as they stand. */

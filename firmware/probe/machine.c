@@ -12,6 +12,7 @@
 #include "files.h"
 #include "ttf/base/time.h"
 
+#define DATED_S     1704067200 /* 2024, as hal/real has it: no ttfbox is that old */
 #define SPEED_BYTES (8 << 20)
 #define SPEED_LEAST (10 * 1000 * 1000) /* bytes a second: a raw frame of 12 megapixels every 2 s */
 
@@ -35,17 +36,73 @@ void probe_is_meant(const struct probe_machine *machine, const struct ttf_board 
               *model ? model : "a machine without a name");
 }
 
+struct rtc {
+    char name[96]; /* "rtc0 (rtc-ds1307 1-0068)" */
+    bool sets;     /* the kernel set its time by it at boot */
+    bool dated;    /* it knows a date itself */
+};
+
+static struct rtc look_at_rtc(const struct probe_machine *m, const char *name)
+{
+    char path[320], driver[64], text[32];
+    struct rtc rtc = {0};
+
+    (void)snprintf(path, sizeof path, "sys/class/rtc/%.64s/name", name);
+    (void)probe_line(m, path, driver, sizeof driver);
+    (void)snprintf(rtc.name, sizeof rtc.name, "%.16s (%.60s)", name, *driver ? driver : "no name");
+    (void)snprintf(path, sizeof path, "sys/class/rtc/%.64s/hctosys", name);
+    rtc.sets = probe_line(m, path, text, sizeof text) && strcmp(text, "1") == 0;
+    (void)snprintf(path, sizeof path, "sys/class/rtc/%.64s/since_epoch", name);
+    rtc.dated = probe_line(m, path, text, sizeof text) && strtoll(text, NULL, 10) >= DATED_S;
+    return rtc;
+}
+
+#define FIRST                                                                                \
+    "the kernel asks the first alone (rtc0): on a Raspberry Pi 5, whose own has no battery " \
+    "unless one was bought, dtparam=rtc=off in config.txt lets another be the first"
+
+/* Of all battery-backed clocks the one that set the time, and whether it knows it. */
+static void look_at_rtcs(const struct probe_machine *m, char **names,
+                         struct probe_findings *findings)
+{
+    struct rtc setter = {0}, other = {0};
+
+    for (char **name = names; *name; name++) {
+        struct rtc rtc = look_at_rtc(m, *name);
+
+        if (rtc.sets && !setter.sets)
+            setter = rtc;
+        else
+            other = rtc;
+    }
+    if (!setter.sets)
+        probe_add(findings, PROBE_NOTE, "clock", FIRST,
+                  "%s is there, but did not set this machine's time at boot", other.name);
+    else if (!setter.dated)
+        probe_add(findings, PROBE_NOTE, "clock",
+                  *other.name ? FIRST : "put a battery in, or a new one; then set it: hwclock -w",
+                  "the clock %s has lost its date: it has no battery, or an empty one%s%s",
+                  setter.name, *other.name ? "; and nobody asks " : "", other.name);
+    else if (*other.name)
+        probe_add(findings, PROBE_NOTE, "clock", FIRST,
+                  "of two clocks it is %s that sets the time at boot, not %s", setter.name,
+                  other.name);
+}
+
 void probe_clock(const struct probe_machine *machine, enum ttf_trust trust,
                  struct probe_findings *findings)
 {
-    struct stat st;
+    char **names = probe_names(machine, "sys/class/rtc");
 
-    if (!probe_stat(machine, "sys/class/rtc/rtc0", &st))
+    if (names && *names)
+        look_at_rtcs(machine, names, findings);
+    else
         probe_add(
             findings, PROBE_NOTE, "clock",
             "a DS3231 module keeps the time for years; without, the time must come by network",
             "no battery-backed clock: after a power cut this machine does not know how long it "
             "was off, and a capture goes on at once in a new segment with an unknown gap");
+    probe_names_free(names);
     if (trust == TTF_TRUST_NONE)
         probe_add(findings, PROBE_NOTE, "clock",
                   "connect it to a network with a time server (timedatectl says if it is in step)",
@@ -119,6 +176,26 @@ void probe_storage(const struct probe_machine *machine, const char *folder,
             "for weeks of frames a USB disk of its own lasts longer; 'storage.second' of a plan "
             "names one to go on with",
             "%s lies on a memory card (%s)", mount.mnt_dir, mount.mnt_fsname);
+}
+
+void probe_fs_errors(const struct probe_machine *machine, struct probe_findings *findings)
+{
+    char **devices = probe_names(machine, "sys/fs/ext4");
+
+    for (char **device = devices; device && *device; device++) {
+        char path[384], text[32];
+
+        (void)snprintf(path, sizeof path, "sys/fs/ext4/%.200s/errors_count", *device);
+        if (!probe_line(machine, path, text, sizeof text) || strtol(text, NULL, 10) <= 0)
+            continue;
+        probe_add(
+            findings, PROBE_PROBLEM, "storage",
+            "dmesg says which; copy what matters, then check it unmounted (fsck -f). A card or "
+            "disk that wears out does this, a supply that sags, too",
+            "the file system on %.60s has found errors in itself: %s since it was last checked",
+            *device, text);
+    }
+    probe_names_free(devices);
 }
 
 static int write_and_sync(int fd)

@@ -80,6 +80,9 @@ void probe_is_meant(const struct probe_machine *machine, const struct ttf_board 
 void probe_clock(const struct probe_machine *machine, enum ttf_trust trust,
                  struct probe_findings *findings);
 
+/* File systems that have found errors in themselves: a card that wears out. */
+void probe_fs_errors(const struct probe_machine *machine, struct probe_findings *findings);
+
 /* The disk below a folder, by the machine's mounts. */
 void probe_storage(const struct probe_machine *machine, const char *folder,
                    struct probe_findings *findings);

@@ -139,7 +139,7 @@ struct ttf_clock *ttf_clock_real_create(void)
     r = -pthread_mutex_init(&clock->lock, NULL);
     if (r < 0)
         goto err_clock;
-    real_utc_init(&clock->utc);
+    real_utc_init(&clock->utc, "/sys");
     return &clock->base;
 
 err_clock:

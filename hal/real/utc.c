@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "utc.h"
 
+#include <dirent.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <sys/timex.h>
 #include <time.h>
 
@@ -24,15 +27,42 @@ int64_t real_boot_ns(void)
     return read_ns(CLOCK_BOOTTIME);
 }
 
-void real_utc_init(struct real_utc *u)
+/* A number in a file of a clock; -1: there is none. */
+static int64_t read_number(const char *sys, const char *rtc, const char *name)
 {
-    FILE *f = fopen("/sys/class/rtc/rtc0/hctosys", "re");
+    char path[512], text[32];
+    int64_t number = -1;
+    FILE *f;
+
+    (void)snprintf(path, sizeof(path), "%s/class/rtc/%.64s/%s", sys, rtc, name);
+    f = fopen(path, "re");
+    if (f && fgets(text, sizeof(text), f))
+        number = strtoll(text, NULL, 10);
+    if (f)
+        fclose(f);
+    return number;
+}
+
+/*
+ * Any of them may be the one that the kernel sets its time by (hctosys). One that has no date itself did not do so
+ * usefully: it has no battery, and what the system's time is now, its last shutdown or its build has told.
+ */
+void real_utc_init(struct real_utc *u, const char *sys)
+{
+    char path[512];
+    struct dirent *entry;
+    DIR *dir;
 
     *u = (struct real_utc){0};
-    if (f) {
-        u->rtc = fgetc(f) == '1';
-        fclose(f);
-    }
+    (void)snprintf(path, sizeof(path), "%s/class/rtc", sys);
+    dir = opendir(path);
+    /* NOLINTNEXTLINE(concurrency-mt-unsafe): of a stream of its own */
+    while (dir && !u->rtc && (entry = readdir(dir)) != NULL)
+        u->rtc = strncmp(entry->d_name, "rtc", 3) == 0 &&
+                 read_number(sys, entry->d_name, "hctosys") == 1 &&
+                 read_number(sys, entry->d_name, "since_epoch") >= PLAUSIBLE_UTC_NS / TTF_NS_PER_S;
+    if (dir)
+        closedir(dir);
 }
 
 void real_utc_note(struct real_utc *u, int64_t boot_ns, int64_t utc_ns, int64_t reading_ns)

@@ -17,7 +17,8 @@ struct real_utc {
     uint32_t steps;
 };
 
-void real_utc_init(struct real_utc *u);
+/* sys: "/sys", or a folder laid out like it. */
+void real_utc_init(struct real_utc *u, const char *sys);
 
 /* Reads the clocks now. */
 void real_utc_look(struct real_utc *u, struct ttf_utc *ret);

@@ -328,6 +328,10 @@ static void a_raspberry_pi_s_lamps_are_dark_from_its_firmware_on(void **state)
         for (unsigned i = 0; i < TTF_COUNT_OF(WORDS); i++)
             if (!strstr(config, WORDS[i]))
                 fail_msg("%s: its firmware is not told '%s'", b->name, WORDS[i] + 1);
+        /* Its own clock, which has no battery as it is sold, would be the one that sets the time. */
+        if (strcmp(b->machine.model, "Raspberry Pi 5") == 0 &&
+            !strstr(config, "\ndtparam=rtc=off\n"))
+            fail_msg("%s: the DS3231 is its second clock, which nobody asks", b->name);
         /* The port's role: as the board says. */
         if ((b->machine.usb_role == TTF_USB_DEVICE) !=
             (strstr(config, "\ndtoverlay=dwc2,dr_mode=peripheral") != NULL))

@@ -356,7 +356,7 @@ static int op_list(struct ttf_io *io, const char *path, ttf_io_entry_fn *fn, voi
 
 static int op_space(struct ttf_io *io, const char *path, struct ttf_io_space *ret)
 {
-    *ret = (struct ttf_io_space){(int64_t)1 << 40, (int64_t)1 << 41, false};
+    *ret = (struct ttf_io_space){.free_bytes = (int64_t)1 << 40, .total_bytes = (int64_t)1 << 41};
     return of(io)->dead ? -EIO : 0;
 }
 

@@ -49,6 +49,37 @@ static const struct session_plan everywhere[] = {
      .trouble = {.kind = SESSION_SYNC_FAILS, .from = 90, .until = UINT64_MAX, .first_only = true}},
 };
 
+/* Runs of which people ask something meanwhile. */
+static const struct session_plan living[] = {
+    {.slots = 2,
+     .keep = TTF_KEEP_DEVELOPED,
+     .n_asks = 5,
+     .asks = {{TTF_ASK_NOTE, 1, 0},
+              {TTF_ASK_COUNT, 1, 3},
+              {TTF_ASK_NOTE, 2, 0},
+              {TTF_ASK_PLAN, 2, 40 * TTF_NS_PER_S},
+              {TTF_ASK_INTERVAL, 3, 30 * TTF_NS_PER_S}}},
+    {.slots = 3,
+     .keep = TTF_KEEP_DEVELOPED,
+     .days = true,
+     .longer = true,
+     .n_asks = 5,
+     .asks = {{TTF_ASK_PAUSE, 1, 0},
+              {TTF_ASK_PHOTOPERIOD, 1, TTF_NS_PER_MIN},
+              {TTF_ASK_CONTINUE, 2, 0},
+              {TTF_ASK_UNTIL, 2, 4},
+              {TTF_ASK_STOP, 3, 0}}},
+    {.slots = 3,
+     .second = true,
+     .keep = TTF_KEEP_DEVELOPED,
+     .n_asks = 4,
+     .asks = {{TTF_ASK_INTERVAL, 1, 50 * TTF_NS_PER_S},
+              {TTF_ASK_NOTE, 1, 0},
+              {TTF_ASK_NOTE, 2, 0},
+              {TTF_ASK_COUNT, 2, 4}},
+     .trouble = {.kind = SESSION_EIO, .from = 110, .until = UINT64_MAX, .first_only = true}},
+};
+
 static void cut_everywhere(struct session_cuts *cuts)
 {
     size_t i;
@@ -56,6 +87,8 @@ static void cut_everywhere(struct session_cuts *cuts)
     cuts->everywhere = true;
     for (i = 0; i < sizeof(everywhere) / sizeof(everywhere[0]); i++)
         session_cut_run(cuts, &everywhere[i]);
+    for (i = 0; i < sizeof(living) / sizeof(living[0]); i++)
+        session_cut_run(cuts, &living[i]);
 }
 
 static struct session_plan draw_plan(struct draw *draw)
@@ -68,6 +101,9 @@ static struct session_plan draw_plan(struct draw *draw)
     plan.second = draw_below(draw, 2);
     plan.keep = keeps[draw_below(draw, 3)];
     plan.cut_permille = 10 + (unsigned)draw_below(draw, 150);
+    plan.drawn = draw_below(draw, 2);
+    plan.days = plan.drawn && draw_below(draw, 3) == 0;
+    plan.longer = draw_below(draw, 4) == 0;
     if (draw_below(draw, 2))
         return plan;
     t->kind = 1 + (enum session_trouble_kind)draw_below(draw, SESSION_TROUBLE_COUNT - 1);
@@ -122,6 +158,7 @@ static void add(void *ctx, const void *found)
     sum->boots += part->boots;
     sum->cuts += part->cuts;
     sum->states += part->states;
+    sum->asked += part->asked;
     sum->deeper += part->deeper;
     sum->troubled += part->troubled;
     sum->moved += part->moved;
@@ -194,10 +231,10 @@ int main(int argc, char **argv)
                                       .work = work,
                                       .add = add});
     printf("crash session: %" PRIu64 " states of %" PRIu64 " cuts (%" PRIu64
-           " of resumed runs), %" PRIu64 " boots (%" PRIu64 " on a disk that failed, %" PRIu64
-           " in the second storage, %" PRIu64 " ended early), seed %" PRIu64
-           ", %.0f s; broken: %" PRIu64 "%s\n",
-           c->states, c->cuts, c->deeper, c->boots, c->troubled, c->moved, c->ended_early,
+           " of resumed runs), %" PRIu64 " boots (%" PRIu64 " with asks, %" PRIu64
+           " on a disk that failed, %" PRIu64 " in the second storage, %" PRIu64
+           " ended early), seed %" PRIu64 ", %.0f s; broken: %" PRIu64 "%s\n",
+           c->states, c->cuts, c->deeper, c->boots, c->asked, c->troubled, c->moved, c->ended_early,
            asked.seed, now_s() - begun, c->broken, well ? "" : "; a process ended badly");
     return well && c->broken == 0 ? 0 : 1;
 }

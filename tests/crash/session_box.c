@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "slot_hash.h"
@@ -40,6 +41,80 @@ void session_box_init(struct session_box *s, struct ttf_io *io, int64_t slots, b
     shot->levels[0].permille = 1000;
     if (second)
         snprintf(s->plan.second_storage, sizeof(s->plan.second_storage), SESSION_SECOND);
+}
+
+void session_box_live(struct session_box *s, const struct living *living)
+{
+    s->living = living;
+    s->plan = living->plans[0];
+    s->asks = (UINT32_C(1) << living->n_asks) - 1;
+}
+
+/* Of one who asks once more. */
+static bool makes_sense(const struct session_box *s, unsigned i)
+{
+    const struct living *living = s->living;
+
+    if (s->promise.done & UINT32_C(1) << i)
+        return false;
+    if (living->asks[i].kind == TTF_ASK_STOP || living->asks[i].kind == TTF_ASK_UNTIL)
+        return false;
+    return living->plan_of[i] == 0 ||
+           (living->plan_of[i] > s->promise.plan && living->plan_of[i] > s->given);
+}
+
+void session_box_go_on(struct session_box *s, int given, bool ask_again)
+{
+    s->asks = 0;
+    if (!s->living)
+        return;
+    s->given = given;
+    s->plan = s->living->plans[given];
+    for (unsigned i = 0; ask_again && i < s->living->n_asks; i++)
+        if (makes_sense(s, i))
+            s->asks |= UINT32_C(1) << i;
+}
+
+int64_t session_box_count(const struct session_box *s)
+{
+    return s->living ? s->living->plans[s->promise.plan].count : s->plan.count;
+}
+
+/* ---- asking ---- */
+
+static void ask(struct session_box *s)
+{
+    s->control = ttf_control_create();
+    if (!s->control)
+        abort();
+    for (unsigned i = 0; i < LIVING_ASKS_MAX; i++) {
+        s->answers[i] = -ENOENT;
+        if (!(s->asks & UINT32_C(1) << i))
+            continue;
+        s->numbers[i] = ttf_control_ask(s->control, &s->living->asks[i]);
+        s->answers[i] = -EAGAIN;
+        if (s->numbers[i] < 0)
+            session_box_break(s, "ask %u is not even heard", i);
+    }
+}
+
+static void answered(struct session_box *s, unsigned i)
+{
+    s->promise.done |= UINT32_C(1) << i;
+    if (s->living->plan_of[i] > s->promise.plan)
+        s->promise.plan = s->living->plan_of[i];
+    s->stopped = s->stopped || s->living->asks[i].kind == TTF_ASK_STOP;
+}
+
+void session_box_hear(struct session_box *s)
+{
+    for (unsigned i = 0; s->control && i < LIVING_ASKS_MAX; i++) {
+        if (s->answers[i] != -EAGAIN)
+            continue;
+        s->answers[i] = ttf_control_answer(s->control, s->numbers[i], NULL);
+        if (s->answers[i] == 0)
+            answered(s, i);
+    }
 }
 
 int64_t session_box_elapsed_ns(const struct session_box *s)
@@ -90,6 +165,20 @@ int session_box_record(const struct session_box *s, int64_t index, struct ttf_sl
 
 /* ---- what the session tells ---- */
 
+/* A pause is of the boot in which it was asked for; slots that have passed before it was heard are lost ones. */
+static void look_paused(struct session_box *s, const struct ttf_progress *progress)
+{
+    const char *reason = s->living ? living_paused(s->living, s->asks, progress->index) : NULL;
+
+    if (progress->result == TTF_RESULT_PAUSED &&
+        (!reason || !progress->text || strcmp(progress->text, reason) != 0))
+        session_box_break(s, "slot %lld is paused, and nobody asked for that: %s",
+                          (long long)progress->index, progress->text ? progress->text : "");
+    if (reason &&
+        (progress->result == TTF_RESULT_CAPTURED || progress->result == TTF_RESULT_PARTIAL))
+        session_box_break(s, "slot %lld is captured in a pause", (long long)progress->index);
+}
+
 static void told_slot(struct session_box *s, const struct ttf_progress *progress)
 {
     struct session_promise *promise = &s->promise;
@@ -103,6 +192,7 @@ static void told_slot(struct session_box *s, const struct ttf_progress *progress
     }
     *slot = (struct session_slot){.acknowledged = true, .result = progress->result};
     promise->n_slots++;
+    look_paused(s, progress);
     if (!s->read_back)
         return;
     if (session_box_record(s, progress->index, &record) < 0) {
@@ -120,6 +210,8 @@ static void told(void *ctx, const struct ttf_progress *progress)
 
     switch (progress->kind) {
     case TTF_PROGRESS_ARMED:
+        if (s->given > s->promise.plan)
+            s->promise.plan = s->given;
         s->armed = s->promise.armed = true;
         break;
     case TTF_PROGRESS_SLOT:
@@ -133,6 +225,7 @@ static void told(void *ctx, const struct ttf_progress *progress)
         s->alarms++;
         break;
     case TTF_PROGRESS_ALARM_OVER:
+        s->alarms_over++;
         break;
     }
 }
@@ -158,6 +251,7 @@ void session_box_boot(struct session_box *s)
                                         .path = SESSION_PATH,
                                         .plan = &s->plan,
                                         .plan_yaml = "# as given\n",
+                                        .calibration_folder = s->calibration_folder,
                                         .threads = 1,
                                         .progress = told,
                                         .progress_ctx = s,
@@ -167,15 +261,23 @@ void session_box_boot(struct session_box *s)
     memset(&s->err, 0, sizeof(s->err));
     memset(&s->result, 0, sizeof(s->result));
     s->armed = false;
-    s->alarms = 0;
+    s->alarms = s->alarms_over = 0;
+    s->stopped = false;
+    s->slots_before = s->promise.n_slots;
     s->code = make_box(s, &box, &s->err);
     if (s->code < 0) {
         session_box_break(s, "no box: %s: %s", s->err.where, s->err.what);
         return;
     }
+    if (s->living)
+        ask(s);
     s->box = config.box = &box;
+    config.control = s->control;
     s->code = ttf_session_run(&config, &s->result, &s->err);
     s->ended_ns = session_box_elapsed_ns(s);
+    session_box_hear(s);
+    ttf_control_destroy(s->control);
+    s->control = NULL;
     s->promise.sealed = s->promise.sealed || (s->code == 0 && s->result.sealed);
     s->box = NULL;
     ttf_box_destroy(&box);

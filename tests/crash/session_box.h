@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "session_living.h"
 #include "ttf/capture/session.h"
 #include "ttf/dataset/reader.h"
 
@@ -32,6 +33,8 @@ struct session_promise {
     bool sealed;
     bool maybe_sealed; /* it was, by a plan with fewer slots */
     bool troubled;     /* the disk has failed: files of no record may stay, and slots be lacking */
+    int plan;          /* of its living's plans, in force: armed with, or answered */
+    uint32_t done;     /* of its living's asks, answered with 0: bits */
     int64_t n_slots;   /* acknowledged: 0..n_slots-1 */
     unsigned n_events;
     struct session_slot slots[SESSION_SLOTS_MAX];
@@ -40,8 +43,12 @@ struct session_promise {
 struct session_box {
     struct ttf_io *io; /* borrowed */
     struct ttf_plan plan;
-    int64_t power_on_ns; /* since the first power-on */
-    bool read_back;      /* records are read when they are acknowledged */
+    int64_t power_on_ns;            /* since the first power-on */
+    const char *calibration_folder; /* NULL: none */
+    const struct living *living;    /* what people ask; borrowed, NULL: nothing */
+    int given;                      /* the plan is this one of its plans */
+    uint32_t asks;                  /* of its asks, in the next boot: bits */
+    bool read_back;                 /* records are read when they are acknowledged */
     /* of all boots so far */
     struct session_promise promise;
     char events[SESSION_EVENTS_MAX][SESSION_TEXT_BYTES];
@@ -50,14 +57,31 @@ struct session_box {
     int code;
     struct ttf_err err;
     struct ttf_session_result result;
-    int64_t ended_ns; /* since the first power-on */
-    bool armed;       /* in this boot */
-    unsigned alarms;
+    int64_t ended_ns;     /* since the first power-on */
+    bool armed;           /* in this boot */
+    bool stopped;         /* as it was asked to */
+    int64_t slots_before; /* acknowledged before it */
+    unsigned alarms, alarms_over;
+    struct ttf_control *control; /* NULL but during it */
+    int64_t numbers[LIVING_ASKS_MAX];
+    int answers[LIVING_ASKS_MAX]; /* -EAGAIN: none yet; -ENOENT: not asked */
     char broken[512]; /* the first thing that was not as it must be; empty: all is well */
 };
 
 /* A plan of `slots` slots, one a minute, of 16 x 16 pixels; with a second storage or without. */
 void session_box_init(struct session_box *s, struct ttf_io *io, int64_t slots, bool second);
+
+/* People ask these things, all from the first boot on. To be called after init and before the first boot. */
+void session_box_live(struct session_box *s, const struct living *living);
+
+/* The next boot: by this plan of the living's, and with those asks again that are not answered and still make sense. */
+void session_box_go_on(struct session_box *s, int given, bool ask_again);
+
+/* How many slots the run is to have in the end, by the plan in force. */
+int64_t session_box_count(const struct session_box *s);
+
+/* Takes note of what was answered so far; during a boot. */
+void session_box_hear(struct session_box *s);
 
 /* Since the first power-on; during a boot. */
 int64_t session_box_elapsed_ns(const struct session_box *s);

@@ -11,6 +11,7 @@
 #define OUTAGE_NS  TTF_NS_PER_MIN
 #define DEPTH_MOST 3
 #define TEXT_BYTES 400
+#define BOOTS_MOST 6 /* of a run without a cut */
 
 /* A disk that a cut has left. */
 struct state {
@@ -28,6 +29,7 @@ struct session_boot {
     struct disk *disk; /* owned */
     struct locked_io locked;
     unsigned depth;   /* cuts before this boot */
+    int newest;       /* of the living's plans, that people have by now */
     const char *text; /* of the cut before; NULL */
     const struct session_boot *before;
     uint64_t step;
@@ -57,6 +59,19 @@ static void tell_boot(const struct session_boot *b)
         printf("  cut %s\n", b->text);
 }
 
+static void tell_living(const struct session_boot *b)
+{
+    const struct living *living = b->box.living;
+
+    if (!living)
+        return;
+    printf("  by plan %d of %u; asked (kind, slot):", b->box.given, living->n_plans);
+    for (unsigned i = 0; i < living->n_asks; i++)
+        printf(" %s%d,%lld", b->box.asks & UINT32_C(1) << i ? "" : "not ",
+               (int)living->asks[i].kind, (long long)living->asks[i].from_index);
+    printf("\n");
+}
+
 static void tell(struct session_boot *b)
 {
     struct session_cuts *cuts = b->cuts;
@@ -70,6 +85,7 @@ static void tell(struct session_boot *b)
            (int)b->plan->trouble.kind, (unsigned long long)b->plan->trouble.from,
            (unsigned long long)b->plan->trouble.until,
            b->plan->trouble.first_only ? " in the first" : "");
+    tell_living(b);
     if (cuts->seed)
         printf("  crash_session random --seed %llu --states 1 --processes 1\n",
                (unsigned long long)cuts->seed);
@@ -192,6 +208,7 @@ static int step_comes(void *ctx, struct disk *disk, const char *op, const char *
 
     (void)disk;
     b->step++;
+    session_box_hear(&b->box);
     if (b->cutting && b->cuts->everywhere)
         cut_everywhere(b, op, path);
     else if (b->cutting)
@@ -226,6 +243,7 @@ static void boot(struct session_boot *b)
     size_t i;
 
     b->cuts->counts.boots++;
+    b->cuts->counts.asked += b->box.asks != 0;
     locked_io_init(&b->locked, disk_io(b->disk));
     b->box.io = &b->locked.io;
     b->box.read_back = true;
@@ -264,6 +282,24 @@ static struct session_boot *next_boot(const struct session_boot *before, struct 
     return b;
 }
 
+/* Somebody starts it again: by its first plan or by the newest one, and asks again for what was not done, or not. */
+static void choose_start(struct session_boot *b)
+{
+    struct session_cuts *cuts = b->cuts;
+    struct session_box *s = &b->box;
+    uint64_t how;
+    int given;
+
+    if (!s->living)
+        return;
+    how = cuts->everywhere ? cuts->counts.states % 3 : draw_below(&cuts->draw, 3);
+    given = how == 0 || s->given > 0 ? b->newest : 0;
+    /* Refused where that plan has fewer slots than there are already. */
+    if (s->living->plans[given].count <= s->promise.n_slots + 1)
+        given = s->given;
+    session_box_go_on(s, given, how == 1);
+}
+
 static void end_boot(struct session_boot *b)
 {
     disk_destroy(b->disk);
@@ -297,18 +333,70 @@ static void judge_state(const struct session_boot *of, struct state *state)
     b->box.io = &b->locked.io;
     session_look(&b->box, &of->box.promise);
     locked_io_free(&b->locked);
-    if (b->box.broken[0])
+    if (b->box.broken[0]) {
         tell(b);
-    else
+    } else {
+        choose_start(b);
         boot(b);
+    }
     end_boot(b);
+}
+
+/* ---- a run ---- */
+
+static void make_living(struct living *living, const struct session_plan *plan,
+                        struct session_cuts *cuts, struct ttf_plan base)
+{
+    if (plan->days) {
+        base.lamps = TTF_LAMPS_PHOTOPERIOD;
+        base.day_ns = 2 * TTF_NS_PER_MIN;
+        base.period_ns = 4 * TTF_NS_PER_MIN;
+        base.n_day_levels = 1;
+        snprintf(base.day_levels[0].lamp, sizeof(base.day_levels[0].lamp), "right");
+        base.day_levels[0].permille = 1000;
+    }
+    living_init(living, &base);
+    if (plan->drawn)
+        living_draw(living, &cuts->draw);
+    for (unsigned i = 0; i < plan->n_asks; i++)
+        living_ask(living, plan->asks[i].kind, plan->asks[i].from, plan->asks[i].value);
+}
+
+/* The next boot of a run that was not cut: after a stop, a disk that failed, or its end. */
+static struct session_boot *go_on(struct session_boot *before, int given, bool ask_again)
+{
+    struct session_boot *b;
+
+    disk_revive(before->disk);
+    b = next_boot(before, before->disk, before->box.ended_ns + OUTAGE_NS);
+    session_box_go_on(&b->box, given, ask_again);
+    boot(b);
+    return b;
+}
+
+static bool stops_here(const struct session_boot *b)
+{
+    return b->box.broken[0] || stopped(b->cuts);
+}
+
+/* With two slots more, after its end. */
+static struct session_boot *go_on_longer(struct session_boot *before, struct living *living)
+{
+    int longer = living_longer(living, 2);
+
+    before->newest = longer;
+    before->box.promise.sealed = false;
+    before->box.promise.maybe_sealed = true;
+    return go_on(before, longer, false);
 }
 
 void session_cut_run(struct session_cuts *cuts, const struct session_plan *plan)
 {
-    struct session_boot *b = calloc(1, sizeof(*b)), *then;
+    struct session_boot *boots[BOOTS_MOST + 1] = {calloc(1, sizeof(*boots[0]))}, *b = boots[0];
+    struct living *living = calloc(1, sizeof(*living));
+    unsigned n = 1;
 
-    if (!b)
+    if (!b || !living)
         abort();
     b->cuts = cuts;
     b->plan = plan;
@@ -317,14 +405,22 @@ void session_cut_run(struct session_cuts *cuts, const struct session_plan *plan)
     b->cutting = true;
     session_box_init(&b->box, NULL, plan->slots, plan->second);
     b->box.plan.keep = plan->keep;
+    make_living(living, plan, cuts, b->box.plan);
+    if (plan->days || living->n_asks > 0 || plan->longer)
+        session_box_live(&b->box, living);
+    b->newest = (int)living->n_plans - 1;
     boot(b);
     /* Started again, by somebody who has seen to the disk: it ends well. */
-    if (!b->box.broken[0] && b->trouble.came) {
-        disk_revive(b->disk);
-        then = next_boot(b, b->disk, b->box.ended_ns + OUTAGE_NS);
-        then->cutting = false;
-        boot(then);
-        free(then);
+    if (!stops_here(b) && b->trouble.came) {
+        b->cutting = false;
+        boots[n++] = b = go_on(b, 0, true);
     }
-    end_boot(b);
+    while (!stops_here(b) && b->box.stopped && n < BOOTS_MOST)
+        boots[n++] = b = go_on(b, 0, true);
+    if (plan->longer && !stops_here(b) && b->box.result.sealed)
+        boots[n++] = go_on_longer(b, living);
+    disk_destroy(boots[0]->disk);
+    while (n > 0)
+        free(boots[--n]);
+    free(living);
 }

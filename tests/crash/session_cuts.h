@@ -18,6 +18,7 @@ struct session_counts {
     uint64_t boots;
     uint64_t cuts;   /* choices made */
     uint64_t states; /* different ones, or any at random: judged */
+    uint64_t asked;  /* boots in which people asked something */
     uint64_t deeper; /* of them, cuts of a run that was resumed */
     uint64_t troubled, moved,
         ended_early; /* boots whose disk failed; that moved on; that gave up */
@@ -58,10 +59,18 @@ struct session_boot;
 /* A disk with the folders of both storages and nothing else. */
 struct disk *session_fresh_disk(void);
 
-/* What a whole run is: so many slots, and how its first boot's disk fails. */
+/* What a whole run is: so many slots, how its first boot's disk fails, what people ask meanwhile. */
 struct session_plan {
     int64_t slots;
     bool second;
+    bool days;   /* a photoperiod of 2 min in each 4 */
+    bool longer; /* in the end it is gone on with by a plan of two slots more */
+    unsigned n_asks;
+    struct session_ask {
+        enum ttf_ask_kind kind;
+        int64_t from, value;
+    } asks[LIVING_ASKS_MAX]; /* of living_ask */
+    bool drawn;              /* asks are drawn instead */
     enum ttf_keep keep;
     struct session_trouble trouble;
     unsigned cut_permille; /* at random: of the steps */

@@ -23,7 +23,13 @@ static bool there(const struct session_box *s, const char *path)
     return s->io->ops->stat(s->io, file, &st) == 0;
 }
 
-/* Deep; true if it is sealed. clean: with no leftovers but plans that the same call writes again. */
+/* A plan that the same call writes again; what was begun of a note before a cut. */
+static bool may_stay(const char *file)
+{
+    return starts(file, "plans/") || starts(file, "notes.jsonl");
+}
+
+/* Deep; true if it is sealed. clean: with no leftovers but such as may stay. */
 static bool look_verify(struct session_box *s, const char *path, bool clean)
 {
     const struct ttf_verify_options options = {.deep = true};
@@ -42,7 +48,7 @@ static bool look_verify(struct session_box *s, const char *path, bool clean)
     for (i = 0; i < report.n_findings; i++) {
         f = &report.findings[i];
         if (f->severity == TTF_FINDING_DAMAGE ||
-            (clean && !starts(f->file, "plans/") && !s->promise.troubled))
+            (clean && !may_stay(f->file) && !s->promise.troubled))
             session_box_break(s, "verify finds %s: %s/%s %s", ttf_severity_name(f->severity), path,
                               f->file, f->text);
     }
@@ -130,6 +136,133 @@ static void look_events(struct session_box *s)
     free(b);
 }
 
+/* ---- what was asked for ---- */
+
+struct noted {
+    const struct living *living;
+    uint32_t seen; /* of its asks */
+};
+
+static void see_note(void *ctx, const struct ttf_note *note)
+{
+    struct noted *noted = ctx;
+
+    for (unsigned i = 0; i < noted->living->n_asks; i++)
+        if (noted->living->asks[i].kind == TTF_ASK_NOTE &&
+            strcmp(note->text, living_note(noted->living, i)) == 0)
+            noted->seen |= UINT32_C(1) << i;
+}
+
+/* Each note that was answered is in one of the datasets. */
+static void look_notes(struct session_box *s, const char *second)
+{
+    struct noted noted = {.living = s->living};
+    const struct ttf_note_visitor visitor = {.note = see_note, .ctx = &noted};
+
+    if (ttf_notes_read(s->io, SESSION_PATH, &visitor, NULL) < 0 ||
+        (second[0] && ttf_notes_read(s->io, second, &visitor, NULL) < 0))
+        session_box_break(s, "notes cannot be read");
+    for (unsigned i = 0; i < s->living->n_asks; i++)
+        if (s->living->asks[i].kind == TTF_ASK_NOTE && (s->promise.done & UINT32_C(1) << i) &&
+            !(noted.seen & UINT32_C(1) << i))
+            session_box_break(s, "a note was answered and is lost: %s", living_note(s->living, i));
+}
+
+/* Its words are there as they were given, or not at all where none were. */
+static void look_words(struct session_box *s, const char *path, int number)
+{
+    char file[700], *text = NULL;
+
+    snprintf(file, sizeof(file), "%s/plans/%d.yaml", path, number);
+    if (ttf_io_slurp(s->io, file, 1 << 20, &text, NULL, NULL) == 0 &&
+        strcmp(text, "# as given\n") != 0 && strcmp(text, LIVING_YAML) != 0)
+        session_box_break(s, "the words of plan %d are others: %s", number, text);
+    free(text);
+}
+
+/* Which of the living's plans the dataset is left with. */
+static int plan_there(struct session_box *s, const char *path)
+{
+    struct ttf_reader *reader = NULL;
+    struct ttf_segment last = {0};
+    struct ttf_plan plan = {0};
+    char file[700], *text = NULL;
+    size_t bytes;
+    int i, r;
+
+    r = ttf_reader_open(s->io, path, &reader, NULL);
+    if (r == 0)
+        r = ttf_reader_segment(reader, ttf_reader_summary(reader)->n_segments - 1, &last);
+    ttf_reader_close(reader);
+    if (r < 0)
+        return r;
+    snprintf(file, sizeof(file), "%s/plans/%d.json", path, last.plan);
+    r = ttf_io_slurp(s->io, file, 1 << 20, &text, &bytes, NULL);
+    if (r == 0)
+        r = ttf_plan_read(text, bytes, file, &plan, NULL);
+    free(text);
+    if (r < 0 || plan.interval_ns != last.interval_ns)
+        return -EINVAL;
+    look_words(s, path, last.plan);
+    for (i = 0; i < (int)s->living->n_plans; i++)
+        if (ttf_plan_same(&plan, &s->living->plans[i]) == 1)
+            return i;
+    return -EINVAL;
+}
+
+/* The one that comes next, if it was asked for. */
+static int plan_asked(const struct session_box *s)
+{
+    for (unsigned i = 0; i < s->living->n_asks; i++)
+        if ((s->asks & UINT32_C(1) << i) && s->living->plan_of[i] > s->promise.plan)
+            return s->living->plan_of[i];
+    return s->promise.plan;
+}
+
+/* The plan in force is the last that was answered, the one asked for next, or the one that this boot was given. */
+static void look_plan(struct session_box *s, const char *path)
+{
+    int plan = plan_there(s, path);
+
+    if (plan < 0)
+        session_box_break(s, "the plan in force cannot be read, or is none that was asked for");
+    else if (plan < s->promise.plan)
+        session_box_break(s, "plan %d was answered, and plan %d is in force", s->promise.plan,
+                          plan);
+    else if (plan != s->promise.plan && plan != s->given && plan != plan_asked(s))
+        session_box_break(s, "plan %d is in force, and was not asked for after plan %d", plan,
+                          s->promise.plan);
+    else
+        s->promise.plan = plan; /* who has seen it once sees it ever after */
+}
+
+/* No slot came in this boot at which it could be heard, but such as were lost before it, or behind the stop. */
+static bool not_due(const struct session_box *s, unsigned ask)
+{
+    int64_t k = s->living->asks[ask].from_index;
+
+    if (s->stopped)
+        return true;
+    for (k = k < s->slots_before ? s->slots_before : k; k < s->promise.n_slots; k++)
+        if (s->promise.slots[k].result != TTF_RESULT_POWER &&
+            s->promise.slots[k].result != TTF_RESULT_MISSED)
+            return false;
+    return true;
+}
+
+/* On a sound disk what is asked is done, unless it came too late. */
+static void look_answers(struct session_box *s)
+{
+    for (unsigned i = 0; s->living && i < s->living->n_asks; i++) {
+        int plan = s->living->plan_of[i], r = s->answers[i];
+
+        if (r == 0 || r == -ENOENT || (r == -EAGAIN && not_due(s, i)) ||
+            (r == -EINVAL && plan > 0 && s->living->plans[plan].count < s->promise.n_slots))
+            continue;
+        session_box_break(s, "ask %u is answered with %s", i, strerrordesc_np(-r));
+    }
+}
+
 /* ---- all ---- */
 
 static bool has_segment(const struct session_box *s, const char *path)
@@ -155,6 +288,10 @@ void session_look(struct session_box *s, const struct session_promise *whole)
         session_box_break(s, "the dataset was there, and is not any more");
         return;
     }
+    if (s->living)
+        look_notes(s, second);
+    if (s->living && (moved || has_segment(s, SESSION_PATH)))
+        look_plan(s, moved ? second : SESSION_PATH);
     if (there(s, SESSION_PATH))
         sealed = look_verify(s, SESSION_PATH, false);
     if (second[0] && there(s, second))
@@ -162,10 +299,24 @@ void session_look(struct session_box *s, const struct session_promise *whole)
     if (s->promise.sealed && !sealed)
         session_box_break(s, "the seal that was promised is not there");
     if (sealed && !s->promise.sealed && !s->promise.maybe_sealed &&
-        s->promise.n_slots < s->plan.count)
+        s->promise.n_slots < session_box_count(s))
         session_box_break(s, "it is sealed, and not all slots were captured");
     look_slots(s, whole);
     look_events(s);
+}
+
+/* How a run that was not stopped ends, and one that was. */
+static void look_end(struct session_box *s, const char *path)
+{
+    bool whole = s->promise.n_slots == session_box_count(s);
+
+    if (s->result.sealed != !s->stopped || whole != !s->stopped)
+        session_box_break(s, "ended with %lld of %lld slots, %s", (long long)s->promise.n_slots,
+                          (long long)session_box_count(s),
+                          s->result.sealed ? "sealed" : "not sealed");
+    if (look_verify(s, path, true) != !s->stopped)
+        session_box_break(s, s->stopped ? "it was stopped and is sealed"
+                                        : "it ended and is not sealed");
 }
 
 void session_look_whole(struct session_box *s)
@@ -179,13 +330,14 @@ void session_look_whole(struct session_box *s)
     }
     session_box_second_path(s, second);
     moved = has_segment(s, second);
-    if (!s->result.sealed || s->promise.n_slots != s->plan.count)
-        session_box_break(s, "ended with %lld of %lld slots, %s", (long long)s->promise.n_slots,
-                          (long long)s->plan.count, s->result.sealed ? "sealed" : "not sealed");
+    if (s->living) {
+        look_notes(s, second);
+        look_plan(s, moved ? second : SESSION_PATH);
+        look_answers(s);
+    }
     if (moved != s->result.second_storage)
         session_box_break(s, "the run says that it ended in the other storage");
-    if (!look_verify(s, moved ? second : SESSION_PATH, true))
-        session_box_break(s, "it ended and is not sealed");
+    look_end(s, moved ? second : SESSION_PATH);
     if (moved && there(s, SESSION_PATH) && look_verify(s, SESSION_PATH, false))
         session_box_break(s, "it moved on, and the first dataset is sealed");
     look_slots(s, NULL);

@@ -8,6 +8,7 @@ Makes datasets in FOLDER (by make.py, and by the program itself), damages copies
 every way that FORMAT.md tells apart, and compares `ttfbox verify --json` and `info --json` with read.py. What is
 given besides (a capture, an import) is compared as it is.
 """
+import hashlib
 import json
 import os
 import shutil
@@ -88,6 +89,47 @@ def gone(path):
     return lambda folder: os.unlink(folder + "/" + path)
 
 
+def added(**fields):
+    """One more line, in its turn."""
+    def change(folder):
+        lines = lines_of(folder)
+        put_lines(folder, lines + [edited(b'{"crc":0}', type=fields.pop("kind"), seq=len(lines), **fields)])
+    return change
+
+
+def manifest(**fields):
+    def change(folder):
+        o = json.loads(read(folder + "/dataset.json"))
+        o.update(fields)
+        write(folder + "/dataset.json", json.dumps(o).encode())
+    return change
+
+
+def sealed_anew(folder):
+    """The list with the hashes of what lies there now."""
+    paths = [l.split(b"  ", 1)[1].decode() for l in read(folder + "/SHA256SUMS").splitlines()]
+    write(folder + "/SHA256SUMS", "".join("%s  %s\n" % (
+        hashlib.sha256(read(folder + "/" + p)).hexdigest(), p) for p in paths).encode())
+
+
+def sums_as(change):
+    return lambda d: write(d + "/SHA256SUMS", b"".join(
+        change(read(d + "/SHA256SUMS").splitlines(keepends=True))))
+
+
+def both(*changes):
+    return lambda folder: [change(folder) for change in changes]
+
+
+def flip_line(kind, at):
+    def change(folder):
+        lines = lines_of(folder)
+        n = [i for i, l in enumerate(lines) if json.loads(l)["type"] == kind][0]
+        lines[n] = lines[n][:at] + bytes([lines[n][at] ^ 1]) + lines[n][at + 1:]
+        put_lines(folder, lines)
+    return change
+
+
 def lose_line(n):
     return lambda folder: put_lines(folder, [l for i, l in enumerate(lines_of(folder)) if i != n])
 
@@ -155,6 +197,40 @@ SPOILED = [  # of which dataset, name, what is done to a copy of it
     ("three-segments", "gap-negative", edit_line("segment", 1, gap_ns=-4)),
     ("three-segments", "calibration-unknown", edit_line("slot", 0, images=[
         {"stream": "main", "calibration": "gone", "lacking": "x"}], result="partial", reason="x")),
+    ("three-segments", "plan-number-wrong", edit_line("plan", 0, plan=1)),
+    ("three-segments", "plan-without-number", edit_line("plan", 0, plan=None)),
+    ("three-segments", "plan-without-files", edit_line("plan", 0, files=None)),
+    ("three-segments", "plan-twice", added(kind="plan", plan=0, files=[])),
+    ("three-segments", "plan-left-out", added(kind="plan", plan=2, files=[])),
+    ("three-segments", "plan-in-order", added(kind="plan", plan=1, files=[])),
+    ("three-segments", "plan-behind-damage", both(
+        flip_line("plan", 30), added(kind="plan", plan=1, files=[]))),
+    ("three-segments", "calibration-without-id", added(kind="calibration", files=[])),
+    ("three-segments", "calibration-of-no-name", added(kind="calibration", id="", files=[])),
+    ("three-segments", "calibration-without-files", added(kind="calibration", id="c")),
+    ("three-segments", "calibration-only-a-folder", both(
+        put("calibration/c/calibration.json", b"{}\n"), edit_line("slot", 6, images=[
+            {"stream": "main", "calibration": "c", "lacking": "x"}], result="partial", reason="x"))),
+    ("three-segments", "calibration-comes-later", both(
+        edit_line("slot", 6, images=[{"stream": "main", "calibration": "c", "lacking": "x"}],
+                  result="partial", reason="x"), added(kind="calibration", id="c", files=[]))),
+    ("changed-calibration", "calibration-line-damaged", flip_line("calibration", 30)),
+    ("three-segments", "no-relative-exposure", edit_line("slot", 7, images=[
+        {"stream": "main", "bracket": {"index": 0}, "lacking": "x"}])),
+    ("three-segments", "relative-exposure-0", edit_line("slot", 7, images=[
+        {"stream": "main", "bracket": {"index": 0, "relative_exposure": 0}, "lacking": "x"}])),
+    ("three-segments", "group-without-uuid", manifest(group={"member": "first"})),
+    ("three-segments", "group-of-no-uuid", manifest(group={"uuid": "x"})),
+    ("three-segments", "parent-of-no-digest", manifest(derived_from={"digest": "x"})),
+    ("three-segments", "camera-of-none", manifest(cameras=[{"id": "a"}], streams=[{
+        "id": "main", "camera": "b", "quantity": "age", "width": 4, "height": 3, "samples": 3,
+        "sample_format": "u16", "encoding": {"pedestal": 0, "scale": 1}}])),
+    ("three-segments", "rehearsal", manifest(rehearsal=True)),
+    ("example", "rehearsal-sealed", both(
+        manifest(rehearsal=True), edit_line("segment", 0, dataset_sha256=None), sealed_anew)),
+    ("example", "seal-turned-round", sums_as(reversed)),
+    ("example", "seal-doubled", sums_as(lambda l: l[:2] + l[1:])),
+    ("example", "seal-leads-out", sums_as(lambda l: [SHA.encode() + b"  ../x\n"] + l)),
     ("three-segments", "leads-out", edit_line("slot", 7, images=[{"stream": "main", "files": [
         {"role": "raw", "path": "../x", "bytes": 1, "sha256": SHA}]}], result="captured")),
     ("three-segments", "stream-unknown", edit_line("slot", 7, images=[
@@ -166,6 +242,18 @@ SPOILED = [  # of which dataset, name, what is done to a copy of it
     ("example", "end-counts-wrong", edit_line("end", 0, slots=4)),
     ("example", "notes-broken", put("notes.jsonl", b"{nonsense\n")),
 ]
+
+
+# What both must say of these, lest they agree in overlooking it: their exit.
+EXIT = {name: code for code, names in ((3, (
+    "plan-number-wrong", "plan-without-number", "plan-without-files", "plan-twice", "plan-left-out",
+    "plan-behind-damage", "calibration-without-id", "calibration-of-no-name",
+    "calibration-without-files", "calibration-only-a-folder", "calibration-comes-later",
+    "calibration-line-damaged", "relative-exposure-0", "group-of-no-uuid",
+    "group-without-uuid", "parent-of-no-digest",
+    "camera-of-none", "rehearsal-sealed", "seal-turned-round", "seal-doubled", "seal-leads-out")),
+    (0, ("plan-in-order", "no-relative-exposure", "rehearsal")))
+    for name in names}
 
 
 def findings_of(found, file, severity):
@@ -281,7 +369,11 @@ def main():
     datasets += [(os.path.basename(d), d) for d in by_the_box(box, folder + "/box") + sys.argv[3:]]
     differ = 0
     for name, dataset in datasets:
-        for text in compare(box, dataset):
+        wanted = EXIT.get(name.split(", ")[-1])
+        said = compare(box, dataset)
+        if wanted is not None and run(box, "verify", dataset)[0] != wanted:
+            said.append("exit is not %d" % wanted)
+        for text in said:
             differ += 1
             print("%-40s %s" % (name, text))
     print("%d datasets read twice, %d differences" % (len(datasets), differ))

@@ -43,7 +43,7 @@ def tiff(width, height, samples, codes):
 
 
 class Dataset:
-    def __init__(self, folder, name, streams, minor=0, required=(), major=1, **more):
+    def __init__(self, folder, name, streams, minor=1, required=(), major=1, **more):
         self.path = os.path.join(folder, name)
         os.makedirs(self.path)
         self.seq = {"records.jsonl": 0, "events.jsonl": 0}
@@ -59,6 +59,7 @@ class Dataset:
             "streams": streams,
         }
         root.update(more)
+        self.minor = minor
         self.put("dataset.json", (json.dumps(root, indent=2) + "\n").encode())
 
     def put(self, path, data):
@@ -84,6 +85,9 @@ class Dataset:
                   "origin_ns": 5 * SECOND}
         if utc is not None:
             fields.update(origin_utc_ns=utc, uncertainty_ns=SECOND)
+        if self.minor > 0:  # since 1.1
+            with open(os.path.join(self.path, "dataset.json"), "rb") as f:
+                more["dataset_sha256"] = hashlib.sha256(f.read()).hexdigest()
         self.line("segment", **fields, trust=trust, interval_ns=interval, zone="UTC",
                   zone_offset_s=0, **more)
 
@@ -217,8 +221,8 @@ def average(folder):
 
 
 def three_segments(folder):
-    """A box that twice lost power: once with a clock, once without; UTC came later. Unsealed."""
-    d = Dataset(folder, "three-segments", [stream()])
+    """A box that twice lost power: once with a clock, once without; UTC came later. Unsealed, and of a writer of format 1.0."""
+    d = Dataset(folder, "three-segments", [stream()], minor=0)
     d.plan(0, "interval: 10s\ncount: 9\n")
     d.segment(0, plan=0)
     for i in range(3):

@@ -140,6 +140,7 @@ class Reader:
         self.folder = folder
         self.findings = []
         self.plans, self.segments, self.calibrations, self.slots = [], [], {}, []
+        self.n_plans = 0
         self.end, self.ended, self.line_slot = None, False, None
         self.named = {}        # path: (file, slot or None) of all that records name
         self.image_paths = []  # in the order of the records
@@ -181,6 +182,20 @@ class Reader:
             raise Wrong("streams are wrong")
         self.streams = {s["id"]: s for s in streams}
         group, parent = get(o, "group", "object"), get(o, "derived_from", "object")
+        if group is not None:
+            get(group, "uuid", "text", True)
+        for of in (group or {}), (parent or {}):
+            if not UUID.fullmatch(get(of, "uuid", "text") or uuid):
+                raise Wrong("no uuid: %r" % of["uuid"])
+        if not HEX64.fullmatch(get(parent or {}, "digest", "text") or 64 * "0"):
+            raise Wrong("no digest: %r" % parent["digest"])
+        for key, most in (("cameras", 4), ("channels", 16), ("streams", 16)):
+            if len(get(o, key, "list") or []) > most:
+                raise Wrong("more than %d %s" % (most, key))
+        for s in streams:
+            for key, of in (("camera", "cameras"), ("channel", "channels")):
+                if s.get(key) and s[key] not in [c.get("id") for c in get(o, of, "list") or []]:
+                    raise Wrong("stream %s is of no %s" % (s["id"], key))
         return present(
             minor=get(f, "minor", "int", True, 0), uuid=uuid, title=text_of(o, "title", 127),
             simulated=get(o, "simulated", "bool", True),
@@ -299,17 +314,21 @@ class Reader:
         return file
 
     def plan(self, o):
-        number = get(o, "plan", "int", True)
-        if number != len(self.plans):
-            raise Wrong("plans are not in order")
-        self.plans.append({"plan": number, "files": [self.name(file_of(f)) for f in
-                                                     get(o, "files", "list") or []]})
+        due = self.n_plans
+        self.n_plans += 1
+        number = get(o, "plan", "int", True, 0)
+        files = get(o, "files", "list", True)
+        if number > due and self.records_damaged():  # one of them may have been the damaged line
+            self.n_plans = number + 1
+        elif number != due:
+            raise Wrong("plan %d comes where plan %d is due" % (number, due))
+        self.plans.append({"plan": number, "files": [self.name(file_of(f)) for f in files]})
 
     def segment(self, o):
         number = get(o, "segment", "int", True, 0)
         trust = get(o, "trust", "text", True)
         plan = get(o, "plan", "int")
-        if plan is not None and not 0 <= plan < len(self.plans):
+        if plan is not None and not 0 <= plan < self.n_plans:
             raise Wrong("no plan %d before it" % plan)
         segment = present(
             segment=number, first_index=get(o, "first_index", "int", True, 0),
@@ -332,6 +351,8 @@ class Reader:
 
     def calibration(self, o):
         name = id_of(o, "id", 63, True)
+        if not name:
+            raise Wrong("id is empty")
         self.calibrations[name] = [self.name(file_of(f)) for f in get(o, "files", "list", True)]
 
     def ending(self, o):
@@ -375,7 +396,9 @@ class Reader:
 
     def image(self, o, index):
         calibration = id_of(o, "calibration", 63)
-        if calibration is not None and calibration not in self.calibrations:
+        if calibration is not None and calibration not in self.calibrations and not (
+                self.records_damaged() and os.path.isdir(
+                    os.path.join(self.folder, "calibration", calibration))):
             raise Wrong("no calibration %r before it" % calibration)
         stream = get(o, "stream", "text", True)
         files = [dict(role=get(f, "role", "text", True), **self.name(file_of(f), index))
@@ -388,9 +411,7 @@ class Reader:
                       slot=index)
         bracket = get(o, "bracket", "object")
         return present(
-            stream=stream, bracket=bracket and {
-                "index": get(bracket, "index", "int", True, 0),
-                "relative_exposure": float(get(bracket, "relative_exposure", "number", True))},
+            stream=stream, bracket=bracket and self.bracket(bracket),
             lacking=text_of(o, "lacking", 63), n_averaged=get(o, "n_averaged", "int", False, 1),
             calibration=calibration,
             shots=[self.shot(s) for s in get(o, "shots", "list") or []] or None,
@@ -398,6 +419,13 @@ class Reader:
             reference_level=get(o, "reference_level", "number"),
             sharpness=get(o, "sharpness", "number"),
             flags=get(o, "flags", "list") or None, files=files or None)
+
+    @staticmethod
+    def bracket(o):
+        exposure = get(o, "relative_exposure", "number")
+        if exposure is not None and exposure <= 0:
+            raise Wrong("relative_exposure is not more than 0")
+        return present(index=get(o, "index", "int", True, 0), relative_exposure=exposure)
 
     @staticmethod
     def shot(o):
@@ -469,11 +497,20 @@ class Reader:
             self.find("damage", "SHA256SUMS", "is not as the seal has it")
         if not self.ended:
             self.find("damage", "records.jsonl", "the dataset is sealed and has not ended")
-        listed = dict(x for x in listed if x and x != HOLE)
+        if self.rehearsal:
+            self.find("damage", "dataset.json", "a rehearsal is sealed")
+        listed = [x for x in listed if x and x != HOLE]
+        if not all(good_path(path) for path, _ in listed):
+            self.find("damage", "SHA256SUMS", "lists what cannot lie in the dataset")
+        listed = [x for x in listed if good_path(x[0])]
+        paths = [path.encode() for path, _ in listed]
+        if paths != sorted(set(paths)):
+            self.find("damage", "SHA256SUMS", "is not sorted by the bytes of the paths")
+        listed = dict(listed)
         known = {f["path"] for f in self.findings if f["class"] == "damage"}
         for path, sha in listed.items():
             file, slot = self.named.get(path, (None, None))
-            data = self.bytes_of(path) if good_path(path) else None
+            data = self.bytes_of(path)
             if file and file["sha256"] != sha:
                 self.find("damage", "SHA256SUMS", "gives %s another hash than its record" % path)
                 continue
@@ -577,6 +614,7 @@ class Reader:
         self.sealed = any(x and x[0] == "records.jsonl" for x in listed) or bool(
             SUM.fullmatch(tail) and tail.endswith(b"  records.jsonl"))
         manifest = self.manifest()
+        self.rehearsal = manifest.get("rehearsal")
         self.records()
         if not self.sealed and self.bytes_of("events.jsonl") is None:
             self.find("note", "events.jsonl", "is missing")

@@ -13,12 +13,45 @@
 
 #include "crash/session_judge.h"
 #include "faults.h"
+#include "ttf/dataset/calibration.h"
 
 #define LOG_ROOM 6000
 #define SHARE    67
 #define SLOTS    3
+#define PIXELS   16 /* a side of the box's frame */
 
 static bool everything; /* set once, by main */
+
+/* What a session begins with: the disk, and who asks what. */
+struct scene {
+    bool second; /* storage */
+    bool asks,
+        later; /* people ask for something; the boot that fails is the second one, with a calibration */
+};
+
+static struct living living;
+
+static void make_calibration(struct ttf_io *io)
+{
+    struct ttf_calibration calibration;
+
+    ttf_calibration_init(&calibration);
+    calibration.has_dark = true; /* of a camera that is as dark as it says everywhere */
+    calibration.width = calibration.height = PIXELS;
+    calibration.cfa = TTF_CFA_RGGB;
+    calibration.dark_frames = 4;
+    calibration.dark_settings.exposure_ns = 20 * TTF_NS_PER_MS;
+    calibration.dark_settings.gain_milli = 1000;
+    calibration.dark_temp_mdegc = INT32_MIN;
+    calibration.black_level = 256;
+    calibration.white_level = 4095;
+    calibration.dark_offset_16 = calloc((size_t)PIXELS * PIXELS, sizeof(int32_t));
+    assert_non_null(calibration.dark_offset_16);
+    assert_int_equal(ttf_calibration_name(&calibration, NULL), 0);
+    assert_int_equal(io->ops->mkdir(io, "/cal"), 0);
+    assert_int_equal(ttf_calibration_save(&calibration, io, "/cal", NULL), 0);
+    ttf_calibration_free(&calibration);
+}
 
 static void disk_init(struct model_disk *disk)
 {
@@ -27,22 +60,79 @@ static void disk_init(struct model_disk *disk)
     model_disk_init(disk);
     assert_int_equal(io->ops->mkdir(io, "/data"), 0);
     assert_int_equal(io->ops->mkdir(io, SESSION_SECOND), 0);
+    make_calibration(io);
     for (int i = 0; i < disk->n_names; i++) { /* the root's sync is not modelled */
         disk->names[i].kept = disk->names[i].seen;
         disk->names[i].dirty = false;
     }
 }
 
+/* What is asked; the first boot of a scene that fails later ends after its first slot. */
+static void people_ask(struct session_box *s, const struct scene *scene)
+{
+    living_init(&living, &s->plan);
+    living_ask(&living, TTF_ASK_NOTE, 0, 0);
+    if (scene->later)
+        living_ask(&living, TTF_ASK_STOP, 1, 0);
+    living_ask(&living, TTF_ASK_INTERVAL, 1, 50 * TTF_NS_PER_S);
+    living_ask(&living, TTF_ASK_NOTE, 1, 0);
+    living_ask(&living, TTF_ASK_PAUSE, 2, 0);
+    living_ask(&living, TTF_ASK_COUNT, 2, SLOTS + 1);
+    session_box_live(s, &living);
+}
+
+static void append(struct ttf_io *io, const char *path, const char *text)
+{
+    int file = io->ops->open(io, path, TTF_IO_APPEND);
+
+    assert_true(file >= 0);
+    assert_int_equal(ttf_io_append_all(io, file, text, strlen(text)), 0);
+    assert_int_equal(io->ops->close(io, file), 0);
+}
+
+/* As a kill in the middle of a slot's commit leaves it: repairing has something to do. */
+static void leave_a_slot_half_done(struct ttf_io *io, int64_t index)
+{
+    static const char *const ends[] = {"", ".tmp"};
+    char path[200];
+
+    for (unsigned i = 0; i < 2; i++) {
+        snprintf(path, sizeof(path), SESSION_PATH "/frames/main/%06lld.tif%s", (long long)index,
+                 ends[i]);
+        assert_int_equal(ttf_io_write_file(io, path, "half", 4, NULL), 0);
+    }
+    append(io, SESSION_PATH "/records.jsonl", "{\"type\":\"slot\",\"se");
+    append(io, SESSION_PATH "/events.jsonl", "{\"type\":\"ev");
+}
+
+/* Up to the boot that is to fail. */
+static void begin(const struct scene *scene, struct session_box *s, struct model_disk *disk)
+{
+    disk_init(disk);
+    session_box_init(s, &disk->io, SLOTS, scene->second);
+    if (scene->asks || scene->later)
+        people_ask(s, scene);
+    if (scene->later) {
+        session_box_boot(s);
+        session_look_whole(s);
+        assert_string_equal(s->broken, "");
+        assert_true(s->stopped);
+        leave_a_slot_half_done(&disk->io, s->promise.n_slots);
+        s->calibration_folder = "/cal";
+        s->power_on_ns = s->ended_ns + TTF_NS_PER_MIN;
+        session_box_go_on(s, 0, true);
+    }
+    model_disk_fail(disk, (struct model_fault){0});
+}
+
 /* The operations of a session on which nothing fails. */
-static long clean_run(bool second, struct model_call *log)
+static long clean_run(const struct scene *scene, struct model_call *log)
 {
     static struct session_box s;
     struct model_disk disk;
     long n;
 
-    disk_init(&disk);
-    session_box_init(&s, &disk.io, SLOTS, second);
-    model_disk_fail(&disk, (struct model_fault){0});
+    begin(scene, &s, &disk);
     disk.log = log;
     disk.log_room = LOG_ROOM;
     session_box_boot(&s);
@@ -50,6 +140,7 @@ static long clean_run(bool second, struct model_call *log)
     disk.log = NULL;
     session_look_whole(&s);
     assert_string_equal(s.broken, "");
+    assert_true(!s.living || s.promise.plan == 2);
     model_disk_free(&disk);
     assert_true(n > 200 && n < LOG_ROOM);
     return n;
@@ -77,6 +168,7 @@ static void look_and_resume(const struct session_box *before, struct model_disk 
     model_disk_fail(disk, (struct model_fault){0});
     session_look(&s, &before->promise);
     if (!s.broken[0]) {
+        session_box_go_on(&s, 0, true);
         session_box_boot(&s);
         session_look_whole(&s);
     }
@@ -92,7 +184,7 @@ static void judge_end(struct session_box *s)
         session_box_break(s, "it stops (%d) and does not say why", s->code);
     else if (s->code < 0 && s->armed && s->alarms == 0)
         session_box_break(s, "it stops without an alarm: %s: %s", s->err.where, s->err.what);
-    else if (s->code == 0 && s->promise.n_slots < s->plan.count)
+    else if (s->code == 0 && s->promise.n_slots < session_box_count(s))
         session_box_break(s, "it ends well, with %d slots", (int)s->promise.n_slots);
 }
 
@@ -102,14 +194,14 @@ static void count(struct figures *figures, const struct session_box *s)
 
     figures->injections++;
     figures->moved += s->result.second_storage;
-    figures->whole += s->code == 0 && good == s->plan.count;
-    figures->lacking += s->code == 0 && !s->result.second_storage && good < s->plan.count;
+    figures->whole += s->code == 0 && good == session_box_count(s);
+    figures->lacking += s->code == 0 && !s->result.second_storage && good < session_box_count(s);
     figures->stopped += s->code < 0 && s->armed;
     figures->refused += s->code < 0 && !s->armed;
 }
 
-static void one(bool second, const struct fault_kind *kind, long at, const struct model_call *call,
-                struct figures *figures)
+static void one(const struct scene *scene, const struct fault_kind *kind, long at,
+                const struct model_call *call, struct figures *figures)
 {
     static struct session_box s;
     char what[300], dark_what[340];
@@ -117,8 +209,7 @@ static void one(bool second, const struct fault_kind *kind, long at, const struc
     struct model_disk disk, dark;
 
     fault_text(kind, at, call, what);
-    disk_init(&disk);
-    session_box_init(&s, &disk.io, SLOTS, second);
+    begin(scene, &s, &disk);
     s.promise.troubled = true;
     fault.at = at;
     model_disk_fail(&disk, fault);
@@ -138,10 +229,10 @@ static void one(bool second, const struct fault_kind *kind, long at, const struc
     model_disk_free(&disk);
 }
 
-static void each_operation_fails(bool second)
+static void each_operation_fails(const struct scene *scene)
 {
     static struct model_call log[LOG_ROOM];
-    long n = clean_run(second, log), all_wrong = 0;
+    long n = clean_run(scene, log), all_wrong = 0;
 
     for (unsigned i = 0; i < n_fault_kinds; i++) {
         struct figures figures = {0};
@@ -149,7 +240,7 @@ static void each_operation_fails(bool second)
         for (long at = 1; at <= n; at++)
             if (fault_fits(&fault_kinds[i], &log[at - 1]) &&
                 (everything || (at + 5 * (long)i) % SHARE == 0))
-                one(second, &fault_kinds[i], at, &log[at - 1], &figures);
+                one(scene, &fault_kinds[i], at, &log[at - 1], &figures);
         print_message(
             "%-28s %5ld injected: %ld captured all, %ld lack something, %ld in the second "
             "storage, %ld stopped, %ld did not begin\n",
@@ -163,13 +254,31 @@ static void each_operation_fails(bool second)
 static void a_capture_loses_nothing_whatever_fails(void **state)
 {
     (void)state;
-    each_operation_fails(false);
+    each_operation_fails(&(struct scene){0});
 }
 
 static void a_capture_with_a_second_storage_loses_nothing_whatever_fails(void **state)
 {
     (void)state;
-    each_operation_fails(true);
+    each_operation_fails(&(struct scene){.second = true});
+}
+
+static void a_capture_that_is_asked_for_things_keeps_what_it_answered_whatever_fails(void **state)
+{
+    (void)state;
+    each_operation_fails(&(struct scene){.asks = true});
+}
+
+static void a_capture_that_is_gone_on_with_loses_nothing_whatever_fails(void **state)
+{
+    (void)state;
+    each_operation_fails(&(struct scene){.later = true});
+}
+
+static void one_gone_on_with_that_may_move_loses_nothing_whatever_fails(void **state)
+{
+    (void)state;
+    each_operation_fails(&(struct scene){.later = true, .second = true});
 }
 
 /* ---- a disk that fills up ---- */
@@ -274,6 +383,9 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_capture_loses_nothing_whatever_fails),
         cmocka_unit_test(a_capture_with_a_second_storage_loses_nothing_whatever_fails),
+        cmocka_unit_test(a_capture_that_is_asked_for_things_keeps_what_it_answered_whatever_fails),
+        cmocka_unit_test(a_capture_that_is_gone_on_with_loses_nothing_whatever_fails),
+        cmocka_unit_test(one_gone_on_with_that_may_move_loses_nothing_whatever_fails),
         cmocka_unit_test(on_a_disk_that_fills_up_previews_go_first_and_nothing_committed),
     };
 

@@ -10,6 +10,7 @@ import sys
 import tempfile
 
 import rig
+from cross import QEMU_USER, ROOT
 
 
 def listed(regex):
@@ -29,16 +30,6 @@ NOT_BY_EMULATION = {"a_missing_or_failing_ffmpeg_is_told_and_leaves_nothing", "a
                     "a_program_that_is_not_there_is_named"}
 
 
-def libraries():
-    """Where emulated programs find the tree's libraries, and nothing else of the tree: else its /tmp would be theirs."""
-    prefix, tree = rig.RIG + "/prefix", rig.RIG + "/system/tree"
-    os.makedirs(prefix + "/usr", exist_ok=True)
-    for name in ("lib", "usr/lib"):
-        if not os.path.islink(prefix + "/" + name):
-            os.symlink(tree + "/" + name, prefix + "/" + name)
-    return prefix
-
-
 def starts_programs(program):
     """Names of other programs of the build stand in it: the kernel must know how to run those."""
     with open(rig.RIG + "/arm64/tests/" + program, "rb") as f:
@@ -55,7 +46,7 @@ shots: [{exposure: 20ms, lamps: {left: 80%, right: 60%}}]
 keep: raw
 reserve: 0B
 """
-BOX = ["--board", rig.ROOT + "/boards/sim-small", "--plan", "plan.yaml", "-q"]
+BOX = ["--board", ROOT + "/boards/sim-small", "--plan", "plan.yaml", "-q"]
 
 
 def pictures(folder):
@@ -71,9 +62,9 @@ def pictures(folder):
 
 def same_bits(env):
     """One dataset's raw frames, developed and quilted by this machine's program and by arm64's."""
-    here = rig.ROOT + "/build/bin/ttfbox"
-    there = [rig.QEMU_USER, "-L", libraries(), rig.RIG + "/arm64/bin/ttfbox"]
-    rig.compile_programs(["ttfbox"])
+    here = ROOT + "/build/bin/ttfbox"
+    there = [QEMU_USER, "-L", rig.ARM64.libraries(), rig.RIG + "/arm64/bin/ttfbox"]
+    rig.ARM64.compile(["ttfbox"])
     with tempfile.TemporaryDirectory(prefix="ttfbox-bits.") as folder:
         def run(*command):
             done = subprocess.run(command, cwd=folder, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
@@ -84,7 +75,7 @@ def same_bits(env):
             f.write(PLAN)
         run(here, "calibrate", "dark", *BOX, "--frames", "8", "-o", "cal")
         run(here, "calibrate", "flat", *BOX, "--frames", "8", "--scene", "white", "-o", "cal")
-        run(here, "capture", "plan.yaml", "--board", rig.ROOT + "/boards/sim-small", "-q", "-o", "raw")
+        run(here, "capture", "plan.yaml", "--board", ROOT + "/boards/sim-small", "-q", "-o", "raw")
         for name, program in (("here", [here]), ("there", there)):
             run(*program, "develop", "raw", "-c", "cal", "-q", "-o", name)
             run(*program, "synth", "quilt", name, "--size", "150x120", "--block", "32x32", "--seed", "7", "-q", "-o", name + "-quilt")
@@ -101,19 +92,19 @@ def same_bits(env):
 def main():
     regex = sys.argv[1] if len(sys.argv) > 1 else "."
     rig.prepare_system()
-    rig.configure()
+    rig.ARM64.configure()
     tests = dict(listed(regex))
     if not tests:
         print("arm64: no unit test has such a name", file=sys.stderr)
         return 2
-    rig.compile_programs(sorted(set(tests.values())))
+    rig.ARM64.compile(sorted(set(tests.values())))
     # qemu is registered with the kernel where its package could do so: then children run, too.
     registered = os.path.exists("/proc/sys/fs/binfmt_misc/qemu-aarch64")
     left_out = [] if registered else sorted(n for n, p in tests.items() if starts_programs(p))
     for name in left_out:
         print("  skipped, as this kernel does not run arm64 programs by itself: %s" % name)
     chosen = "^(%s)$" % "|".join(sorted(set(tests) - set(left_out)))
-    env = dict(os.environ, QEMU_LD_PREFIX=libraries())
+    env = dict(os.environ, QEMU_LD_PREFIX=rig.ARM64.libraries())
     ran = subprocess.run(["ctest", "--test-dir", rig.RIG + "/arm64", "-R", chosen, "-j", str(os.cpu_count()),
                           "--output-on-failure"], env=env, stdout=subprocess.PIPE, check=False).stdout.decode(errors="replace")
     failed = set(re.findall(r"- (\w+) \((?:Failed|Timeout|SEGFAULT|Child aborted|\w+)\)", ran))

@@ -23,12 +23,11 @@ import usb
 import usb_speed
 import uvc
 from cable import Board
+from cross import HERE, ROOT, Cross
 from machine import Machine
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-ROOT = os.path.dirname(os.path.dirname(HERE))
 RIG = ROOT + "/build-rig"
-QEMU_USER = shutil.which("qemu-aarch64-static") or shutil.which("qemu-aarch64")
+ARM64 = Cross(RIG + "/system/tree", RIG + "/arm64")
 PROGRAMS = ["ttfbox", "ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "lampd_child", "capture_child", "rig_camera", "rig_usb", "rig_uvc", "strike", "test_lines", "test_sysfs",
             "test_conformance_lampd", "ttfbox-libcamera"]
 # What no machine here has; said, so that nobody takes silence for a pass.
@@ -44,36 +43,11 @@ SMOKE = [lamps.lamps_are_dark_from_the_first_and_without_a_glitch, lamps.a_clien
 QUICK = SMOKE + [lamps.programs_pass_their_tests_on_this_processor, drivers.simulated_lines_are_felt_and_seen] + inputs.SCENARIOS + chips.SCENARIOS
 
 
-def environment():
-    """In which cmake finds the tree's libraries and no others."""
-    tree = RIG + "/system/tree"
-    lib = tree + "/usr/lib/aarch64-linux-gnu/pkgconfig:" + tree + "/usr/share/pkgconfig"
-    return dict(os.environ, TTFBOX_RIG_TREE=tree, PKG_CONFIG_SYSROOT_DIR=tree, PKG_CONFIG_LIBDIR=lib)
-
-
-def step(command):
-    done = subprocess.run(command, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
-    if done.returncode != 0:
-        sys.stderr.write(done.stdout.decode(errors="replace")[-4000:])
-        sys.exit("rig: the programs do not build for arm64")
-
-
-def configure():
-    """A build for arm64, against the tree."""
-    if not os.path.exists(RIG + "/arm64/build.ninja"):
-        step(["cmake", "-G", "Ninja", "-S", ROOT, "-B", RIG + "/arm64", "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
-              "-DCMAKE_TOOLCHAIN_FILE=" + HERE + "/cross.cmake"])
-
-
-def compile_programs(names):
-    step(["ninja", "-C", RIG + "/arm64", "-j", str(os.cpu_count())] + names)
-
-
 def build(programs, share):
     """The scenarios' programs, where the guest finds them."""
-    configure()
-    compile_programs(programs)
-    out = RIG + "/arm64"
+    ARM64.configure()
+    ARM64.compile(programs)
+    out = ARM64.folder
     shutil.rmtree(share, ignore_errors=True)
     os.makedirs(share)
     for name in programs:

@@ -552,6 +552,51 @@ static void storage_slower_than_the_plan_misses_slots_and_says_so(void **state)
     sim_run_finish(&run);
 }
 
+/* Two before it begins, a third while it goes on. */
+static void errors_come(struct sim_run *run, const struct ttf_progress *progress)
+{
+    if (progress->kind == TTF_PROGRESS_SLOT && progress->index == 2)
+        run->fs_errors = 3;
+}
+
+static void errors_that_the_file_system_found_are_told_and_the_run_goes_on(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    run.fs_errors = 2;
+    run.on_progress = errors_come;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(run.result.captured, 6);
+    assert_int_equal(run.alarms, 2);
+    assert_non_null(strstr(run.alarm_text, "file system has found errors"));
+    assert_int_equal(run.alarms_over, 0);
+    assert_int_equal(sim_run_events(&run, "storage", "has found errors"), 2);
+    assert_int_equal(sim_run_events(&run, "storage", "2 since it was last checked"), 1);
+    assert_int_equal(sim_run_events(&run, "storage", "3 since it was last checked"), 1);
+    sim_run_finish(&run);
+}
+
+static void checked_storage_ends_the_alarm_of_the_run_before(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    sim_run_init(&run);
+    run.fs_errors = 2;
+    run.plan.count = 2;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(run.alarms, 1);
+    run.fs_errors = 0;
+    snprintf(run.path, sizeof(run.path), "%s/another", run.folder);
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(run.alarms, 1);
+    assert_int_equal(run.alarms_over, 1);
+    assert_int_equal(sim_run_events(&run, "storage", NULL), 0);
+    sim_run_finish(&run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -584,6 +629,8 @@ int main(void)
         cmocka_unit_test(an_open_door_flags_and_the_lamp_comes_back),
         cmocka_unit_test(a_lamp_that_a_door_put_out_between_slots_is_lit_again),
         cmocka_unit_test(storage_slower_than_the_plan_misses_slots_and_says_so),
+        cmocka_unit_test(errors_that_the_file_system_found_are_told_and_the_run_goes_on),
+        cmocka_unit_test(checked_storage_ends_the_alarm_of_the_run_before),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 #include "cmocka_includes.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -79,6 +80,22 @@ static void change_at_6(struct sim_run *run)
                         &(struct ttf_ask){.kind = TTF_ASK_COUNT, .from_index = 6, .count = 8}) > 0);
 }
 
+/* Another interval and eight slots; and it stops when it has moved. */
+static void change_at_2(struct sim_run *run)
+{
+    run->control = ttf_control_create();
+    assert_non_null(run->control);
+    assert_true(ttf_control_ask(run->control, &(struct ttf_ask){.kind = TTF_ASK_INTERVAL,
+                                                                .from_index = 2,
+                                                                .interval_ns = 30 * TTF_NS_PER_S}) >
+                0);
+    assert_true(
+        ttf_control_ask(run->control,
+                        &(struct ttf_ask){.kind = TTF_ASK_COUNT, .from_index = 2, .count = 8}) > 0);
+    assert_true(ttf_control_ask(run->control,
+                                &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 5}) > 0);
+}
+
 /* As above, and then the plan changes again: its number there is the next one there. */
 static void plans_that_come_later_are_counted_as_they_stand_there(void **state)
 {
@@ -109,6 +126,44 @@ static void plans_that_come_later_are_counted_as_they_stand_there(void **state)
     sim_run_expect_undamaged(&second, true);
     ttf_control_destroy(run.control);
     sim_run_finish(&run);
+}
+
+/*
+ * Changed, moved, cut: who starts the box again has the plan it was begun with, and the first disk may be gone. It goes
+ * on with what the plan has become.
+ */
+static void a_changed_plan_is_in_force_in_the_second_storage_whatever_plan_is_given(void **state)
+{
+    struct ttf_segment last;
+    struct sim_run second;
+    struct sim_run run;
+
+    for (int gone = 0; gone < 2; gone++) {
+        char away[PATH_MAX];
+
+        (void)state;
+        with_second(&run);
+        run.plan.count = 7;
+        run.fault = first_can_only_be_read;
+        change_at_2(&run);
+        assert_int_equal(sim_run_boot(&run), 0);
+        expect_second(&run, 4, "c");
+        if (gone) {
+            snprintf(away, sizeof(away), "%s.gone", run.path);
+            assert_int_equal(rename(run.path, away), 0);
+        }
+        run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
+        ttf_control_destroy(run.control);
+        run.control = NULL;
+        assert_int_equal(sim_run_boot(&run), 0);
+        assert_int_equal(run.result.total, 8);
+        assert_int_equal(run.result.moved_on_from, 0);
+        second = second_run_of(&run);
+        assert_int_equal(sim_run_segment_of(&second, 7, &last), 1);
+        assert_int_equal(last.plan, 1);
+        assert_int_equal(last.interval_ns, 30 * TTF_NS_PER_S);
+        sim_run_finish(&run);
+    }
 }
 
 /* ---- at the beginning of a boot ---- */
@@ -480,6 +535,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_plan_in_force_is_that_of_a_second_dataset_made_under_an_older_one),
         cmocka_unit_test(plans_that_come_later_are_counted_as_they_stand_there),
+        cmocka_unit_test(a_changed_plan_is_in_force_in_the_second_storage_whatever_plan_is_given),
         cmocka_unit_test(
             whatever_keeps_the_first_from_being_written_it_is_gone_on_from_in_the_second),
         cmocka_unit_test(what_says_nothing_of_the_storage_is_no_reason_to_leave_it),

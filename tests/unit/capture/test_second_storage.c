@@ -283,6 +283,9 @@ static void one_that_was_made_and_is_another_s_or_begun_is_not_opened(void **sta
 {
     struct ttf_manifest m;
     struct ttf_manifest other;
+    const struct ttf_plan_text own = {.json = "{}"};
+    const struct ttf_plan_text changed = {.json = "{\"a\":1}"};
+    const struct ttf_plan_text given = {.json = "{\"a\":2}"};
     struct ttf_writer *writer = NULL;
 
     (void)state;
@@ -290,19 +293,25 @@ static void one_that_was_made_and_is_another_s_or_begun_is_not_opened(void **sta
     other = m;
     memcpy(other.group_uuid, other.uuid, sizeof(other.group_uuid));
     make_second(MADE);
-    assert_int_equal(ttf_second_open(ttf_io_posix(), second, &other, NULL, "{}", &writer, NULL),
+    assert_int_equal(ttf_second_open(ttf_io_posix(), second, &other, NULL, &own, &writer, NULL),
                      -EEXIST);
     /* Its own plan is 0; another one becomes plan 1, and the same again stays 1. */
-    assert_int_equal(ttf_second_open(ttf_io_posix(), second, &m, NULL, "{}", &writer, NULL), 0);
+    assert_int_equal(ttf_second_open(ttf_io_posix(), second, &m, NULL, &own, &writer, NULL), 0);
     ttf_writer_close(writer);
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(
-            ttf_second_open(ttf_io_posix(), second, &m, NULL, "{\"a\":1}", &writer, NULL), 1);
+        assert_int_equal(ttf_second_open(ttf_io_posix(), second, &m, NULL, &changed, &writer, NULL),
+                         1);
+        ttf_writer_close(writer);
+    }
+    /* The plan given is not in force: it comes before the one that is, and neither comes twice. */
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(ttf_second_open(ttf_io_posix(), second, &m, &given, &own, &writer, NULL),
+                         3);
         ttf_writer_close(writer);
     }
     away(second);
     make_second(BEGUN);
-    assert_int_equal(ttf_second_open(ttf_io_posix(), second, &m, NULL, "{}", &writer, NULL),
+    assert_int_equal(ttf_second_open(ttf_io_posix(), second, &m, NULL, &own, &writer, NULL),
                      -EEXIST);
 }
 

@@ -148,6 +148,15 @@ static void records_that_contradict_each_other_are_damage(void **state)
         {4, "\"segment\":0", "\"segment\":1", "no line before it", -TTF_EDAMAGED, -TTF_EDAMAGED},
         {1, "\"segment\":0", "\"segment\":1", "leaves others out", -TTF_EDAMAGED, -TTF_EDAMAGED},
         {1, "\"plan\":0", "\"plan\":3", "its plan has no line", 0, 0},
+        {0, "\"plan\":0", "\"plan\":1", "plan 1 comes where plan 0 is due", -TTF_EDAMAGED,
+         -TTF_EDAMAGED},
+        {0, "\"plan\":0", "\"plum\":0", "plan is missing", -TTF_EDAMAGED, -TTF_EDAMAGED},
+        {0, "\"files\"", "\"fires\"", "files is missing", -TTF_EDAMAGED, -TTF_EDAMAGED},
+        {0, "\"type\":\"plan\"", "\"type\":\"calibration\"", "id is missing", -TTF_EDAMAGED,
+         -TTF_EDAMAGED},
+        {4, "\"n_averaged\":1",
+         "\"n_averaged\":1,\"bracket\":{\"index\":0,\"relative_exposure\":0}",
+         "relative_exposure must be more than 0", 0, 0},
         {4, "\"seq\":4", "\"seq\":3", "lost or doubled", -TTF_EDAMAGED, -TTF_EDAMAGED},
         {4, "\"seq\":4", "\"seq\":5", "lost or doubled", -TTF_EDAMAGED, -TTF_EDAMAGED},
         {4, "\"index\":2", "\"index\":2,\"index\":2", "not JSON", -TTF_EDAMAGED, -TTF_EDAMAGED},
@@ -214,6 +223,71 @@ static void an_end_that_counts_wrong_is_damage(void **state)
     ttf_writer_close(writer);
     change_line(path, 5, "\"slots\":3", "\"slots\":4");
     assert_true(verify_says(path, "counts 4 slots"));
+}
+
+/* A folder that is there by now vouches for nothing: the image was developed with something else, or with nothing. */
+static void a_calibration_without_a_line_is_damage_though_its_folder_is_there(void **state)
+{
+    const char *path = three_slots(state);
+
+    assert_int_equal(run("mkdir -p '%s/calibration/cal-1'", path), 0);
+    change_line(path, 4, "\"n_averaged\":1", "\"n_averaged\":1,\"calibration\":\"cal-1\"");
+    assert_true(verify_says(path, "names calibration cal-1, which no line before it brought"));
+}
+
+/* Behind a line that is damaged the next is judged by what may have stood there. */
+static void one_damaged_plan_does_not_accuse_the_next(void **state)
+{
+    struct ttf_verify_options options = {.deep = true};
+    struct ttf_verify_report report;
+    const char *path = in(*state, "d");
+    struct ttf_writer *writer = small_create(quick_io(), path);
+
+    assert_int_equal(ttf_writer_plan(writer, "interval: 20s\n", "{}\n", NULL), 1);
+    ttf_writer_close(writer);
+    assert_int_equal(run("sed -i '1s/plans/plums/' '%s/records.jsonl'", path), 0);
+    assert_int_equal(ttf_verify(quick_io(), path, &options, &report, NULL), 0);
+    for (unsigned i = 0; i < report.n_findings; i++)
+        if (strstr(report.findings[i].text, "is due"))
+            fail_msg("%s: %s", report.findings[i].file, report.findings[i].text);
+    ttf_verify_report_free(&report);
+}
+
+static void a_seal_that_is_not_in_order_is_damage(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_writer *writer;
+
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+    ttf_writer_close(writer);
+    assert_int_equal(
+        run("tac '%s/SHA256SUMS' > '%s/x' && mv '%s/x' '%s/SHA256SUMS'", path, path, path, path),
+        0);
+    assert_int_equal(sha256sum_check(path), 0);
+    assert_true(verify_says(path, "lists by the bytes of the paths"));
+}
+
+static void a_rehearsal_is_not_sealed(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_writer *writer;
+
+    assert_int_equal(
+        run("sed -i 's/\"simulated\"/\"rehearsal\": true, \"simulated\"/' '%s/dataset.json'; "
+            "sed -i 's/\"dataset_sha256\"/\"dataset_sha\"/' '%s/records.jsonl'",
+            path, path),
+        0);
+    change_line(path, 1, "dataset_sha\"", "dataset_sha_\"");
+    assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+    assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), -EINVAL);
+    ttf_writer_close(writer);
+    /* Somebody else's writer did. */
+    assert_int_equal(run("cd '%s' && find * -type f ! -name SHA256SUMS | LC_ALL=C sort | xargs "
+                         "sha256sum > x && mv x SHA256SUMS",
+                         path),
+                     0);
+    assert_true(verify_says(path, "is not to be sealed"));
 }
 
 static void a_seal_without_an_end_is_damage(void **state)
@@ -414,6 +488,10 @@ int main(void)
         T(a_segment_that_leaves_another_out_is_refused),
         T(only_the_wrong_line_is_blamed),
         T(an_end_that_counts_wrong_is_damage),
+        T(a_calibration_without_a_line_is_damage_though_its_folder_is_there),
+        T(one_damaged_plan_does_not_accuse_the_next),
+        T(a_seal_that_is_not_in_order_is_damage),
+        T(a_rehearsal_is_not_sealed),
         T(a_seal_without_an_end_is_damage),
         T(the_seal_does_not_bless_a_frame_that_changed_before_it),
         T(an_end_is_not_added_under_a_seal),

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include "store_ios.h"
@@ -551,6 +552,28 @@ static void the_reserve_is_there_whenever_something_may_be_written(void **state)
     ttf_writer_close(writer);
 }
 
+/* As the kernel lays it out: devices by their numbers, counts by their names. */
+static void errors_that_a_file_system_counts_are_read_by_its_device(void **state)
+{
+    const char *sys = *state;
+
+    assert_int_equal(
+        run("cd '%s' && mkdir -p dev/block fs/ext4/sda1 fs/ext4/mmcblk0p2 fs/ext4/sdb1 &&"
+            " ln -s ../../devices/usb/block/sda/sda1 dev/block/8:1 &&"
+            " ln -s ../../devices/mmc/block/mmcblk0/mmcblk0p2 dev/block/179:2 &&"
+            " ln -s ../../devices/usb/block/sdb/sdb1 dev/block/8:17 &&"
+            " ln -s ../../devices/usb/block/sdc/sdc1 dev/block/8:33 &&"
+            " echo 0 >fs/ext4/sda1/errors_count && echo 7 >fs/ext4/mmcblk0p2/errors_count"
+            " && echo what >fs/ext4/sdb1/errors_count",
+            sys),
+        0);
+    assert_int_equal(ttf_io_fs_errors(sys, makedev(8, 1)), 0);
+    assert_int_equal(ttf_io_fs_errors(sys, makedev(179, 2)), 7);
+    assert_int_equal(ttf_io_fs_errors(sys, makedev(8, 17)), 0); /* not a number */
+    assert_int_equal(ttf_io_fs_errors(sys, makedev(8, 33)), 0); /* not ext4 */
+    assert_int_equal(ttf_io_fs_errors(sys, makedev(0, 44)), 0); /* no device */
+}
+
 int main(void)
 {
 #define T(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
@@ -573,6 +596,7 @@ int main(void)
         T(an_image_that_found_no_room_leaves_nothing),
         T(the_second_attempt_leaves_nothing_of_the_first),
         T(the_reserve_is_there_whenever_something_may_be_written),
+        T(errors_that_a_file_system_counts_are_read_by_its_device),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -229,7 +229,7 @@ static void lines_that_contradict_others_are_named(void **state)
         {"slot",
          SLOT(9) "\"result\":\"captured\",\"images\":[{\"stream\":\"main\",\"calibration\":"
                  "\"cal-x\"," FILES "}]",
-         "names calibration cal-x, which is not there"},
+         "names calibration cal-x, which no line before it brought"},
         {"slot",
          SLOT(9) "\"result\":\"captured\",\"images\":[{\"stream\":\"main\",\"files\":[{\"role\":"
                  "\"developed\",\"path\":\"../../etc/passwd\",\"bytes\":1,\"sha256\":\"0\"}]}]",

@@ -119,9 +119,44 @@ static void a_clock_that_forgets_is_told(void **state)
     (void)found(b, "no battery-backed clock");
     (void)found(b, "nobody vouches");
     b->findings.n = 0;
-    put(b, "sys/class/rtc/rtc0/name", "rtc-ds1307\n");
+    put(b, "sys/class/rtc/rtc0/name", "rtc-ds1307 1-0068\n");
+    put(b, "sys/class/rtc/rtc0/hctosys", "1\n");
+    put(b, "sys/class/rtc/rtc0/since_epoch", "1790000000\n");
     probe_clock(&b->machine, TTF_TRUST_RTC, &b->findings);
     assert_int_equal(b->findings.n, 0);
+}
+
+static void clocks(struct bench *b)
+{
+    b->findings.n = 0;
+    probe_clock(&b->machine, TTF_TRUST_NTP, &b->findings);
+}
+
+static void a_clock_that_is_there_and_not_asked_is_told(void **state)
+{
+    struct bench *b = *state;
+
+    put(b, "sys/class/rtc/rtc0/name", "rpi_rtc soc:rpi_rtc\n");
+    put(b, "sys/class/rtc/rtc0/hctosys", "1\n");
+    put(b, "sys/class/rtc/rtc0/since_epoch", "86\n");
+    clocks(b);
+    assert_int_equal(b->findings.n, 1);
+    assert_non_null(
+        strstr(found(b, "rtc0 (rpi_rtc soc:rpi_rtc) has lost its date")->hint, "hwclock"));
+    put(b, "sys/class/rtc/rtc1/name", "rtc-ds1307 1-0068\n");
+    put(b, "sys/class/rtc/rtc1/hctosys", "0\n");
+    put(b, "sys/class/rtc/rtc1/since_epoch", "1790000000\n");
+    clocks(b);
+    assert_int_equal(b->findings.n, 1);
+    assert_non_null(strstr(found(b, "nobody asks rtc1 (rtc-ds1307")->hint, "dtparam=rtc=off"));
+    put(b, "sys/class/rtc/rtc0/since_epoch", "1790000000\n");
+    clocks(b);
+    assert_int_equal(b->findings.n, 1);
+    assert_non_null(
+        strstr(found(b, "it is rtc0 (rpi_rtc soc:rpi_rtc) that sets")->hint, "dtparam=rtc=off"));
+    put(b, "sys/class/rtc/rtc0/hctosys", "0\n");
+    clocks(b);
+    (void)found(b, "did not set this machine's time at boot");
 }
 
 static void storage(struct bench *b, const char *folder)
@@ -150,6 +185,21 @@ static void each_kind_of_storage_has_its_words(void **state)
     (void)found(b, "lies in memory");
     storage(b, "/database/x");
     assert_int_equal(b->findings.n, 0);
+}
+
+static void a_file_system_with_errors_is_told(void **state)
+{
+    struct bench *b = *state;
+
+    put(b, "sys/fs/ext4/features/metadata_csum_seed", "supported\n");
+    put(b, "sys/fs/ext4/sda1/errors_count", "0\n");
+    probe_fs_errors(&b->machine, &b->findings);
+    assert_int_equal(b->findings.n, 0);
+    put(b, "sys/fs/ext4/mmcblk0p2/errors_count", "7\n");
+    probe_fs_errors(&b->machine, &b->findings);
+    assert_int_equal(b->findings.n, 1);
+    assert_int_equal(found(b, "on mmcblk0p2 has found errors in itself: 7 since")->weight,
+                     PROBE_PROBLEM);
 }
 
 static void a_disk_is_measured_and_nothing_is_left_behind(void **state)
@@ -194,7 +244,9 @@ int main(void)
         ON_FILES(a_port_that_is_the_power_input_too_is_told),
         ON_FILES(a_board_for_another_machine_is_told),
         ON_FILES(a_clock_that_forgets_is_told),
+        ON_FILES(a_clock_that_is_there_and_not_asked_is_told),
         ON_FILES(each_kind_of_storage_has_its_words),
+        ON_FILES(a_file_system_with_errors_is_told),
         ON_FILES(a_disk_is_measured_and_nothing_is_left_behind),
         ON_FILES(a_supply_that_sagged_and_a_watchdog_in_other_hands_are_told),
     };

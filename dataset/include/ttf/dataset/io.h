@@ -35,7 +35,12 @@ struct ttf_io_stat {
 struct ttf_io_space {
     int64_t free_bytes, total_bytes;
     bool read_only;
+    /* Which the file system has found in itself since it was last checked (ext2 to 4 count them); 0: none, or it does not count. */
+    int64_t fs_errors;
 };
+
+/* The same of the file system on this device (st_dev). sys: "/sys", or a folder laid out like it. */
+int64_t ttf_io_fs_errors(const char *sys, uint64_t device);
 
 struct ttf_io;
 
