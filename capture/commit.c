@@ -98,6 +98,40 @@ static void note_fs_errors(struct ttf_committer *c, int64_t errors)
     c->fs_errors_noted = true;
 }
 
+/*
+ * A storage may take records and no images (no inodes are left, blocks are bad): every slot fails, and nothing ends the
+ * run. After as many slots and as long as for records it is an alarm, until one slot has all its images. As above the
+ * first such slot of a run tells in any case. After each record.
+ */
+static void note_images(struct ttf_committer *c)
+{
+    static const char TEXT[] = "no images can be stored: slots fail, one after another, until the "
+                               "storage takes files again";
+    int64_t now = ttf_clock_now_ns(c->box->clock);
+    bool refused = c->image_refused;
+    bool stored = c->image_stored && !refused;
+
+    c->image_refused = c->image_stored = false;
+    if (refused && c->image_strikes++ == 0)
+        c->first_image_strike_ns = now;
+    if (refused && !c->images_alarm && c->image_strikes >= TTF_COMMIT_STRIKES &&
+        now - c->first_image_strike_ns >= TTF_COMMIT_PATIENCE_NS) {
+        ttf_events_emit(c->events, "disk", "no images can be stored, %u slots on end",
+                        c->image_strikes);
+        tell_alarm(c, TTF_PROGRESS_ALARM, TTF_ALARM_UNTIL_OVER, TEXT);
+        c->images_alarm = true;
+    }
+    if (!stored)
+        return;
+    if (c->images_alarm)
+        ttf_events_emit(c->events, "disk", "images are stored again");
+    if (c->images_alarm || !c->images_noted)
+        tell_alarm(c, TTF_PROGRESS_ALARM_OVER, TTF_ALARM_UNTIL_OVER, TEXT);
+    c->image_strikes = 0;
+    c->images_alarm = false;
+    c->images_noted = true;
+}
+
 /* Previews go first. True if that made room. */
 static bool drop_previews(struct ttf_committer *c, int64_t free_bytes)
 {
@@ -178,6 +212,8 @@ static void print_image(struct ttf_committer *c, const struct ttf_job *job)
         developed = print_file(c, room, "developed", &print, job->slot);
     if (ttf_committer_power_lost(c))
         return;
+    c->image_stored |= image->n_files > 0;
+    c->image_refused |= image->n_files == 0 && raw != -ENOMEM && developed != -ENOMEM;
     /* What one file holds is not lost with the other: from the raw the developed one can be made again. */
     if (image->n_files == 0)
         snprintf(image->lacking, sizeof(image->lacking), "%s",
@@ -302,6 +338,7 @@ static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
     if (r == 0) {
         c->strikes = 0;
         ttf_committer_write_late(c);
+        note_images(c);
         look_at_space(c);
         return;
     }

@@ -72,6 +72,11 @@ struct ttf_committer {
     unsigned strikes;
     int64_t first_strike_ns;
     bool disk_full, disk_noted;
+    /* images of the slot under way: files were written; the storage took none of one */
+    bool image_stored, image_refused;
+    unsigned image_strikes; /* slots on end with such an image */
+    int64_t first_image_strike_ns;
+    bool images_alarm, images_noted;
     int64_t fs_errors; /* of the storage in use, at the last look */
     bool fs_errors_noted;
     bool power_lost;

@@ -2,7 +2,9 @@
 /* A disk that fills up: previews go first, then the run goes on in the second storage, or slots are missed. */
 #include "cmocka_includes.h"
 
+#include <errno.h>
 #include <stdio.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -117,12 +119,108 @@ static void without_one_capture_stops_before_the_reserve(void **state)
     sim_run_finish(&run);
 }
 
+/* ---- no room for another file, and plenty of bytes ---- */
+
+static int64_t no_inodes_from, no_inodes_until; /* slots */
+
+static int no_inodes(struct sim_run *run, const char *op, const char *path)
+{
+    if (run->committed < no_inodes_from || run->committed >= no_inodes_until)
+        return 0;
+    return strcmp(op, "open") == 0 && strstr(path, "/main/") ? ENOSPC : 0;
+}
+
+/* How many alarms had been told when each slot was. */
+static unsigned alarms_at[16];
+
+static void note_alarms(struct sim_run *run, const struct ttf_progress *progress)
+{
+    if (progress->kind == TTF_PROGRESS_SLOT)
+        alarms_at[progress->index] = run->alarms;
+}
+
+static void without_inodes(struct sim_run *run, int64_t from, int64_t until)
+{
+    second_run_init(run);
+    run->plan.second_storage[0] = '\0';
+    run->plan.count = 9;
+    no_inodes_from = from;
+    no_inodes_until = until;
+    run->fault = no_inodes;
+    run->on_progress = note_alarms;
+}
+
+static void images_that_cannot_be_stored_are_an_alarm_until_they_can(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    without_inodes(&run, 2, 6);
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "ccffffccc");
+    sim_run_expect_reason(&run, 3, "disk full");
+    /* Told when the third of them was recorded; and over once. */
+    assert_int_equal(alarms_at[4], 0);
+    assert_int_equal(alarms_at[5], 1);
+    assert_int_equal(run.alarms, 1);
+    assert_non_null(strstr(run.alarm_text, "no images can be stored"));
+    assert_int_equal(run.alarms_over, 1);
+    assert_int_equal(sim_run_events(&run, "disk", "no images can be stored, 3 slots"), 1);
+    assert_int_equal(sim_run_events(&run, "disk", "images are stored again"), 1);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+/* The next run tells that it is over: whoever has heard the alarm knows that text. */
+static void an_alarm_of_a_run_before_is_over_with_the_first_image_that_is_stored(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    without_inodes(&run, 1, 5);
+    run.control = ttf_control_create();
+    assert_true(
+        ttf_control_ask(run.control, &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 5}) > 0);
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "cffff");
+    assert_int_equal(run.alarms, 1);
+    assert_int_equal(run.alarms_over, 0);
+    run.config.power_on_ns = run.ended_ns + TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(run.alarms, 1);
+    assert_int_equal(run.alarms_over, 1);
+    ttf_control_destroy(run.control);
+    sim_run_finish(&run);
+}
+
+static void a_slot_or_two_without_images_are_no_alarm(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    without_inodes(&run, 2, 4);
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "ccffccccc");
+    assert_int_equal(run.alarms, 0);
+    sim_run_finish(&run);
+    /* Nor are three within a minute. */
+    without_inodes(&run, 2, 5);
+    run.plan.interval_ns = 25 * TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "ccfffcccc");
+    assert_int_equal(run.alarms, 0);
+    sim_run_finish(&run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(previews_go_first_oldest_first),
         cmocka_unit_test(a_full_disk_is_left_for_the_second_storage),
         cmocka_unit_test(without_one_capture_stops_before_the_reserve),
+        cmocka_unit_test(images_that_cannot_be_stored_are_an_alarm_until_they_can),
+        cmocka_unit_test(an_alarm_of_a_run_before_is_over_with_the_first_image_that_is_stored),
+        cmocka_unit_test(a_slot_or_two_without_images_are_no_alarm),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -171,7 +171,7 @@ static void fail_each_operation(void **state, int error, bool for_ever)
     assert_true(at > 60);
 }
 
-static void power_may_be_cut_at_every_operation(void **state)
+static void the_disk_may_be_gone_from_any_operation_on(void **state)
 {
     fail_each_operation(state, EIO, true);
 }
@@ -530,7 +530,7 @@ int main(void)
 #define T(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
     const struct CMUnitTest tests[] = {
         T(order_of_a_commit),
-        T(power_may_be_cut_at_every_operation),
+        T(the_disk_may_be_gone_from_any_operation_on),
         T(any_one_operation_may_fail),
         T(the_disk_may_be_full_at_any_operation),
         T(a_failed_sync_is_answered_with_a_new_name),

@@ -26,8 +26,8 @@ enum ttf_progress_kind {
     TTF_PROGRESS_SLOT,      /* a slot's record is committed */
     TTF_PROGRESS_EVENT,     /* a line for events.jsonl, written or waiting for the storage */
     TTF_PROGRESS_ALARM,     /* a person is needed: the storage has failed (the run goes on in the
-                               second one, or ends), has less room than the reserve, or its file
-                               system has found errors in itself */
+                               second one, or ends), has less room than the reserve, takes no images,
+                               or its file system has found errors in itself */
     TTF_PROGRESS_ALARM_OVER /* what an alarm of this text told is over; also where none was told */
 };
 
