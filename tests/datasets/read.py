@@ -336,8 +336,9 @@ class Reader:
             origin_utc_ns=get(o, "origin_utc_ns", "int"), trust=trust,
             uncertainty_ns=get(o, "uncertainty_ns", "int", False, 0),
             interval_ns=get(o, "interval_ns", "int", True, 0), plan=plan,
-            zone=text_of(o, "zone", 63), zone_offset_s=get(o, "zone_offset_s", "int"))
-        text_of(o, "box", 255)
+            zone=text_of(o, "zone", 63), zone_offset_s=get(o, "zone_offset_s", "int"),
+            corrects=get(o, "corrects", "bool") or None, run_ns=get(o, "run_ns", "int", False, 0) or None,
+            dataset_sha256=get(o, "dataset_sha256", "text"), box=text_of(o, "box", 255))
         sha = get(o, "dataset_sha256", "text")
         if sha is not None:
             if not HEX64.fullmatch(sha):
