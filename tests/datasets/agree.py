@@ -324,6 +324,9 @@ def contents(info, theirs):
                 o.get(k) != slot.get(k) for k in ("segment", "result", "reason", "due_ns",
                                                   "due_utc_ns")):
             said.append("slot %d: %r" % (slot["index"], o))
+        flags = [f for i in slot.get("images", []) for f in i.get("flags", [])]
+        if o and o["flags"] != flags:
+            said.append("slot %d: flags %r, %r" % (slot["index"], o["flags"], flags))
         for image in slot.get("images", []):
             if abs(image.get("pixel_mean", 0) - image.get("mean_level", 0)) > 1e-4 and \
                     "pixel_mean" in image and "mean_level" in image:

@@ -16,9 +16,11 @@ import drivers
 import frozen
 import gpiod2
 import inputs
+import instructions
 import lamps
 import pipeline
 import powercuts
+import soak
 import strokes
 import usb
 import usb_speed
@@ -98,7 +100,7 @@ def machine_for(scenario, share, tier):
 def run(scenario, share, tier):
     """None, or what went wrong."""
     try:
-        if scenario in powercuts.SCENARIOS + boots.SCENARIOS:
+        if scenario in powercuts.SCENARIOS + boots.SCENARIOS + soak.SCENARIOS + instructions.SCENARIOS:
             scenario(RIG + "/system", share)
             return None
         with machine_for(scenario, share, tier) as machine:
@@ -119,8 +121,8 @@ def main():
         prepare(tier)
         return 0
     every = {"smoke": SMOKE, "quick": QUICK}.get(tier) or (
-        lamps.SCENARIOS + camera.SCENARIOS + strokes.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS + drivers.SCENARIOS +
-        inputs.SCENARIOS + gpiod2.SCENARIOS + chips.SCENARIOS + pipeline.SCENARIOS + usb.SCENARIOS + usb_speed.SCENARIOS + uvc.SCENARIOS)
+        lamps.SCENARIOS + camera.SCENARIOS + strokes.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS + soak.SCENARIOS + instructions.SCENARIOS +
+        drivers.SCENARIOS + inputs.SCENARIOS + gpiod2.SCENARIOS + chips.SCENARIOS + pipeline.SCENARIOS + usb.SCENARIOS + usb_speed.SCENARIOS + uvc.SCENARIOS)
     scenarios = [s for s in every if not words or any(w in s.__name__ for w in words)]
     if not scenarios:
         print("rig: no scenario has such a name; there are:", file=sys.stderr)

@@ -22,12 +22,9 @@ static const struct injection {
     uint32_t first, then;
     int times;
 } INJECTIONS[] = {
-    {"disconnect", VIVID_DISCONNECT, 0, 1},
-    {"error-flag", VIVID_ERROR_FLAG, 0, 4},
-    {"reqbufs", VIVID_REQBUFS, VIVID_FATAL, 1},
-    {"qbuf", VIVID_QBUF, 0, 1},
-    {"streamon", VIVID_STREAMON, VIVID_FATAL, 1},
-    {"fatal", VIVID_FATAL, 0, 1},
+    {"disconnect", VIVID_DISCONNECT, 0, 1},       {"error-flag", VIVID_ERROR_FLAG, 0, 4},
+    {"reqbufs", VIVID_REQBUFS, VIVID_FATAL, 1},   {"qbuf", VIVID_QBUF, 0, 1},
+    {"streamon", VIVID_STREAMON, VIVID_FATAL, 1}, {"fatal", VIVID_FATAL, 0, 1},
 };
 
 /*
