@@ -377,6 +377,8 @@ def by_the_box(box, folder):
     made("calibrate", "dark", "--plan", "p.yaml", *TINY, "-o", "cal")
     made("capture", "p.yaml", *TINY, "-c", "cal", "-o", "whole")
     made("capture", "p.yaml", *TINY, "--script", "asks", "-o", "cut", code=1)
+    write(folder + "/raw.yaml", PLAN.replace("[1, 4]", "[1, 4], average: 3").encode() + b"keep: both\n")
+    made("capture", "raw.yaml", *TINY, "-c", "cal", "-o", "raw")
     made("capture", "p.yaml", *TINY, "-o", "faulty", "--set",
          "sim.faults=[{kind: lamp-stuck, at: 150s, target: left}, "
          "{kind: power-cut, at: 200s, for: 130s}]")
@@ -387,7 +389,7 @@ def by_the_box(box, folder):
     made("import", *("pictures/frame.%d.png" % n for n in range(1001, 1007)), "--interval", "1min", "-o", "imported")
     made("develop", "whole", "-c", "cal", "-o", "developed")
     made("synth", "quilt", "imported", "--size", "80x70", "--block", "24x24", "-o", "grown")
-    return [folder + "/" + n for n in ("whole", "cut", "faulty", "imported", "developed", "grown")]
+    return [folder + "/" + n for n in ("whole", "raw", "cut", "faulty", "imported", "developed", "grown")]
 
 
 def main():

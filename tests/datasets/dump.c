@@ -13,6 +13,8 @@
 #include "lines.h"
 #include "record_line.h"
 #include "ttf/base/time.h"
+#include "ttf/dataset/dng.h"
+#include "ttf/dataset/hash.h"
 #include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
 #include "unit/dataset_store/rich_dataset.h"
@@ -239,7 +241,38 @@ static json_t *files_of_image(const struct ttf_image *image)
     return files;
 }
 
-static json_t *image_of(const struct ttf_image *image)
+/* What a DNG holds: its size, levels and mosaic, and the crc of its samples as 16 bits, little-endian. */
+static void put_raw(json_t *o, const char *dataset, const char *file)
+{
+    static const char *const CFA[] = {[TTF_CFA_NONE] = "none",
+                                      [TTF_CFA_RGGB] = "RGGB",
+                                      [TTF_CFA_BGGR] = "BGGR",
+                                      [TTF_CFA_GRBG] = "GRBG",
+                                      [TTF_CFA_GBRG] = "GBRG"};
+    struct ttf_raw_sum sum = {0};
+    json_t *raw = json_object();
+    char path[4096];
+    uint32_t crc = 0;
+
+    snprintf(path, sizeof path, "%s/%s", dataset, file);
+    if (ttf_dng_read(ttf_io_posix(), path, &sum, NULL, NULL) == 0) {
+        for (size_t i = 0; i < (size_t)sum.format.width * sum.format.height; i++) {
+            const uint8_t sample[] = {(uint8_t)sum.sum[i], (uint8_t)(sum.sum[i] >> 8)};
+
+            crc = ttf_crc32(crc, sample, sizeof sample);
+        }
+        number(raw, "width", sum.format.width);
+        number(raw, "height", sum.format.height);
+        number(raw, "black", sum.format.black_level);
+        number(raw, "white", sum.format.white_level);
+        text(raw, "cfa", CFA[sum.format.cfa]);
+        number(raw, "crc", crc);
+    }
+    json_object_set_new(o, "raw", raw);
+    ttf_raw_sum_free(&sum);
+}
+
+static json_t *image_of(const char *dataset, const struct ttf_image *image)
 {
     json_t *o = json_object(), *shots = json_array();
 
@@ -259,6 +292,9 @@ static json_t *image_of(const struct ttf_image *image)
     not_0(o, "n_averaged", image->n_averaged);
     text(o, "calibration", image->calibration);
     list(o, "files", files_of_image(image));
+    for (unsigned i = 0; i < image->n_files; i++)
+        if (strcmp(image->files[i].role, "raw") == 0)
+            put_raw(o, dataset, image->files[i].path);
     real(o, "mean_level", image->mean_level);
     real(o, "reference_level", image->reference_level);
     real(o, "sharpness", image->sharpness);
@@ -288,7 +324,7 @@ static json_t *slot_of(struct ttf_reader *reader, const struct ttf_slot_record *
         json_array_append_new(sensors, s);
     }
     for (unsigned i = 0; i < record->n_images; i++)
-        json_array_append_new(images, image_of(&record->images[i]));
+        json_array_append_new(images, image_of(ttf_reader_path(reader), &record->images[i]));
     list(o, "sensors", sensors);
     list(o, "images", images);
     return o;
