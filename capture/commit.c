@@ -321,6 +321,23 @@ static int flush(struct ttf_committer *c, struct ttf_err *err)
     return r;
 }
 
+/*
+ * A supply that sagged may have moved anything: light, exposure, pixels. Its reading is the slot's, taken behind the last
+ * exposure; whoever looks at images alone finds it at each of them.
+ */
+static void flag_supply(struct ttf_slot_record *record)
+{
+    const char *kind = ttf_sensor_kind_name(TTF_SENSOR_UNDERVOLTAGE);
+    bool low = false;
+
+    for (unsigned i = 0; i < record->n_sensors; i++)
+        low |= record->sensors[i].ok && record->sensors[i].value != 0 &&
+               strcmp(record->sensors[i].kind, kind) == 0;
+    for (unsigned i = 0; low && i < record->n_images; i++)
+        if (record->images[i].n_files > 0)
+            ttf_image_flag(&record->images[i], "under-voltage");
+}
+
 static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
 {
     struct ttf_err err = {0};
@@ -332,6 +349,7 @@ static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
         ttf_stock_give_slot(&c->queue->stock, work);
         return;
     }
+    flag_supply(&work->record);
     ttf_committer_keep(c, work);
     r = flush(c, &err);
     c->busy_since_ns = TTF_NS_UNKNOWN;

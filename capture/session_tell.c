@@ -112,11 +112,25 @@ static void tell_armed(struct ttf_session *s)
     ttf_committer_tell(&s->committer, &p);
 }
 
+/* A lens that no plan moves is in no frame's settings: where it stands is told at each beginning. */
+static void tell_lenses(struct ttf_session *s)
+{
+    for (unsigned i = 0; i < s->box->n_cameras; i++) {
+        const struct ttf_camera_caps *caps = ttf_camera_caps(s->box->cameras[i].camera);
+
+        if (caps->lens_held)
+            ttf_events_emit(&s->events, "camera",
+                            "%s: the lens is held at %lld, the driver's own number",
+                            s->box->cameras[i].name, (long long)caps->lens_code);
+    }
+}
+
 void ttf_session_tell_beginning(struct ttf_session *s)
 {
     tell_plan(s);
     tell_resumed(s);
     tell_box(s);
+    tell_lenses(s);
     tell_armed(s);
 }
 

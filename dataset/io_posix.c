@@ -16,6 +16,8 @@
 #include "ttf/base/time.h"
 #include "ttf/dataset/io.h"
 
+#define F2FS 0xF2F52010ul /* struct statfs, f_type */
+
 /* A signal is no failure: whatever it interrupted before anything happened is done again. */
 #define RETRY(ret, call) \
     do {                 \
@@ -89,10 +91,20 @@ static int px_truncate(struct ttf_io *io, int file, int64_t bytes)
     return r < 0 ? -errno : 0;
 }
 
+static bool lies_on_f2fs(int file)
+{
+    struct statfs fs;
+
+    return fstatfs(file, &fs) == 0 && (unsigned long)fs.f_type == F2FS;
+}
+
 static int px_sync(struct ttf_io *io, int file, bool data_only)
 {
     /* Not retried, EINTR included: a sync that did not succeed is final (DESIGN.md). */
     if ((data_only ? fdatasync(file) : fsync(file)) < 0)
+        return -errno;
+    /* There the first sync after a checkpoint does not wait for the block that has the file's length; a checkpoint does (DESIGN.md). */
+    if (lies_on_f2fs(file) && syncfs(file) < 0)
         return -errno;
     return 0;
 }
@@ -222,7 +234,7 @@ static int px_lock(struct ttf_io *io, int file)
 static bool tells_of_all(int file)
 {
     static const unsigned long KNOWN[] = {0xEF53 /* ext2, 3, 4 */, 0x58465342 /* XFS */,
-                                          0x9123683E /* btrfs */, 0xF2F52010 /* F2FS */,
+                                          0x9123683E /* btrfs */, F2FS,
                                           0x01021994 /* tmpfs: on no disk */};
     unsigned long major, minor = 0;
     struct utsname kernel;

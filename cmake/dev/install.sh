@@ -12,7 +12,7 @@ ttf_demo_packages="ffmpeg"
 ttf_fuzz_packages="clang libclang-rt-14-dev"
 ttf_coverage_packages="gcovr"
 # An emulated arm64 board, a system for it, and a compiler for that.
-ttf_rig_packages="qemu-system-arm qemu-utils mmdebstrap crossbuild-essential-arm64 kmod cpio make xz-utils e2fsprogs python3-minimal"
+ttf_rig_packages="qemu-system-arm qemu-utils mmdebstrap crossbuild-essential-arm64 kmod cpio make xz-utils e2fsprogs f2fs-tools python3-minimal"
 # Programs for arm64 on this machine's processor.
 ttf_qemu_user_packages="qemu-user-static"
 # Debian packages; arm64's against the rig's system.

@@ -53,6 +53,8 @@ static void say_abilities(struct probe *p, const char *name, const struct ttf_ca
     ttf_json_kint(j, "gain_max_milli", caps->gain_max_milli);
     ttf_json_kbool(j, "white_balance", caps->has_white_balance);
     ttf_json_kbool(j, "lens", caps->has_lens);
+    if (caps->lens_held)
+        ttf_json_kint(j, "lens_code", caps->lens_code);
     ttf_json_kbool(j, "steerable", caps->steerable);
     ttf_json_kint(j, "timing_bound_ns", caps->timing_bound_ns);
     ttf_json_kint(j, "frame_period_ns", caps->frame_period_ns);

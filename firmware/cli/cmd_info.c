@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "commands.h"
 #include "elsewhere.h"
@@ -16,7 +17,27 @@ struct walk {
     int64_t first_utc_ns, last_utc_ns;
 };
 
-/* One slot for programs: what happened, when it was due, and its images' files. */
+/* The words by which images are marked, image by image. */
+static void put_flags(struct ttf_json *j, const struct ttf_slot_record *record)
+{
+    ttf_json_key(j, "flags");
+    ttf_json_array(j);
+    for (unsigned k = 0; k < record->n_images; k++) {
+        const char *at = record->images[k].flags;
+
+        while (*at) {
+            char word[sizeof record->images[k].flags];
+            size_t n = strcspn(at, ",");
+
+            (void)snprintf(word, sizeof word, "%.*s", (int)n, at);
+            ttf_json_string(j, word);
+            at += n + (at[n] == ',');
+        }
+    }
+    ttf_json_array_end(j);
+}
+
+/* One slot for programs: what happened, when it was due, its images' files and flags. */
 static void put_slot(struct cli *cli, const struct ttf_slot_record *record, int64_t due_utc_ns)
 {
     struct ttf_json *j = &cli->out;
@@ -36,6 +57,7 @@ static void put_slot(struct cli *cli, const struct ttf_slot_record *record, int6
         for (unsigned f = 0; f < record->images[k].n_files; f++)
             ttf_json_string(j, record->images[k].files[f].path);
     ttf_json_array_end(j);
+    put_flags(j, record);
     ttf_json_object_end(j);
 }
 

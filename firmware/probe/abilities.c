@@ -72,8 +72,14 @@ void probe_abilities(const struct ttf_camera_caps *caps, const struct ttf_frame_
                    caps->has_white_balance
                        ? "the camera's, at what a plan says"
                        : "not a plan's; if the camera has one, it stands still");
-    (void)snprintf(ret->line[3], sizeof ret->line[3], "lens: %s",
-                   caps->has_lens ? "its position is held and recorded"
-                                  : "not a plan's: fixed, or focused by hand");
+    if (caps->lens_held)
+        (void)snprintf(
+            ret->line[3], sizeof ret->line[3],
+            "lens: not a plan's; held where it stands, at %lld in the driver's own count",
+            (long long)caps->lens_code);
+    else
+        (void)snprintf(ret->line[3], sizeof ret->line[3], "lens: %s",
+                       caps->has_lens ? "its position is held and recorded"
+                                      : "not a plan's: fixed, or focused by hand");
     say_time(caps, ret->line[4], sizeof ret->line[4]);
 }

@@ -40,16 +40,20 @@ static int offset_of(struct gpiod_chip *chip, const char *line)
     return number >= 0 ? number : gpiod_chip_get_line_offset_from_name(chip, line);
 }
 
-/* The chip that the line is on, open; NULL and what was the matter with the last one tried. */
+/*
+ * The chip that the line is on, open; NULL and what was the matter: -ENOENT, there is no such line; -ENODEV, the chip
+ * that is named was not seen; else what opening the last one said.
+ */
 static struct gpiod_chip *find(const struct ttf_line_spec *spec, unsigned *ret_offset,
                                int *ret_code)
 {
     struct gpiod_chip *chip = NULL;
     struct dirent *entry;
     DIR *dir = opendir("/dev");
+    bool seen = false; /* the one that is named */
     int offset = -1;
 
-    *ret_code = -ENOENT;
+    *ret_code = spec->chip[0] ? -ENODEV : -ENOENT;
     /* NOLINTNEXTLINE(concurrency-mt-unsafe): of a stream of its own */
     while (dir && !chip && (entry = readdir(dir)) != NULL) {
         char path[280];
@@ -59,10 +63,15 @@ static struct gpiod_chip *find(const struct ttf_line_spec *spec, unsigned *ret_o
             continue;
         chip = gpiod_chip_open(path);
         if (!chip) {
-            *ret_code = -errno;
+            if (!seen)
+                *ret_code = -errno;
             continue;
         }
-        offset = spec->chip[0] && !is_called(chip, spec->chip) ? -1 : offset_of(chip, spec->line);
+        if (!spec->chip[0] || is_called(chip, spec->chip)) {
+            offset = offset_of(chip, spec->line);
+            if ((seen = spec->chip[0] != '\0'))
+                *ret_code = -ENOENT;
+        }
         if (offset < 0) {
             gpiod_chip_close(chip);
             chip = NULL;
@@ -131,10 +140,20 @@ static int request(const struct ttf_line_spec *spec, struct gpiod_chip *chip, st
 
 static int not_found(const struct ttf_line_spec *spec, int code, struct ttf_err *err)
 {
-    ttf_err_set(err, code, spec->label, "no GPIO line is called '%s'%s%s", spec->line,
-                spec->chip[0] ? " on chip " : "", spec->chip);
-    ttf_err_hint(err, code == -EACCES ? "who runs this must be in the group that /dev/gpiochip* has"
-                                      : "gpioinfo lists the lines that there are");
+    bool no_chip = spec->chip[0] && code != -ENOENT;
+
+    if (code == -ENODEV)
+        code = -ENOENT;
+    if (no_chip)
+        ttf_err_set(err, code, spec->label, "GPIO chip '%s' cannot be opened", spec->chip);
+    else
+        ttf_err_set(err, code, spec->label, "no GPIO line is called '%s'%s%s", spec->line,
+                    spec->chip[0] ? " on chip " : "", spec->chip);
+    if (code == -EACCES)
+        ttf_err_hint(err, "who runs this must be in the group that /dev/gpiochip* has");
+    else
+        ttf_err_hint(err, no_chip ? "gpiodetect lists the chips that there are"
+                                  : "gpioinfo lists the lines that there are");
     return code;
 }
 

@@ -92,6 +92,7 @@ static int camera_configure(struct ttf_camera *base, const struct ttf_camera_mod
     int r = 0;
 
     camera->mode = *mode;
+    camera->controls.keep_lens = false; /* where a person has it now */
     /* Unplugged since it was opened? */
     if (v4l2_ioctl(camera, VIDIOC_QUERYCAP, &cap) == -ENODEV)
         r = find_again(camera, err);
@@ -160,6 +161,7 @@ static int reopen(struct v4l2_camera *camera, struct ttf_err *err)
     unsigned mapped = camera->controls.mapped;
     int r = find_again(camera, err);
 
+    camera->controls.keep_lens = true;
     if (r == 0)
         r = set_up(camera, err);
     if (r == 0 &&

@@ -193,6 +193,45 @@ static int find_balance(struct v4l2_controls *c, const struct ttf_v4l2_config *c
     return r;
 }
 
+/* The nearest code that the dial takes. */
+static int32_t code_of(const struct v4l2_dial *dial, int64_t wanted)
+{
+    int64_t steps;
+
+    if (wanted <= dial->min)
+        return dial->min;
+    if (wanted > dial->max)
+        wanted = dial->max;
+    steps = (wanted - dial->min + dial->step / 2) / dial->step;
+    if (dial->min + steps * dial->step > dial->max)
+        steps--;
+    return (int32_t)(dial->min + steps * dial->step);
+}
+
+/*
+ * Without a unit it is left where a person put it; but a camera that was unplugged comes back with the lens where its
+ * maker wants it, and a run whose picture changes so is spoilt.
+ */
+static int put_lens_back(struct v4l2_controls *c, struct ttf_err *err)
+{
+    struct v4l2_dial lens;
+
+    if (!c->keep_lens || !c->lens_held)
+        return 0;
+    find_dial(c, V4L2_CID_FOCUS_ABSOLUTE, &lens);
+    if (!lens.id)
+        return ttf_err_set(err, -EIO, "focus_absolute", "the camera came back without its lens");
+    /* Where a person put it may lie between two that the driver takes. */
+    return v4l2_control_fix(c, "focus_absolute", lens.id, code_of(&lens, c->lens_code), err);
+}
+
+/* After all that is fixed: a board may name focus_absolute. */
+static void note_lens(struct v4l2_controls *c)
+{
+    c->lens_held = (c->has & TTF_V4L2_FOCUS) && !(c->mapped & TTF_V4L2_FOCUS) &&
+                   v4l2_control_get(c, V4L2_CID_FOCUS_ABSOLUTE, &c->lens_code) == 0;
+}
+
 static void find_focus(struct v4l2_controls *c)
 {
     find_dial(c, V4L2_CID_FOCUS_ABSOLUTE, &c->focus);
@@ -202,7 +241,7 @@ static void find_focus(struct v4l2_controls *c)
     if (c->focus_per_dioptre > 0)
         c->mapped |= TTF_V4L2_FOCUS;
     else
-        memset(&c->focus, 0, sizeof(c->focus)); /* left where a person put it */
+        memset(&c->focus, 0, sizeof(c->focus));
 }
 
 static int fix_flicker(struct v4l2_controls *c, enum ttf_v4l2_flicker flicker, struct ttf_err *err)
@@ -241,8 +280,12 @@ int v4l2_controls_set_up(struct v4l2_controls *c, const struct ttf_v4l2_config *
     if (r == 0)
         r = find_balance(c, config, err);
     find_focus(c);
+    if (r == 0)
+        r = put_lens_back(c, err);
     for (unsigned i = 0; i < config->n_controls && r == 0; i++)
         r = v4l2_control_fix_named(c, &config->controls[i], err);
+    if (r == 0)
+        note_lens(c);
     return r;
 }
 
@@ -261,21 +304,8 @@ void v4l2_controls_caps(const struct v4l2_controls *c, struct ttf_camera_caps *c
     caps->gain_max_milli = c->gain.id ? milli_of(c->gain.max, c->gain_unity) : 0;
     caps->has_white_balance = c->mapped & TTF_V4L2_BALANCE;
     caps->has_lens = c->mapped & TTF_V4L2_FOCUS;
-}
-
-/* The nearest code that the dial takes. */
-static int32_t code_of(const struct v4l2_dial *dial, int64_t wanted)
-{
-    int64_t steps;
-
-    if (wanted <= dial->min)
-        return dial->min;
-    if (wanted > dial->max)
-        wanted = dial->max;
-    steps = (wanted - dial->min + dial->step / 2) / dial->step;
-    if (dial->min + steps * dial->step > dial->max)
-        steps--;
-    return (int32_t)(dial->min + steps * dial->step);
+    caps->lens_held = c->lens_held;
+    caps->lens_code = c->lens_held ? c->lens_code : 0;
 }
 
 /* The code of what is asked for in thousandths of a unit. */

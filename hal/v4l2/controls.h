@@ -24,6 +24,9 @@ struct v4l2_controls {
     int64_t exposure_unit_ns; /* of a code of exposure */
     uint32_t gain_unity, balance_unity, focus_per_dioptre;
     unsigned has, mapped, automatics_off; /* as in struct ttf_v4l2_info */
+    /* A lens without a unit: where it stands. keep_lens: on the next set-up it is put there, else looked at anew. */
+    bool lens_held, keep_lens;
+    int64_t lens_code;
 };
 
 /*

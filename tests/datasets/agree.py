@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two readers, one of them the program, must say the same of the same dataset.
 
-    agree.py TTFBOX FOLDER [DATASET...]
+    agree.py TTFBOX DUMP FOLDER [DATASET...]
 
 Makes datasets in FOLDER (by make.py, and by the program itself), damages copies of the former in
-every way that FORMAT.md tells apart, and compares `ttfbox verify --json` and `info --json` with read.py. What is
+every way that FORMAT.md tells apart, and compares `ttfbox verify --json`, `info --json` and every field that our reader reads (dump.c) with read.py. What is
 given besides (a capture, an import) is compared as it is.
 """
 import hashlib
@@ -261,7 +261,39 @@ def findings_of(found, file, severity):
     return {(f[severity], f[file].split(":")[0]) for f in found}
 
 
-def compare(box, dataset):
+ROLES = ("developed", "raw", "uncertainty", "mask")
+
+
+def comparable(o):
+    """What both readers keep: no files of unknown roles, no fields of notes that FORMAT.md does not have, no zeros in counts."""
+    o = json.loads(json.dumps(o))
+    for key in ("findings", "exit"):
+        o.pop(key, None)
+    o["manifest"].pop("minor", None)  # checked, and of no use
+    for slot in o["slots"]:
+        for image in slot.get("images", []):
+            image.pop("pixel_mean", None)  # compared with mean_level, below
+            image["files"] = [f for f in image.get("files", []) if f["role"] in ROLES]
+    for counts in (o["counts"], o.get("end", {})):
+        for key in [k for k, v in counts.items() if v == 0 and k != "slots"]:
+            del counts[key]
+    o["notes"] = [{k: v for k, v in n.items() if k in dict(NOTE) and v} for n in o["notes"]]
+    o["samples"] = [{k: v for k, v in s.items() if k in ("id", "title", "region", "treatment")}
+                    for s in o["samples"]]
+    return o
+
+
+def different(at, a, b):
+    """Where two trees differ: every field, ours and theirs."""
+    if isinstance(a, dict) and isinstance(b, dict):
+        return [d for k in sorted({*a, *b}) for d in different(
+            at + "." + k, a.get(k, "absent"), b.get(k, "absent"))]
+    if isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
+        return [d for i, (x, y) in enumerate(zip(a, b)) for d in different("%s[%d]" % (at, i), x, y)]
+    return [] if a == b else ["%s: %r is ours, %r theirs" % (at, a, b)]
+
+
+def compare(box, dump, dataset):
     """What the two readers say differently."""
     r, ours = run(box, "verify", dataset, "--json")
     s, theirs = run(sys.executable, HERE + "/read.py", dataset)
@@ -276,6 +308,8 @@ def compare(box, dataset):
         said.append("seal or digest")
     if r == 0:
         said += contents(run(box, "info", dataset, "--json")[1], theirs)
+        read_by_us = run(dump, dataset)[1]
+        said += different("", comparable(read_by_us), comparable(theirs)) if read_by_us else ["no dump"]
     return said
 
 
@@ -290,6 +324,9 @@ def contents(info, theirs):
                 o.get(k) != slot.get(k) for k in ("segment", "result", "reason", "due_ns",
                                                   "due_utc_ns")):
             said.append("slot %d: %r" % (slot["index"], o))
+        flags = [f for i in slot.get("images", []) for f in i.get("flags", [])]
+        if o and o["flags"] != flags:
+            said.append("slot %d: flags %r, %r" % (slot["index"], o["flags"], flags))
         for image in slot.get("images", []):
             if abs(image.get("pixel_mean", 0) - image.get("mean_level", 0)) > 1e-4 and \
                     "pixel_mean" in image and "mean_level" in image:
@@ -340,6 +377,8 @@ def by_the_box(box, folder):
     made("calibrate", "dark", "--plan", "p.yaml", *TINY, "-o", "cal")
     made("capture", "p.yaml", *TINY, "-c", "cal", "-o", "whole")
     made("capture", "p.yaml", *TINY, "--script", "asks", "-o", "cut", code=1)
+    write(folder + "/raw.yaml", PLAN.replace("[1, 4]", "[1, 4], average: 3").encode() + b"keep: both\n")
+    made("capture", "raw.yaml", *TINY, "-c", "cal", "-o", "raw")
     made("capture", "p.yaml", *TINY, "-o", "faulty", "--set",
          "sim.faults=[{kind: lamp-stuck, at: 150s, target: left}, "
          "{kind: power-cut, at: 200s, for: 130s}]")
@@ -350,24 +389,26 @@ def by_the_box(box, folder):
     made("import", *("pictures/frame.%d.png" % n for n in range(1001, 1007)), "--interval", "1min", "-o", "imported")
     made("develop", "whole", "-c", "cal", "-o", "developed")
     made("synth", "quilt", "imported", "--size", "80x70", "--block", "24x24", "-o", "grown")
-    return [folder + "/" + n for n in ("whole", "cut", "faulty", "imported", "developed", "grown")]
+    return [folder + "/" + n for n in ("whole", "raw", "cut", "faulty", "imported", "developed", "grown")]
 
 
 def main():
-    box, folder = sys.argv[1:3]
+    box, dump, folder = sys.argv[1:4]
     shutil.rmtree(folder, ignore_errors=True)
     subprocess.run([sys.executable, HERE + "/make.py", folder + "/made"], check=True)
+    subprocess.run([dump, "--rich", folder + "/made/rich"], check=True, stderr=subprocess.DEVNULL)
+    shutil.rmtree(folder + "/calibrations", ignore_errors=True)
     datasets = [(n, folder + "/made/" + n) for n in sorted(os.listdir(folder + "/made"))]
     for of, name, change in SPOILED:
         copy = "%s/%s-%s" % (folder, of, name)
         shutil.copytree(folder + "/made/" + of, copy)
         change(copy)
         datasets.append((of + ", " + name, copy))
-    datasets += [(os.path.basename(d), d) for d in by_the_box(box, folder + "/box") + sys.argv[3:]]
+    datasets += [(os.path.basename(d), d) for d in by_the_box(box, folder + "/box") + sys.argv[4:]]
     differ = 0
     for name, dataset in datasets:
         wanted = EXIT.get(name.split(", ")[-1])
-        said = compare(box, dataset)
+        said = compare(box, dump, dataset)
         if wanted is not None and run(box, "verify", dataset)[0] != wanted:
             said.append("exit is not %d" % wanted)
         for text in said:

@@ -257,6 +257,17 @@ def changed_calibration(folder):
     d.seal()
 
 
+def sagging_supply(folder):
+    """Whoever reads images alone finds what the slot's sensor says at each of them."""
+    d = Dataset(folder, "sagging-supply", [stream()])
+    d.segment(0)
+    for i in range(3):
+        d.slot(i, [d.image("main", i, flags=["late", "under-voltage"])] if i == 1 else [d.image("main", i)],
+               sensors=[{"name": "supply", "kind": "undervoltage", "ok": True, "value": int(i == 1)}])
+    d.end()
+    d.seal()
+
+
 def future(folder):
     """Of a later minor version, full of what 1.0 does not know."""
     d = Dataset(folder, "future-minor", [
@@ -304,7 +315,7 @@ def main():
     folder = sys.argv[1]
     os.makedirs(folder, exist_ok=True)
     for make in (example, bracket, two_channels, two_cameras, average, three_segments,
-                 changed_calibration, future, required, major_two):
+                 changed_calibration, sagging_supply, future, required, major_two):
         make(folder)
 
 

@@ -110,20 +110,42 @@ def file_of(o):
     return {"path": path, "bytes": get(o, "bytes", "int", True, 0), "sha256": sha}
 
 
-def tiff_mean(data, stream):
-    """The mean of the codes of a TIFF in strips, uncompressed or deflated; None of any other."""
+def raw_of(data):
+    """Size, levels, mosaic and the crc of the samples of a DNG of 16 bits in uncompressed strips."""
+    tags = tiff_tags(data)
+    if tags is None or tags.get(259, (1,))[0] != 1 or tags.get(258) != (16,) or 273 not in tags:
+        return {}
+    samples = b"".join(data[o:o + n] for o, n in zip(tags[273], tags[279]))
+    cfa = tags.get(33422)
+    return {"width": tags[256][0], "height": tags[257][0], "black": tags.get(50714, (0,))[0],
+            "white": tags.get(50717, (65535,))[0],
+            "cfa": "".join("RGB"[c] for c in cfa) if cfa else "none", "crc": zlib.crc32(samples)}
+
+
+def tiff_tags(data):
+    """The first page's tags of bytes, integers and unsigned fractions that are whole."""
     if data[:4] != b"II*\0":
         return None
-    at = struct.unpack_from("<I", data, 4)[0]
-    tags = {}
+    at, tags = struct.unpack_from("<I", data, 4)[0], {}
     for i in range(struct.unpack_from("<H", data, at)[0]):
-        tag, kind, count = struct.unpack_from("<HHI", data, at + 2 + 12 * i)
-        if kind not in (3, 4):
+        entry = at + 2 + 12 * i
+        tag, kind, count = struct.unpack_from("<HHI", data, entry)
+        if kind not in (1, 3, 4, 5):
             continue
-        code = "<%d%s" % (count, "H" if kind == 3 else "I")
+        code = "<%d%s" % (count * (2 if kind == 5 else 1), {1: "B", 3: "H", 4: "I", 5: "I"}[kind])
         inside = struct.calcsize(code) <= 4
-        where = at + 10 + 12 * i if inside else struct.unpack_from("<I", data, at + 10 + 12 * i)[0]
-        tags[tag] = struct.unpack_from(code, data, where)
+        values = struct.unpack_from(code, data, entry + 8 if inside else struct.unpack_from(
+            "<I", data, entry + 8)[0])
+        tags[tag] = tuple(n // d if d else 0 for n, d in zip(values[::2], values[1::2])) \
+            if kind == 5 else values
+    return tags
+
+
+def tiff_mean(data, stream):
+    """The mean of the codes of a TIFF in strips, uncompressed or deflated; None of any other."""
+    tags = tiff_tags(data)
+    if tags is None:
+        return None
     packed = tags.get(259, (1,))[0]
     if packed not in (1, 8) or tags.get(317, (1,))[0] != 1 or 273 not in tags:
         return None
@@ -336,8 +358,9 @@ class Reader:
             origin_utc_ns=get(o, "origin_utc_ns", "int"), trust=trust,
             uncertainty_ns=get(o, "uncertainty_ns", "int", False, 0),
             interval_ns=get(o, "interval_ns", "int", True, 0), plan=plan,
-            zone=text_of(o, "zone", 63), zone_offset_s=get(o, "zone_offset_s", "int"))
-        text_of(o, "box", 255)
+            zone=text_of(o, "zone", 63), zone_offset_s=get(o, "zone_offset_s", "int"),
+            corrects=get(o, "corrects", "bool") or None, run_ns=get(o, "run_ns", "int", False, 0) or None,
+            dataset_sha256=get(o, "dataset_sha256", "text"), box=text_of(o, "box", 255))
         sha = get(o, "dataset_sha256", "text")
         if sha is not None:
             if not HEX64.fullmatch(sha):
@@ -577,6 +600,9 @@ class Reader:
         """The mean value of each developed image, beside what its record says."""
         for slot in self.slots:
             for image in slot.get("images", []):
+                for f in image.get("files", []):
+                    if f["role"] == "raw":
+                        image["raw"] = raw_of(self.bytes_of(f["path"]) or b"")
                 stream = self.streams.get(image["stream"])
                 for f in image.get("files", []) if stream else []:
                     data = self.bytes_of(f["path"]) if f["role"] == "developed" else None

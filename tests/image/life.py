@@ -39,7 +39,7 @@ def a_box_that_loses_its_power_goes_on_by_itself_on_the_grid(board, image):
         summary = boots.read.Reader(folder + "/datasets/plan").summary()
     assert summary["exit"] == 0, [f for f in summary["findings"] if f["class"] == "damage"][:3]
     assert len(summary["slots"]) >= had and len(summary["segments"]) == BOOTS + 1
-    boots.expect_grid(summary)
+    boots.expect_grid(summary, boots.INTERVAL_S * 10**9)
     results = [s["result"] for s in summary["slots"]]
     print("    %d cuts; %d slots: %s; all on the grid; captured again %.0f s after the kernel's start (longest)" %
           (BOOTS, len(results), ", ".join("%d %s" % (results.count(r), r) for r in sorted(set(results))), max(took)))

@@ -14,14 +14,15 @@ class Entry:
         self.at, self.size, self.flags, self.data = at, size, flags, data
         self.end = end  # where the log went on behind it, in bytes
 
-    def put(self, disk, sectors=None):
-        """Onto a bytearray: whole, or only these of its sectors (a torn write)."""
+    def put(self, disk, pieces=None, whole=SECTOR):
+        """Onto a bytearray: all of it, or only these of its pieces of so many bytes (a torn write)."""
         data = bytes(self.size) if self.flags & DISCARD else self.data
-        if sectors is None:
+        if pieces is None:
             disk[self.at:self.at + len(data)] = data
             return
-        for s in sectors:
-            disk[self.at + s * SECTOR:self.at + (s + 1) * SECTOR] = data[s * SECTOR:(s + 1) * SECTOR]
+        for p in pieces:
+            piece = data[p * whole:(p + 1) * whole]
+            disk[self.at + p * whole:self.at + p * whole + len(piece)] = piece
 
 
 def read(path):
@@ -85,8 +86,9 @@ class Replay:
                 w.put(self.disk)
         self.waiting = apart
 
-    def cut(self, chance):
-        """What a cut may leave: each write there, gone or torn, in whatever order. (disk, how many of each)."""
+    def cut(self, chance, whole=SECTOR):
+        """What a cut may leave: each write there, gone or torn, in whatever order; the disk writes so many bytes whole.
+        (disk, how many of each)."""
         disk = bytearray(self.disk)
         order = list(self.waiting)
         keep = chance.random()  # now and then nearly all, now and then hardly any
@@ -94,12 +96,12 @@ class Replay:
             chance.shuffle(order)
         counts = {"kept": 0, "dropped": 0, "torn": 0}
         for w in order:
-            n = w.size // SECTOR
+            n = -(-w.size // whole)
             if chance.random() < keep:
                 w.put(disk)
                 counts["kept"] += 1
             elif n > 1 and chance.random() < 0.5:
-                w.put(disk, self.torn(chance, n))
+                w.put(disk, self.torn(chance, n), whole)
                 counts["torn"] += 1
             else:
                 counts["dropped"] += 1
@@ -107,7 +109,7 @@ class Replay:
 
     @staticmethod
     def torn(chance, n):
-        """Its first sectors, or any of them."""
+        """Its first pieces, or any of them."""
         if chance.random() < 0.5:
             return range(chance.randrange(1, n))
-        return [s for s in range(n) if chance.random() < 0.5]
+        return [p for p in range(n) if chance.random() < 0.5]

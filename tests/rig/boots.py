@@ -27,15 +27,15 @@ def put(m, path, text):
     assert code == 0, out
 
 
-def start(m, first):
-    """What the box's units would do at boot."""
+def start(m, plan=None):
+    """What the box's units would do at boot; at the first one with the settings. The slot that is next."""
     code, out = m.run("mkdir -p /disk && mount -o errors=remount-ro /dev/vda /disk")
     assert code == 0, out
     camera.load(m)
     lamps.guard(m, camera.BOARD)
-    if first:
+    if plan:
         put(m, "/disk/board.yaml", camera.BOARD)
-        put(m, "/disk/plan.yaml", PLAN)
+        put(m, "/disk/plan.yaml", plan)
         put(m, "/disk/config.yaml", CONFIG)
         m.run("sync")
     m.run("ttfboxd --config /disk/config.yaml >/run/daemon 2>&1 & echo $! >/run/daemon.pid")
@@ -59,13 +59,20 @@ def more(m, slots):
     return got
 
 
-def expect_grid(summary):
+def stop(m):
+    """The daemon, as its unit would, and the disk."""
+    code, out = m.run("kill $(cat /run/daemon.pid); while kill -0 $(cat /run/daemon.pid) 2>/dev/null; do sleep 0.1; done; cat /run/daemon; umount /disk", 60)
+    assert code == 0 and "stopped" in out, out
+    m.run("sync")
+
+
+def expect_grid(summary, interval_ns):
     """Each slot's label lies on the grid of the first, and each that was not captured says why."""
     slots = summary["slots"]
     assert [s["index"] for s in slots] == list(range(len(slots))), [s["index"] for s in slots]
     zero = slots[0]["due_utc_ns"]
     for s in slots:
-        assert s["due_utc_ns"] - zero == s["index"] * INTERVAL_S * 10**9, (s["index"], s["due_utc_ns"] - zero)
+        assert s["due_utc_ns"] - zero == s["index"] * interval_ns, (s["index"], s["due_utc_ns"] - zero)
         assert s["result"] == "captured" or s.get("reason") or s["result"] == "power", s
 
 
@@ -79,7 +86,7 @@ def a_box_that_loses_its_power_goes_on_by_itself_on_the_grid(system, share):
         had = 0
         for boot in range(BOOTS + 1):
             with Machine(system, share, devices=devices) as m:
-                first = start(m, boot == 0)
+                first = start(m, PLAN if boot == 0 else None)
                 assert boot == 0 or first > had - 1, (first, had)
                 had = more(m, 2)
                 if boot < BOOTS:
@@ -87,15 +94,13 @@ def a_box_that_loses_its_power_goes_on_by_itself_on_the_grid(system, share):
                     had = max(had, recorded(m))
                     m.cut()
                     continue
-                code, out = m.run("kill $(cat /run/daemon.pid); while kill -0 $(cat /run/daemon.pid) 2>/dev/null; do sleep 0.1; done; cat /run/daemon; umount /disk", 60)
-                assert code == 0 and "stopped" in out, out
-                m.run("sync")
+                stop(m)
         subprocess.run(["e2fsck", "-fy", disk], stdout=subprocess.DEVNULL, check=False)
         subprocess.run(["debugfs", "-R", "rdump /data %s" % folder, disk], stderr=subprocess.DEVNULL, check=True)
         summary = read.Reader(folder + "/data/plan").summary()
     assert summary["exit"] == 0, [f for f in summary["findings"] if f["class"] == "damage"][:3]
     assert len(summary["slots"]) >= had
-    expect_grid(summary)
+    expect_grid(summary, INTERVAL_S * 10**9)
     results = [s["result"] for s in summary["slots"]]
     trust = sorted({s["trust"] for s in summary["segments"]})
     print("    %d cuts; %d slots in %d segments (UTC by %s): %s; all on the grid" %

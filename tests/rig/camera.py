@@ -18,6 +18,10 @@ reserve: 1MB
 CAPTURE = "ttfbox capture --board /run/board.yaml -q --no-speed-check -o /tmp/out /run/plan.yaml"
 # The guest's clock is read to 10 ms, and the emulator's trace is written a little later than the line moves.
 SLACK_S = 0.03
+FAULTY_SLOTS, WRONG_SLOT = 12, 4
+# What is to be read of each in the dataset's events.
+INJECTED = {"error-flag": "taken again", "qbuf": "delivers again", "fatal": "Input/output error", "reqbufs": "the driver gives no buffers: Invalid argument",
+            "streamon": "the stream does not start: Invalid argument", "disconnect": "No such device"}
 
 FORMATS = ["RGGB", "RG10", "RG12", "YUYV", "NV12", "GREY", "Y10", "RGB3"]
 FAULTS = ["disconnect", "error-flag", "reqbufs", "qbuf", "streamon", "fatal", "dropped-30", "unbind",
@@ -94,10 +98,10 @@ def slots_of(m, slots):
     return records
 
 
-def prepare(m, slots):
+def prepare(m, slots, more=""):
     load(m)
     lamps.guard(m, BOARD)
-    code, out = m.run("printf '%s' >/run/plan.yaml" % (PLAN % slots).replace("\n", "\\n").replace("%", "%%"))
+    code, out = m.run("printf '%s' >/run/plan.yaml" % (PLAN % slots + more).replace("\n", "\\n").replace("%", "%%"))
     assert code == 0, out
 
 
@@ -119,6 +123,38 @@ def a_capture_with_every_third_buffer_dropped_loses_at_most_one_slot(m):
     print("    %d of 40 slots lost; %s taken again" % (len(lost), out.strip()))
     assert len(lost) <= 1 and all(r.get("reason") for r in lost)
     assert lost or int(out) > 0, "no buffer was dropped at all"
+    lamps.end(m)
+
+
+def struck_in_slot(m, fault, slot, slots):
+    """A capture with a fault of the driver from the middle of a slot's exposure on, so that the frame that ends next is the slot's; when that was, on the boot clock."""
+    code, out = m.run(
+        "rm -rf /tmp/out /run/ended; (%s >/run/captured 2>&1; echo $? >/run/ended) & "
+        "until grep -q due_ns /tmp/out/records.jsonl; do [ -e /run/ended ] && exit 1; sleep 0.05; done 2>/dev/null; "
+        "when=$(($(grep -o 'due_ns\":[0-9]*' /tmp/out/records.jsonl | head -n 1 | cut -d: -f2) + %d)); "
+        "echo $(pgrep -x ttfbox) $when | rig_camera inject %s && until [ -e /run/ended ]; do sleep 0.2; done; cat /run/captured /run/ended; echo $when" %
+        (CAPTURE, slot * 10**9, fault), slots + 160)
+    assert code == 0 and out.split()[:1] == ["set"] and out.split()[-2] == "0", (out, m.run("cat /run/captured")[1])
+    return int(out.split()[-1])
+
+
+def a_capture_whose_driver_fails_loses_at_most_one_slot(m):
+    """Each fault that vivid can be told to make, while the box exposes."""
+    prepare(m, FAULTY_SLOTS, "keep: raw\n")  # what the emulated processor does easily in a second, beside other work
+    wrong = []
+    for fault, told in INJECTED.items():
+        load(m)
+        struck_ns = struck_in_slot(m, fault, WRONG_SLOT, FAULTY_SLOTS)
+        records = slots_of(m, FAULTY_SLOTS)
+        lost = [r for r in tell_lost(records) if r["due_ns"] >= struck_ns]
+        events = [json.loads(text) for text in m.run("cat /tmp/out/events.jsonl")[1].splitlines()]
+        said = [e["text"] for e in events if e["kind"] in ("camera", "retry") and e["at_ns"] > struck_ns]
+        again_ns = min([r["due_ns"] for r in records if r["result"] == "captured" and r["due_ns"] >= struck_ns], default=float("inf"))
+        print("    %s: %d of %d slots lost since, captured again %.1f s after it; recorded: %s" %
+              (fault, len(lost), FAULTY_SLOTS, (again_ns - struck_ns) / 1e9, "; ".join(said) or "nothing"), flush=True)
+        if len(lost) > 1 or not all(r.get("reason") for r in lost) or again_ns - struck_ns > 10**10 or not any(told in text for text in said):
+            wrong.append((fault, lost, said))
+    assert not wrong, wrong
     lamps.end(m)
 
 
@@ -186,6 +222,7 @@ SCENARIOS = [the_camera_suite_passes_on_vivid_in_each_format,
              a_capture_from_vivid_has_its_lamps_as_seen_from_outside,
              a_capture_with_every_third_buffer_dropped_loses_at_most_one_slot,
              a_camera_unplugged_in_a_capture_is_found_again,
+             a_capture_whose_driver_fails_loses_at_most_one_slot,
              compressed_pixels_and_a_missing_camera_are_refused_in_words,
              a_camera_whose_driver_fails_loses_at_most_one_slot,
              many_frames_restarts_and_reopenings_leave_nothing_behind]

@@ -14,10 +14,13 @@ import camera
 import chips
 import drivers
 import frozen
+import gpiod2
 import inputs
+import instructions
 import lamps
 import pipeline
 import powercuts
+import soak
 import strokes
 import usb
 import usb_speed
@@ -89,13 +92,15 @@ def prepare(tier):
 def machine_for(scenario, share, tier):
     if tier:
         return frozen.Frozen(RIG + "/system", of_tier("frozen", tier))
+    if scenario in gpiod2.SCENARIOS:
+        return gpiod2.Newer(RIG + "/system", of_tier("share", "newer"))
     return (Board if scenario in usb.SCENARIOS + usb_speed.SCENARIOS + uvc.SCENARIOS else Machine)(RIG + "/system", share)
 
 
 def run(scenario, share, tier):
     """None, or what went wrong."""
     try:
-        if scenario in powercuts.SCENARIOS + boots.SCENARIOS:
+        if scenario in powercuts.SCENARIOS + boots.SCENARIOS + soak.SCENARIOS + instructions.SCENARIOS:
             scenario(RIG + "/system", share)
             return None
         with machine_for(scenario, share, tier) as machine:
@@ -116,14 +121,16 @@ def main():
         prepare(tier)
         return 0
     every = {"smoke": SMOKE, "quick": QUICK}.get(tier) or (
-        lamps.SCENARIOS + camera.SCENARIOS + strokes.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS + drivers.SCENARIOS +
-        inputs.SCENARIOS + chips.SCENARIOS + pipeline.SCENARIOS + usb.SCENARIOS + usb_speed.SCENARIOS + uvc.SCENARIOS)
+        lamps.SCENARIOS + camera.SCENARIOS + strokes.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS + soak.SCENARIOS + instructions.SCENARIOS +
+        drivers.SCENARIOS + inputs.SCENARIOS + gpiod2.SCENARIOS + chips.SCENARIOS + pipeline.SCENARIOS + usb.SCENARIOS + usb_speed.SCENARIOS + uvc.SCENARIOS)
     scenarios = [s for s in every if not words or any(w in s.__name__ for w in words)]
     if not scenarios:
         print("rig: no scenario has such a name; there are:", file=sys.stderr)
         print("\n".join("  " + s.__name__ for s in every), file=sys.stderr)
         return 2
     share = prepare(tier)
+    if any(s in gpiod2.SCENARIOS for s in scenarios):
+        gpiod2.prepare(of_tier("share", "newer"))
     failed = 0
     for scenario in scenarios:
         before = time.monotonic()

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * rig_camera [libcamera|uvc] conformance FOURCC | case NAME | soak SLOTS | info FOURCC: in the rig's guest, on vivid, or
+ * rig_camera [libcamera|uvc] conformance FOURCC | case NAME | inject NAME | soak SLOTS | info FOURCC: in the rig's guest, on vivid, or
  * on what libcamera finds (vimc), which has no cases and looks for the best format, or on the webcam of rig_uvc, of
  * which `settings EXPOSURE_US:GAIN_MILLI,...` tells what was granted and what is seen of it.
  */
@@ -192,6 +192,8 @@ int main(int argc, char **argv)
         return info();
     if (strcmp(argv[1], "case") == 0)
         return rig_case(argv[2]);
+    if (strcmp(argv[1], "inject") == 0)
+        return rig_inject(argv[2]);
     if (strcmp(argv[1], "soak") == 0)
         return rig_soak((unsigned)strtoul(argv[2], NULL, 10));
     if (strcmp(argv[1], "settings") == 0)

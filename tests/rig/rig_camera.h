@@ -5,6 +5,15 @@
 
 #include "sys.h"
 
+/* Controls of drivers/media/test-drivers/vivid/vivid-ctrls.c. */
+#define VIVID_DROPPED    0x00f0f040u /* of 100 buffers */
+#define VIVID_DISCONNECT 0x00f0f041u
+#define VIVID_ERROR_FLAG 0x00f0f042u
+#define VIVID_REQBUFS    0x00f0f043u
+#define VIVID_QBUF       0x00f0f044u
+#define VIVID_STREAMON   0x00f0f045u
+#define VIVID_FATAL      0x00f0f046u
+
 /* The kernel's table, but for open, which remembers the descriptor: vivid's faults are set through it. */
 extern const struct v4l2_sys rig_sys;
 
@@ -23,6 +32,9 @@ int rig_settings(const char *list);
 
 /* Slots, one of which goes wrong in the named way. 0: as promised. */
 int rig_case(const char *name);
+
+/* One of vivid's faults set in another process; its number, and when, in ns of the boot clock, are read from standard input. 0: set. */
+int rig_inject(const char *name);
 
 /* So many slots, and what they leave behind. */
 int rig_soak(unsigned slots);

@@ -13,9 +13,6 @@
 #include "rig_camera.h"
 #include "ttf/base/time.h"
 
-/* Of drivers/media/test-drivers/vivid/vivid-ctrls.c. */
-#define VIVID(n) (0x00f0f000u + (n))
-
 #define INTERVAL_NS  (TTF_NS_PER_S / 2)
 #define RECOVERED_NS (10 * TTF_NS_PER_S)
 #define SLOTS        12
@@ -38,13 +35,13 @@ static const struct fault {
     unsigned may_lose;
     bool restart; /* shows only when the stream is set going: do so */
 } FAULTS[] = {
-    {"disconnect", ACT_CONTROL, VIVID(65), 1, -1, SLOTS, 1, false},
-    {"error-flag", ACT_CONTROL, VIVID(66), 1, -1, SLOTS, 1, false},
-    {"reqbufs", ACT_CONTROL, VIVID(67), 1, -1, SLOTS, 1, true},
-    {"qbuf", ACT_CONTROL, VIVID(68), 1, -1, SLOTS, 1, false},
-    {"streamon", ACT_CONTROL, VIVID(69), 1, -1, SLOTS, 1, true},
-    {"fatal", ACT_CONTROL, VIVID(70), 1, -1, SLOTS, 1, false},
-    {"dropped-30", ACT_CONTROL, VIVID(64), 30, -1, 40, 1, false},
+    {"disconnect", ACT_CONTROL, VIVID_DISCONNECT, 1, -1, SLOTS, 1, false},
+    {"error-flag", ACT_CONTROL, VIVID_ERROR_FLAG, 1, -1, SLOTS, 1, false},
+    {"reqbufs", ACT_CONTROL, VIVID_REQBUFS, 1, -1, SLOTS, 1, true},
+    {"qbuf", ACT_CONTROL, VIVID_QBUF, 1, -1, SLOTS, 1, false},
+    {"streamon", ACT_CONTROL, VIVID_STREAMON, 1, -1, SLOTS, 1, true},
+    {"fatal", ACT_CONTROL, VIVID_FATAL, 1, -1, SLOTS, 1, false},
+    {"dropped-30", ACT_CONTROL, VIVID_DROPPED, 30, -1, 40, 1, false},
     {"unbind", ACT_UNBIND, 0, 0, -1, 3 * SLOTS, 20, false},
     {"unbind-renumbered", ACT_UNBIND_HELD, 0, 0, -1, 3 * SLOTS, 20, false},
 };

@@ -257,6 +257,34 @@ static void controls_that_the_camera_lacks_are_no_difference(void **state)
     sim_run_finish(&run);
 }
 
+static int configure_with_a_lens(struct ttf_camera *camera, const struct ttf_camera_mode *mode,
+                                 struct ttf_err *err)
+{
+    int r = good->configure(camera, mode, err);
+
+    camera->caps.lens_held = true;
+    camera->caps.lens_code = 120;
+    return r;
+}
+
+static void where_a_lens_stands_that_no_plan_moves_is_recorded_at_each_beginning(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    with_camera(&run, (struct ttf_camera_ops){.configure = configure_with_a_lens});
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 2 * TTF_NS_PER_MIN + 30 * TTF_NS_PER_S);
+    assert_int_equal(sim_run_through_cuts(&run), 0);
+    assert_int_equal(
+        sim_run_events(&run, "camera", "the lens is held at 120, the driver's own number"), 2);
+    sim_run_finish(&run);
+    /* A camera without such a lens says nothing of it. */
+    sim_run_init(&run);
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_int_equal(sim_run_events(&run, "camera", "lens"), 0);
+    sim_run_finish(&run);
+}
+
 /* ---- guided calibration ---- */
 
 struct guided {
@@ -560,6 +588,7 @@ int main(void)
         cmocka_unit_test(an_exposure_granted_far_from_what_was_asked_is_told_and_locked),
         cmocka_unit_test(a_camera_that_grants_other_settings_each_time_is_not_armed),
         cmocka_unit_test(controls_that_the_camera_lacks_are_no_difference),
+        cmocka_unit_test(where_a_lens_stands_that_no_plan_moves_is_recorded_at_each_beginning),
         cmocka_unit_test(a_calibration_of_no_frame_or_too_many_is_refused),
         cmocka_unit_test(a_calibration_names_the_camera_that_it_lacks),
         cmocka_unit_test(a_calibration_names_the_lamp_that_it_lacks),

@@ -477,6 +477,44 @@ static int takes_the_files_away(struct sim_run *run, const char *op, const char 
     return EROFS;
 }
 
+/*
+ * The first takes no record from slot 2 on, and the second is not there before slot 3 is due: slot 2 waits, its files in
+ * the first. As soon as the run goes on in the second the first is sound again, and is told: opening it clears away
+ * files without a record, so what waits must have been fetched by then.
+ */
+static bool second_begun;
+
+static int first_is_back_once_it_is_left(struct sim_run *run, const char *op, const char *path)
+{
+    int64_t now = ttf_sim_elapsed_ns(run->box, ttf_clock_now_ns(run->box->clock));
+
+    if (run->committed < 2)
+        return 0;
+    if (second_run_holds(path)) {
+        second_begun |= strcmp(op, "append") == 0 && sim_run_path_ends(path, "records.jsonl");
+        return now < sim_run_due_ns(run, 3) - 5 * TTF_NS_PER_S ? EIO : 0;
+    }
+    return !second_begun && strstr(path, "/records.jsonl") ? EIO : 0;
+}
+
+static void files_of_a_slot_that_waited_are_fetched_before_the_first_is_opened(void **state)
+{
+    struct sim_run second;
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    second_begun = false;
+    run.fault = first_is_back_once_it_is_left;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_true(run.result.second_storage);
+    expect_second(&run, 2, "cccc");
+    second = second_run_of(&run);
+    sim_run_expect_undamaged(&second, true);
+    assert_true(sim_run_events(&run, "storage", "goes on in the second storage, from slot 2") == 1);
+    sim_run_finish(&run);
+}
+
 static void a_slot_whose_files_are_lost_on_the_way_says_so(void **state)
 {
     struct sim_run run;
@@ -545,6 +583,7 @@ int main(void)
         cmocka_unit_test(a_second_dataset_that_was_begun_after_all_is_gone_on_with),
         cmocka_unit_test(a_second_storage_that_fails_too_ends_the_run_with_what_both_hold),
         cmocka_unit_test(a_file_that_changed_on_the_failing_disk_is_not_brought_as_if_it_were_good),
+        cmocka_unit_test(files_of_a_slot_that_waited_are_fetched_before_the_first_is_opened),
         cmocka_unit_test(a_slot_whose_files_are_lost_on_the_way_says_so),
         cmocka_unit_test(a_slot_of_two_images_is_moved_in_its_middle),
     };

@@ -79,6 +79,7 @@ struct sample {
     int64_t at_ns;
     unsigned permille;
     int64_t on_since_ns; /* boot clock */
+    int64_t temp_mdegc;
     unsigned boot;
 };
 
@@ -90,6 +91,7 @@ struct timed {
     struct sample samples[SAMPLES];
     unsigned n_samples;
     int64_t told;
+    bool tight;         /* limits strike */
     unsigned lit, dark; /* samples of days and of nights */
 };
 
@@ -106,12 +108,22 @@ static void play(struct sim_run *run)
     boot->power_on_ns = run->config.power_on_ns;
 }
 
+static int64_t box_temp(const struct sim_run *run)
+{
+    struct ttf_reading readings[TTF_SENSORS_MAX];
+    int n = ttf_sensors_read(run->box->sensors, readings, NULL);
+
+    assert_true(n > 0 && readings[0].ok);
+    return readings[0].value;
+}
+
 static void look_at_lamp(struct sim_run *run)
 {
     struct timed *t = (struct timed *)run;
     struct sample *sample = &t->samples[t->n_samples];
     struct ttf_lamp_state state;
 
+    sample->temp_mdegc = box_temp(run);
     if (t->n_samples == SAMPLES || ttf_lamps_state(run->box->lamps, 0, &state) < 0)
         return;
     sample->at_ns = ttf_sim_elapsed_ns(run->box, ttf_clock_now_ns(run->box->clock));
@@ -151,6 +163,15 @@ static void make_plan(struct timed *t)
     run->plan.n_day_levels = 1;
     run->plan.day_levels[0] = (struct ttf_lamp_level){.lamp = "left", .permille = 700};
     left->max_on_ns = 130 * S;
+    if (t->tight) {
+        /* A day and the shots of a night take some 60 % of a period; a day alone heats the box beyond its limit. */
+        left->max_duty_permille = 700;
+        left->duty_window_ns = run->plan.period_ns;
+        run->config.heat_tau_ns = 60 * S;
+        run->config.lamps[0].heat_degc = 20;
+        left->max_temp_mdegc = 31000;
+        left->hysteresis_mdegc = 2000;
+    }
     run->on_box = play;
     run->on_file = look_at_lamp;
     run->on_progress = slot_told;
@@ -355,6 +376,68 @@ static void check_days(const struct view *v, unsigned *ret_lit, unsigned *ret_da
     *ret_dark += dark;
 }
 
+/* ---- limits that strike ---- */
+
+/* A lamp that got hot between two readings, a second apart. */
+#define HEAT_A_SECOND_MDEGC 350
+
+struct lit_stretch {
+    int64_t from, to; /* since the first power-on: as far as it was seen */
+};
+
+/* What was seen of the lamp's burning: no more than it did. */
+static unsigned seen_lit(const struct timed *t, struct lit_stretch *ret)
+{
+    unsigned n = 0;
+
+    for (unsigned i = 0; i < t->n_samples; i++) {
+        const struct sample *sample = &t->samples[i];
+        int64_t from;
+
+        if (sample->on_since_ns == TTF_NS_UNKNOWN)
+            continue;
+        from = t->boots[sample->boot].power_on_ns + sample->on_since_ns;
+        if (n == 0 || ret[n - 1].from != from)
+            ret[n++] = (struct lit_stretch){from, from};
+        ret[n - 1].to = sample->at_ns;
+    }
+    return n;
+}
+
+/* In no window that ends with a stretch is it lit longer than it may, over cuts as well; nor is it ever lit too hot. */
+static void check_limits(const struct timed *t)
+{
+    static struct lit_stretch lit[SAMPLES];
+    const struct ttf_lamp_info *left = &t->run.config.lamps[0].info;
+    unsigned n = seen_lit(t, lit);
+
+    for (unsigned a = 0; a < n; a++) {
+        int64_t begin = lit[a].to - left->duty_window_ns, used = 0;
+
+        assert_true(lit[a].to - lit[a].from <= left->max_on_ns);
+        for (unsigned b = 0; b <= a; b++)
+            if (lit[b].to > begin)
+                used += lit[b].to - (lit[b].from > begin ? lit[b].from : begin);
+        assert_true(used <= left->duty_window_ns / 1000 * left->max_duty_permille);
+    }
+    for (unsigned i = 0; i < t->n_samples; i++)
+        if (t->samples[i].permille > 0)
+            assert_true(t->samples[i].temp_mdegc <= left->max_temp_mdegc + HEAT_A_SECOND_MDEGC);
+}
+
+static void check_tight(struct timed *t, unsigned *ret_hot, unsigned *ret_duty)
+{
+    struct view v;
+
+    sim_run_expect_whole(&t->run, true);
+    read_all(&v, t);
+    check_grid(&v);
+    check_limits(t);
+    *ret_hot += sim_run_events(&t->run, "lamp-trip", "temp");
+    *ret_duty += sim_run_events(&t->run, "lamp-trip", "duty");
+    forget_all(&v);
+}
+
 /* Steps that were seen are told, once each. */
 static void check_events(const struct view *v)
 {
@@ -420,7 +503,8 @@ static int64_t find_due(void)
     return due;
 }
 
-static void one_case(unsigned i, unsigned *ret_lit, unsigned *ret_dark)
+/* Of an ordinary case: samples by day and by night; of a tight one: trips for heat and for duty. */
+static void one_case(unsigned i, bool tight, unsigned *ret_lit, unsigned *ret_dark)
 {
     unsigned m = i % TTF_COUNT_OF(moments);
     unsigned s = i / TTF_COUNT_OF(moments) % TTF_COUNT_OF(steps_s);
@@ -430,6 +514,7 @@ static void one_case(unsigned i, unsigned *ret_lit, unsigned *ret_dark)
     int64_t at = slot_due_ns + moments[m].after_due_ns;
 
     assert_non_null(t);
+    t->tight = tight;
     make_plan(t);
     t->script = (struct utc_script){
         .start_utc_ns = t->run.config.start_utc_ns,
@@ -448,9 +533,13 @@ static void one_case(unsigned i, unsigned *ret_lit, unsigned *ret_dark)
                   ttf_trust_name(trusts[w].trust), trusts[w].late ? " from then on" : "",
                   (int)steps_s[s], moments[m].name, SLOT, cuts[c].name);
     run_case(t);
-    check_case(t);
-    *ret_lit += t->lit;
-    *ret_dark += t->dark;
+    if (tight) {
+        check_tight(t, ret_lit, ret_dark);
+    } else {
+        check_case(t);
+        *ret_lit += t->lit;
+        *ret_dark += t->dark;
+    }
     sim_run_finish(&t->run);
     free(t);
 }
@@ -463,15 +552,30 @@ static void time_in_every_combination_costs_no_slot_and_no_label(void **state)
     (void)state;
     slot_due_ns = find_due();
     for (unsigned i = 0; i < CASES; i += stride)
-        one_case(i, &lit, &dark);
+        one_case(i, false, &lit, &dark);
     /* The lamps were looked at by day and by night. */
     assert_true(lit > CASES / stride && dark > CASES / stride);
+}
+
+static void limits_that_strike_are_kept_through_steps_and_cuts(void **state)
+{
+    unsigned hot = 0;
+    unsigned duty = 0;
+
+    (void)state;
+    slot_due_ns = find_due();
+    /* Fewer than the others: 43 is coprime to each dimension, too. */
+    for (unsigned i = 0; i < CASES; i += stride == 1 ? 1 : 43)
+        one_case(i, true, &hot, &duty);
+    print_message("%u trips for heat, %u for duty\n", hot, duty);
+    assert_true(hot > 0 && duty > 0);
 }
 
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(time_in_every_combination_costs_no_slot_and_no_label),
+        cmocka_unit_test(limits_that_strike_are_kept_through_steps_and_cuts),
     };
 
     if (argc > 1 && strcmp(argv[1], "all") == 0)

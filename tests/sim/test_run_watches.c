@@ -117,11 +117,10 @@ static void make_weather(struct sim_run *run)
     run->box->sensors->ops = &strange_sensors;
 }
 
-static void fog_and_a_sagging_supply_are_events_and_readings(void **state)
+static void fog_and_a_sagging_supply_are_events_readings_and_flags(void **state)
 {
     struct sim_run run;
     struct ttf_slot_record record;
-    bool low = false;
 
     (void)state;
     begin(&run);
@@ -132,13 +131,18 @@ static void fog_and_a_sagging_supply_are_events_and_readings(void **state)
     assert_int_equal(sim_run_events(&run, "supply", "too low"), 1);
     assert_int_equal(sim_run_events(&run, "supply", "right again"), 1);
     for (int64_t k = 0; k < SLOTS; k++) {
+        bool low = false;
+
         sim_run_record(&run, k, &record);
         for (unsigned i = 0; i < record.n_sensors; i++)
             low |=
                 strcmp(record.sensors[i].kind, "undervoltage") == 0 && record.sensors[i].value == 1;
+        assert_int_equal(low, weather[k].low);
+        assert_true(record.n_images > 0);
+        for (unsigned i = 0; i < record.n_images; i++)
+            assert_int_equal(strstr(record.images[i].flags, "under-voltage") != NULL, low);
         ttf_slot_record_free(&record);
     }
-    assert_true(low);
     sim_run_expect_whole(&run, true);
     sim_run_finish(&run);
 }
@@ -148,7 +152,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lens_that_lets_go_is_told_once),
         cmocka_unit_test(a_lens_that_holds_is_not_told_of),
-        cmocka_unit_test(fog_and_a_sagging_supply_are_events_and_readings),
+        cmocka_unit_test(fog_and_a_sagging_supply_are_events_readings_and_flags),
     };
 
     return cmocka_run_group_tests_name("watches", tests, NULL, NULL);

@@ -57,6 +57,7 @@ static void verify_accepts_every_one(void **state)
         {"average-of-8", 2, 4, 0, true},
         {"three-segments", 9, 7, 0, false},
         {"changed-calibration", 4, 8, 0, true},
+        {"sagging-supply", 3, 5, 0, true},
         {"future-minor", 2, 9, 2, true},
     };
     struct ttf_verify_options options = {.deep = true};
@@ -200,6 +201,21 @@ static void each_image_names_its_own_calibration(void **state)
     ttf_reader_close(reader);
 }
 
+static void a_sagging_supply_is_read_as_a_sensor_and_as_a_flag(void **state)
+{
+    struct ttf_reader *reader = opened(state, "sagging-supply");
+
+    for (int64_t i = 0; i < 3; i++) {
+        struct ttf_slot_record r = slot(reader, i);
+
+        assert_string_equal(r.sensors[0].kind, "undervoltage");
+        assert_int_equal(r.sensors[0].value, i == 1);
+        assert_string_equal(r.images[0].flags, i == 1 ? "late,under-voltage" : "");
+        ttf_slot_record_free(&r);
+    }
+    ttf_reader_close(reader);
+}
+
 static void what_a_later_version_adds_is_passed_over(void **state)
 {
     struct ttf_reader *reader = opened(state, "future-minor");
@@ -286,6 +302,7 @@ int main(void)
         cmocka_unit_test(an_average_names_all_its_shots),
         cmocka_unit_test(segments_map_slots_to_time_as_corrected_last),
         cmocka_unit_test(each_image_names_its_own_calibration),
+        cmocka_unit_test(a_sagging_supply_is_read_as_a_sensor_and_as_a_flag),
         cmocka_unit_test(what_a_later_version_adds_is_passed_over),
         cmocka_unit_test(what_a_later_version_adds_is_kept_by_writing_on),
         cmocka_unit_test(what_would_be_misread_is_refused_by_name),

@@ -63,6 +63,18 @@ static void a_control_that_is_not_there_is_no_range_of_nothing(void **state)
     }
 }
 
+static void a_lens_that_is_held_says_where(void **state)
+{
+    struct ttf_camera_caps held = NONE;
+    struct probe_abilities can;
+
+    (void)state;
+    held.lens_held = true;
+    held.lens_code = 120;
+    probe_abilities(&held, &RAW, &can);
+    assert_non_null(strstr(can.line[3], "at 120 in the driver's own count"));
+}
+
 static void each_kind_of_pixels_has_a_word(void **state)
 {
     struct probe_abilities can;
@@ -83,6 +95,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_camera_with_all_controls_has_their_ranges),
         cmocka_unit_test(a_control_that_is_not_there_is_no_range_of_nothing),
+        cmocka_unit_test(a_lens_that_is_held_says_where),
         cmocka_unit_test(each_kind_of_pixels_has_a_word),
     };
 

@@ -497,6 +497,39 @@ static void a_camera_that_comes_back_under_another_name_is_found_and_set_up_anew
     assert_int_equal(exposure, 50);
 }
 
+/* A webcam of a board that knows no unit of its lens: a person turned it to 121, between two of its steps. */
+static void a_lens_without_a_unit_is_where_it_was_after_a_replug(void **state)
+{
+    struct bench *bench = *state;
+    const struct fake_control focus = {V4L2_CID_FOCUS_ABSOLUTE,
+                                       V4L2_CTRL_TYPE_INTEGER,
+                                       "Focus, Absolute",
+                                       0,
+                                       250,
+                                       5,
+                                       30,
+                                       121,
+                                       false};
+
+    bench->fake.controls[10] = focus;
+    bench_start(bench);
+    assert_false(ttf_camera_caps(bench->camera)->has_lens);
+    assert_true(ttf_camera_caps(bench->camera)->lens_held);
+    assert_int_equal(ttf_camera_caps(bench->camera)->lens_code, 121);
+    (void)bench_warm(bench, 5);
+    fake_unplug(&bench->fake);
+    fake_plug(&bench->fake, "/dev/video0");
+    assert_int_equal(fake_control(&bench->fake, V4L2_CID_FOCUS_ABSOLUTE)->value, 30);
+    assert_int_equal(climb(bench), TTF_CAMERA_REOPEN);
+    assert_int_equal(fake_control(&bench->fake, V4L2_CID_FOCUS_ABSOLUTE)->value, 120);
+    (void)bench_shoot(bench, 5, 1000);
+    /* A new configuration takes what a person has made of it since. */
+    ttf_camera_stop(bench->camera);
+    fake_control(&bench->fake, V4L2_CID_FOCUS_ABSOLUTE)->value = 45;
+    assert_int_equal(bench_configure(bench), 0);
+    assert_int_equal(ttf_camera_caps(bench->camera)->lens_code, 45);
+}
+
 static void another_camera_at_its_place_is_not_taken_for_it(void **state)
 {
     struct bench *bench = *state;
@@ -603,6 +636,7 @@ int main(void)
         ON_BENCH(a_requeue_takes_back_what_the_caller_forgot),
         ON_BENCH(a_restart_asks_for_the_settings_again),
         ON_BENCH(a_camera_that_comes_back_under_another_name_is_found_and_set_up_anew),
+        ON_BENCH(a_lens_without_a_unit_is_where_it_was_after_a_replug),
         ON_BENCH(another_camera_at_its_place_is_not_taken_for_it),
         ON_BENCH(a_camera_that_was_moved_to_another_socket_is_found_there),
         ON_BENCH(a_camera_that_comes_back_different_is_refused),

@@ -72,7 +72,7 @@ struct ttf_image {
     double reference_level; /* of the reference patch; NAN: absent */
     double sharpness;       /* NAN: absent */
     char flags
-        [128]; /* words with commas: "wrong-settings", "saturated", "lamp-tripped", "invented" */
+        [192]; /* words with commas: "wrong-settings", "saturated", "lamp-tripped", "invented" */
 };
 
 struct ttf_slot_sensor {

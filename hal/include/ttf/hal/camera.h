@@ -37,6 +37,12 @@ struct ttf_camera_caps {
     uint32_t gain_min_milli, gain_max_milli;
     bool has_white_balance; /* the camera itself applies white balance */
     bool has_lens;
+    /*
+     * A lens that has a control, but no unit, so that no plan moves it: it is held where it stood on configure, after
+     * recover, too. lens_code: where, the driver's own number.
+     */
+    bool lens_held;
+    int64_t lens_code;
     bool steerable; /* the middle of the first exposure can be placed (frame duration or trigger) */
     /*
      * Bound on abs(middle of the first exposure - the middle asked for): of
