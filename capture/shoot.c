@@ -252,6 +252,7 @@ static void conclude(struct ttf_shooter *shooter, struct ttf_take *take, unsigne
 {
     struct ttf_image *image = take->image;
 
+    shooter->revived = false;
     image->n_averaged = take->raw->n;
     if (take->raw->n > before) {
         if (take->raw->n < take->average) {
@@ -308,9 +309,11 @@ int ttf_shooter_revive(struct ttf_shooter *shooter)
 {
     int r;
 
-    if (!shooter->down)
+    /* Once is enough: where a step takes longer than is left between slots, none would ever come to its turn. */
+    if (!shooter->down || shooter->revived)
         return 0;
     r = climb(shooter);
+    shooter->revived = r == 0;
     return r < 0 ? r : 0;
 }
 

@@ -17,7 +17,8 @@ struct ttf_shooter {
     struct ttf_frame_format format;
     struct ttf_pulse *pulse;
     struct ttf_events *events;
-    bool down; /* the last slot was given up: it needs reviving */
+    bool down;    /* the last slot was given up: it needs reviving */
+    bool revived; /* it was since, and waits for a slot to show what it gives */
     enum ttf_camera_recovery next_step;
     uint64_t recoveries;
     struct ttf_err said; /* why it gave no frame, the last time that it gave none */

@@ -79,6 +79,7 @@ def goes_and_comes(m, before=""):
     lost = camera.tell_lost(records)
     code, out = m.run("cat /run/back")
     again = [r["due_ns"] / 1e9 for r in records if r["result"] == "captured" and r["due_ns"] / 1e9 > float(out)]
+    assert again, m.run("tail -n 30 /tmp/out/events.jsonl")[1]
     print("    away for %d s: %d of %d lost, the next one captured %.1f s after it was back" %
           (AWAY_S, len(lost), slots, again[0] - float(out)))
     # Those due while it was away, and in the ten seconds that it may take to be well again.

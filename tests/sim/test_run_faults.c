@@ -147,6 +147,30 @@ static void a_camera_that_nothing_helps_costs_slots_until_it_is_back(void **stat
     sim_run_finish(&run);
 }
 
+/* A reopening takes 1.5 s. Tried again between slots although it was brought back, it would never come to a slot's turn. */
+static void a_camera_that_takes_longer_than_a_slot_to_come_back_comes_back(void **state)
+{
+    struct sim_run run;
+    struct ttf_fault *hang;
+    char results[64];
+
+    (void)state;
+    sim_run_init(&run);
+    run.plan.lamps = TTF_LAMPS_CONTINUOUS;
+    run.plan.settle_ns = TTF_NS_PER_MS;
+    run.plan.interval_ns = TTF_NS_PER_S;
+    run.plan.count = 30;
+    hang = sim_run_fault(&run, TTF_FAULT_CAMERA_HANG, 20 * TTF_NS_PER_S);
+    hang->amount = 3;
+    hang->duration_ns = 4 * TTF_NS_PER_S;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_results(&run, results, sizeof(results));
+    assert_string_equal(results, "cccccccccccccccccfmfmmcccccccc");
+    assert_int_equal(sim_run_events(&run, "camera", "delivers again"), 1);
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
 static void no_camera_at_arming_is_an_error(void **state)
 {
     struct sim_run run;
@@ -608,6 +632,7 @@ int main(void)
         cmocka_unit_test(frames_that_stay_corrupt_cost_their_slot_only),
         cmocka_unit_test(a_hanging_camera_is_brought_back),
         cmocka_unit_test(a_camera_that_nothing_helps_costs_slots_until_it_is_back),
+        cmocka_unit_test(a_camera_that_takes_longer_than_a_slot_to_come_back_comes_back),
         cmocka_unit_test(no_camera_at_arming_is_an_error),
         cmocka_unit_test(wrong_settings_are_taken_again),
         cmocka_unit_test(settings_that_stay_wrong_are_kept_and_flagged),
