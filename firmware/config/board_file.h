@@ -52,13 +52,13 @@ int board_read_usb_devices(const struct cfg_field *field, struct yaml_node *node
                            struct ttf_err *err);
 int board_finish_usb(const struct ttf_board *board, struct yaml_node *root, struct ttf_err *err);
 
-/* `units:` and `gadget:`; and, at the end, whether they get along with each other and with the rest. */
+/* `units:` and `gadget:`; and, at the end, whether they get along with each other and with the rest; without those of a
+ * PC's device where a change of machine.usb_role has made it none. */
 int board_read_units(const struct cfg_field *field, struct yaml_node *node, void *at,
                      struct ttf_err *err);
 int board_read_gadget(const struct cfg_field *field, struct yaml_node *node, void *at,
                       struct ttf_err *err);
-int board_finish_services(const struct ttf_board *board, struct yaml_node *root,
-                          struct ttf_err *err);
+int board_finish_services(struct ttf_board *board, struct yaml_node *root, struct ttf_err *err);
 
 /* `sim:`: everything of struct ttf_sim_config and the scene; at is the struct ttf_board. */
 int board_read_sim(const struct cfg_field *field, struct yaml_node *node, void *at,

@@ -86,7 +86,9 @@ int board_read_gadget(const struct cfg_field *field, struct yaml_node *node, voi
 static int check_gadget(const struct ttf_board *board, struct yaml_node *node, struct ttf_err *err)
 {
     if (board->machine.usb_role != TTF_USB_DEVICE)
-        return cfg_error(node, err, "of a PC's device: machine: {usb_role: device}",
+        return cfg_error(node, err,
+                         "write machine: {usb_role: device}, or no gadget and no ttfbox-gadget and "
+                         "ttfbox-usbd in units",
                          "a gadget, but no USB port of the machine is a device");
     if (!(board->gadget & TTF_GADGET_STREAMS))
         return cfg_error(node, err, "write functions: [streams] or [streams, network]",
@@ -94,14 +96,39 @@ static int check_gadget(const struct ttf_board *board, struct yaml_node *node, s
     return 0;
 }
 
-int board_finish_services(const struct ttf_board *board, struct yaml_node *root,
-                          struct ttf_err *err)
+static bool by_set(const struct yaml_node *root, const struct yaml_node *node)
+{
+    return node && node->file != root->file;
+}
+
+/*
+ * --set and a configuration's set: change what a key says and cannot take one away: where such a change makes the port no
+ * device, what the board's own file says of a PC's device goes with it. What was set beside it has to fit.
+ */
+static bool is_device_no_more(const struct ttf_board *board, const struct yaml_node *root)
+{
+    const struct yaml_node *machine = yaml_child(root, "machine"),
+                           *gadget = yaml_child(root, "gadget");
+    const struct yaml_node *role = machine ? yaml_child(machine, "usb_role") : NULL;
+
+    return board->machine.usb_role != TTF_USB_DEVICE && by_set(root, role ? role : machine) &&
+           gadget && !by_set(root, yaml_child(gadget, "functions"));
+}
+
+int board_finish_services(struct ttf_board *board, struct yaml_node *root, struct ttf_err *err)
 {
     const struct ttf_backend_entry *lamps = board->device[TTF_DEVICE_LAMPS];
     const unsigned cable = TTF_UNIT_GADGET | TTF_UNIT_CABLE;
     struct yaml_node *units = yaml_child(root, "units");
     struct yaml_node *gadget = yaml_child(root, "gadget");
-    int r = gadget ? check_gadget(board, gadget, err) : 0;
+    int r;
+
+    if (is_device_no_more(board, root)) {
+        gadget = NULL;
+        board->gadget = 0;
+        board->units &= by_set(root, units) ? ~0u : ~cable;
+    }
+    r = gadget ? check_gadget(board, gadget, err) : 0;
 
     if (r < 0 || !units)
         return r;

@@ -109,7 +109,7 @@ int board_finish_usb(const struct ttf_board *board, struct yaml_node *root, stru
     if (!machine)
         return 0;
     name = name ? name->child : NULL;
-    for (unsigned i = 0; i < m->n_usb_devices; i++, name = name->next)
+    for (unsigned i = 0; name && i < m->n_usb_devices; i++, name = name->next)
         if (!is_of_the_board(board, m->usb_devices[i]))
             return cfg_error(name, err, "a v4l2 camera's name, a wire's chip, disk or network",
                              "the board has no '%s'", m->usb_devices[i]);

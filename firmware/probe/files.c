@@ -128,6 +128,23 @@ static bool has_open(const struct probe_machine *machine, const char *process, c
     return found;
 }
 
+/* This process, or one that it started: libcamera is in such a one (hal/libcamera). */
+static bool is_own(const struct probe_machine *machine, const char *process, long number)
+{
+    char path[320], line[512];
+    const char *after;
+    long parent;
+
+    if (number == (long)getpid())
+        return true;
+    (void)snprintf(path, sizeof path, "proc/%s/stat", process);
+    if (!probe_line(machine, path, line, sizeof line))
+        return false;
+    after = strrchr(line, ')'); /* "number (name) state parent ...", and a name may have anything */
+    return after && strlen(after) > 4 && (parent = strtol(after + 4, NULL, 10)) > 1 &&
+           parent == (long)getpid();
+}
+
 long probe_holder(const struct probe_machine *machine, const char *device, char ret_name[64])
 {
     char **processes = probe_names(machine, "proc");
@@ -137,7 +154,7 @@ long probe_holder(const struct probe_machine *machine, const char *device, char 
     for (char **p = processes; p && *p && number == 0; p++) {
         long candidate = strtol(*p, NULL, 10);
 
-        if (candidate <= 0 || candidate == (long)getpid() || !has_open(machine, *p, device))
+        if (candidate <= 0 || !has_open(machine, *p, device) || is_own(machine, *p, candidate))
             continue;
         number = candidate;
         (void)snprintf(path, sizeof path, "proc/%s/comm", *p);

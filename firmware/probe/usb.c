@@ -95,11 +95,13 @@ static void as_host(const struct probe_machine *m, bool single, char **controlle
 
     for (char **c = controllers; c && *c; c++)
         if (find_holder(m, *c, holder))
-            probe_add(findings, single ? PROBE_PROBLEM : PROBE_NOTE, "usb",
-                      "unload the gadget, and take dr_mode=peripheral out of config.txt",
-                      "the board says usb_role: host, but that port is a device: gadget '%s' holds "
-                      "%.60s, and what is plugged in there is not seen",
-                      holder, *c);
+            probe_add(
+                findings, single ? PROBE_PROBLEM : PROBE_NOTE, "usb",
+                "unload the gadget (ours: systemctl disable --now ttfbox-usbd ttfbox-gadget), "
+                "and take dr_mode=peripheral out of config.txt",
+                "the board says usb_role: host, but that port is a device: gadget '%s' holds "
+                "%.60s, and what is plugged in there is not seen",
+                holder, *c);
 }
 
 void probe_usb(const struct probe_machine *machine, const struct ttf_board *board,

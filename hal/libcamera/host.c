@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * host.c: ttfbox-libcamera-host MODULE, the process that has libcamera: answers calls (wire.h) by the module's table until whoever
+ * host.c: ttfbox-libcamera-host MODULE VERSION, the process that has libcamera: answers calls (wire.h) by the module's table until whoever
  * called is gone. Its own process, because libcamera ends it where it does not know better (README.md, A process of its own).
  */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -60,7 +61,7 @@ static int let_go(struct host *host)
 static int buffer(struct host *host, unsigned i, struct lc_answer *ret, int *ret_fd)
 {
     const void *at;
-    size_t length;
+    size_t length = 0;
     int r = host->ops->buffer(host->handle, i, &at, &length);
 
     if (r == 0)
@@ -106,9 +107,6 @@ static int serve(struct host *host, const struct lc_call *c, struct lc_answer *r
     switch (c->word) {
     case LC_SAY_BEGIN:
         return host->ops->begin(NULL);
-    case LC_SAY_END:
-        host->ops->end(NULL);
-        return 0;
     case LC_SAY_COMPLAINT:
         host->ops->complaint(NULL, ret->with.text, sizeof(ret->with.text));
         return 0;
@@ -160,11 +158,28 @@ static void run(struct host *host)
     }
 }
 
-static const struct lc_ops *load(const char *path, char *why, size_t size)
+/* Whoever called is gone while a call hangs: nobody waits for it any more, and nobody else could have the camera. */
+static void *watch(void *ctx)
 {
-    void *module = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    const struct lc_ops *ops;
+    struct pollfd fd = {.fd = LC_CALLS_FD}; /* hung up is told without being asked for */
 
+    while (!(fd.revents & POLLHUP))
+        (void)poll(&fd, 1, -1);
+    _exit(0);
+}
+
+static const struct lc_ops *load(const char *path, const char *version, char *why, size_t size)
+{
+    const struct lc_ops *ops;
+    char own[96];
+    void *module;
+
+    lc_wire_name(own);
+    if (strcmp(version, own) != 0) {
+        (void)snprintf(why, size, "another version of ttfbox was installed meanwhile");
+        return NULL;
+    }
+    module = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     if (!module) {
         const char *said = dlerror(); /* NOLINT(concurrency-mt-unsafe): this is the only thread */
 
@@ -185,8 +200,9 @@ int main(int argc, char **argv)
 {
     struct host host = {0};
     struct lc_answer hello = {0};
+    pthread_t watcher;
 
-    if (argc != 2 || fcntl(LC_CALLS_FD, F_SETFD, FD_CLOEXEC) < 0 ||
+    if (argc != 3 || fcntl(LC_CALLS_FD, F_SETFD, FD_CLOEXEC) < 0 ||
         fcntl(LC_FRAMES_FD, F_SETFD, FD_CLOEXEC) < 0) {
         (void)fprintf(stderr, "ttfbox-libcamera-host is started by ttfbox and ttfboxd alone\n");
         return 2;
@@ -195,8 +211,10 @@ int main(int argc, char **argv)
     (void)signal(SIGINT, SIG_IGN);
     (void)signal(SIGTERM, SIG_IGN);
     (void)signal(SIGHUP, SIG_IGN);
-    host.ops = load(argv[1], hello.with.text, sizeof(hello.with.text));
+    host.ops = load(argv[1], argv[2], hello.with.text, sizeof(hello.with.text));
     hello.r = host.ops ? 0 : -ENOTSUP;
+    if (host.ops && pthread_create(&watcher, NULL, watch, NULL) != 0)
+        hello.r = -EAGAIN;
     if (host.ops)
         (void)snprintf(hello.with.text, sizeof(hello.with.text), "%s", host.ops->version(NULL));
     answer(&hello, -1);

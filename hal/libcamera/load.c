@@ -10,8 +10,8 @@
 
 #define MODULE      "ttfbox-libcamera.so"
 #define HOST        "ttfbox-libcamera-host"
-/* Of one call: looking for cameras on a small board takes seconds. */
-#define PATIENCE_MS 20000
+/* Of one call, within what lamps and the watchdog allow a program that waits for its camera (TTF_BLOCKING_MAX_NS). */
+#define PATIENCE_MS 8000
 
 /* The folder of the running program, without a slash at its end. */
 static int own_folder(char *ret, size_t size)

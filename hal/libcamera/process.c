@@ -18,12 +18,14 @@
 /* fds: as 3 and 4 of the process, which has nothing else of ours open but its standard streams. */
 static int spawn(const char *host, const char *module, const int fds[2], pid_t *ret)
 {
-    char *const argv[] = {(char *)host, (char *)module, NULL};
+    char version[96];
+    char *const argv[] = {(char *)host, (char *)module, version, NULL};
     posix_spawn_file_actions_t files;
     posix_spawnattr_t how;
     sigset_t none, all;
     int r;
 
+    lc_wire_name(version);
     (void)sigemptyset(&none);
     (void)sigfillset(&all);
     if (posix_spawn_file_actions_init(&files) != 0)
@@ -97,11 +99,17 @@ static int hear(struct lc_process *p, struct lc_answer *ret, int *ret_fd)
     return -ENODEV;
 }
 
-int lc_process_start(struct lc_process *p, const char *host, const char *module, int patience_ms,
-                     struct lc_answer *ret_hello)
+static int set_patience(int fd, int ms)
 {
-    const struct timeval patience = {.tv_sec = patience_ms / 1000,
-                                     .tv_usec = (suseconds_t)(patience_ms % 1000) * 1000};
+    const struct timeval patience = {.tv_sec = ms / 1000,
+                                     .tv_usec = (suseconds_t)(ms % 1000) * 1000};
+
+    return setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience)) < 0 ? -errno : 0;
+}
+
+int lc_process_start(struct lc_process *p, const char *host, const char *module, int hello_ms,
+                     int call_ms, struct lc_answer *ret_hello)
+{
     int calls[2], frames[2], r;
 
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, calls) < 0)
@@ -111,7 +119,7 @@ int lc_process_start(struct lc_process *p, const char *host, const char *module,
         close_two(calls);
         return r;
     }
-    r = setsockopt(calls[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience)) < 0 ? -errno : 0;
+    r = set_patience(calls[0], hello_ms);
     if (r == 0)
         r = spawn_with(host, module, calls[1], frames[1], &p->pid);
     if (r < 0) {
@@ -126,6 +134,8 @@ int lc_process_start(struct lc_process *p, const char *host, const char *module,
     p->frames = frames[0];
     atomic_store(&p->dead, false);
     r = hear(p, ret_hello, NULL);
+    if (r == 0)
+        r = set_patience(p->calls, call_ms);
     if (r < 0)
         lc_process_end(p);
     return r;
@@ -135,14 +145,17 @@ void lc_process_end(struct lc_process *p)
 {
     struct pollfd ended = {.fd = p->calls, .events = POLLIN};
     char rest[sizeof(struct lc_answer)];
-    bool gone = false;
+    bool gone;
+    int n;
 
     if (p->pid <= 0)
         return;
     (void)kill(p->pid, SIGKILL);
     /* One that is stuck in a driver is left to the kernel: it may not take the capture with it. */
-    while (!gone && poll(&ended, 1, ENDING_MS) > 0)
-        gone = recv(p->calls, rest, sizeof(rest), MSG_DONTWAIT) <= 0;
+    do {
+        n = poll(&ended, 1, ENDING_MS);
+        gone = n > 0 && recv(p->calls, rest, sizeof(rest), MSG_DONTWAIT) <= 0;
+    } while (!gone && (n > 0 || (n < 0 && errno == EINTR)));
     while (gone && waitpid(p->pid, NULL, 0) < 0 && errno == EINTR)
         continue;
     (void)close(p->calls);

@@ -16,9 +16,9 @@ struct lc_process {
     atomic_bool dead;     /* it ended, or did not answer in time: until lc_process_end */
 };
 
-/* hello: what it says first. patience_ms as in remote.h. -errno: there is none. */
-int lc_process_start(struct lc_process *p, const char *host, const char *module, int patience_ms,
-                     struct lc_answer *ret_hello);
+/* hello: what it says first, within hello_ms; each answer then within call_ms (remote.h). -errno: there is none. */
+int lc_process_start(struct lc_process *p, const char *host, const char *module, int hello_ms,
+                     int call_ms, struct lc_answer *ret_hello);
 /* Ends it at once and frees what is of it; nothing to do if none runs. No other thread calls or listens. */
 void lc_process_end(struct lc_process *p);
 /*

@@ -14,6 +14,7 @@
 #include "ttf/hal/descriptor.h"
 
 #define BUFFERS_MAX 64
+#define HELLO_MS    20000 /* of the first process: nothing waits for it yet */
 
 struct mapping {
     void *at;
@@ -54,10 +55,10 @@ static const char *version(void *ctx)
     return remote->version;
 }
 
-static int start_process(struct lc_remote *remote, struct lc_answer *ret_hello)
+static int start_process(struct lc_remote *remote, int hello_ms, struct lc_answer *ret_hello)
 {
-    int r = lc_process_start(&remote->process, remote->host, remote->module, remote->patience_ms,
-                             ret_hello);
+    int r = lc_process_start(&remote->process, remote->host, remote->module, hello_ms,
+                             remote->patience_ms, ret_hello);
 
     if (r == 0 && ret_hello->r < 0) {
         lc_process_end(&remote->process);
@@ -72,7 +73,7 @@ static int begin(void *ctx)
 {
     struct lc_remote *remote = ctx;
     struct lc_answer a;
-    int r = remote->process.pid > 0 ? 0 : start_process(remote, &a);
+    int r = remote->process.pid > 0 ? 0 : start_process(remote, remote->patience_ms, &a);
 
     if (r == 0)
         r = ask(remote, &(struct lc_call){.word = LC_SAY_BEGIN}, &a);
@@ -85,9 +86,7 @@ static int begin(void *ctx)
 static void end(void *ctx)
 {
     struct lc_remote *remote = ctx;
-    struct lc_answer a;
 
-    (void)ask(remote, &(struct lc_call){.word = LC_SAY_END}, &a);
     lc_process_end(&remote->process);
 }
 
@@ -351,12 +350,15 @@ int lc_remote_create(const char *host, const char *module, int patience_ms, stru
     (void)snprintf(remote->host, sizeof(remote->host), "%s", host);
     (void)snprintf(remote->module, sizeof(remote->module), "%s", module);
     remote->patience_ms = patience_ms;
-    r = start_process(remote, &hello);
+    r = start_process(remote, HELLO_MS, &hello);
     if (r < 0) {
         destroy(remote);
         if (hello.r < 0)
             return cannot(module, hello.with.text, err);
-        return cannot(host, r == -ENODEV ? "its process ended at once" : strerrordesc_np(-r), err);
+        return cannot(host,
+                      r == -ENODEV ? "its process ended at once, or did not answer"
+                                   : strerrordesc_np(-r),
+                      err);
     }
     *ret = (struct lc_system){.ops = &OPS, .ctx = remote, .wait = wait_for, .destroy = destroy};
     return 0;

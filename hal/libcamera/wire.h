@@ -6,6 +6,8 @@
 #ifndef TTF_HAL_LIBCAMERA_WIRE_H
 #define TTF_HAL_LIBCAMERA_WIRE_H
 
+#include <stdio.h>
+
 #include "boundary.h"
 
 /* The host's ends. */
@@ -14,7 +16,6 @@
 
 enum lc_word {
     LC_SAY_BEGIN = 1,
-    LC_SAY_END,
     LC_SAY_COMPLAINT,
     LC_SAY_LIST,
     LC_SAY_HOLD,
@@ -59,5 +60,15 @@ struct lc_frame {
     int r;
     struct lc_done done;
 };
+
+/*
+ * What both ends must have in common, as text: a program that goes on while another version is installed under it must
+ * not talk to that one's host.
+ */
+static inline void lc_wire_name(char ret[96])
+{
+    (void)snprintf(ret, 96, TTFBOX_VERSION "/%u/%zu/%zu/%zu", LC_ABI, sizeof(struct lc_call),
+                   sizeof(struct lc_answer), sizeof(struct lc_frame));
+}
 
 #endif

@@ -204,6 +204,23 @@ static void every_real_board_says_what_it_runs_and_what_it_is_on_the_bus(void **
     }
 }
 
+static void every_real_boards_port_can_be_set_to_be_another(void **state)
+{
+    static const char *const ROLES[] = {"host", "none"};
+
+    (void)state;
+    for (unsigned k = 0; k < 2 * n_boards; k++) {
+        const struct ttf_board_set set = {"machine.usb_role", ROLES[k % 2]};
+        static struct ttf_board other;
+        struct ttf_err err = {0};
+        char path[300];
+
+        (void)snprintf(path, sizeof path, "%s/board.yaml", boards[k / 2].folder);
+        if (boards[k / 2].b.real && ttf_board_load(path, &set, 1, &other, &err) < 0)
+            fail_msg("%s as %s: %s: %s; %s", path, set.value, err.where, err.what, err.hint);
+    }
+}
+
 static void the_lamps_circuit_says_how_many_of_each_part(void **state)
 {
     struct board lamps = {.folder = BOARDS};
@@ -355,6 +372,7 @@ int main(void)
         cmocka_unit_test(every_real_board_can_be_built_by_its_readme),
         cmocka_unit_test(a_port_that_also_feeds_the_board_is_wired_without_vbus),
         cmocka_unit_test(every_real_board_says_what_it_runs_and_what_it_is_on_the_bus),
+        cmocka_unit_test(every_real_boards_port_can_be_set_to_be_another),
         cmocka_unit_test(the_lamps_circuit_says_how_many_of_each_part),
         cmocka_unit_test(a_readme_without_a_check_a_number_or_a_wire_is_refused),
         cmocka_unit_test(every_real_board_says_what_was_tried_and_how_its_lamps_are_safe),

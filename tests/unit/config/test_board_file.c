@@ -392,6 +392,41 @@ static void services_and_the_gadget_are_named_in_their_order(void **state)
     assert_null(ttf_board_function(&b, 0));
 }
 
+#define AT_A_PC                                                          \
+    REAL "machine: {usb_role: device}\ngadget: {functions: [streams]}\n" \
+         "units: [ttfboxd, ttfbox-gadget, ttfbox-usbd]\n"
+
+/* What is set cannot take a key away: a change of the role takes what the file says of a device with it. */
+static void a_port_that_is_set_to_be_no_device_takes_gadget_and_services_with_it(void **state)
+{
+    const struct ttf_board_set host[] = {{"machine.usb_role", "host"},
+                                         {"gadget.functions", "[streams]"}};
+    const struct ttf_board_set other[] = {{"machine.usb_role", "none"},
+                                          {"units", "[ttfboxd, ttfbox-gadget, ttfbox-usbd]"}};
+    const struct ttf_board_set whole = {"machine", "{usb_role: host}"};
+    const struct ttf_board_set same[] = {{"machine.usb_role", "device"},
+                                         {"machine.usb_single", "true"}};
+    const struct ttf_board_set *const way[] = {host, other, &whole};
+    struct ttf_board b;
+    struct ttf_err err;
+
+    (void)state;
+    for (unsigned i = 0; i < TTF_COUNT_OF(way); i++) {
+        if (parse(AT_A_PC, way[i], 1, &b, &err) != 0)
+            fail_msg("%s: %s", err.where, err.what);
+        assert_int_equal(b.gadget, 0);
+        assert_int_equal(b.units, TTF_UNIT_DAEMON);
+    }
+    assert_int_equal(parse(AT_A_PC, same, 2, &b, &err), 0);
+    assert_int_equal(b.gadget, TTF_GADGET_STREAMS);
+    assert_non_null(ttf_board_unit(&b, 2));
+    /* What was set, too, is held to it. */
+    assert_int_equal(parse(AT_A_PC, host, 2, &b, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "no USB port of the machine is a device"));
+    assert_int_equal(parse(AT_A_PC, other, 2, &b, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "and no gadget"));
+}
+
 static void a_box_with_real_devices_has_an_owner_and_a_simulated_one_needs_none(void **state)
 {
     struct ttf_board b;
@@ -678,6 +713,7 @@ int main(void)
         cmocka_unit_test(one_simulated_device_makes_the_whole_box_simulated),
         cmocka_unit_test(what_gets_along_on_usb_is_taken),
         cmocka_unit_test(services_and_the_gadget_are_named_in_their_order),
+        cmocka_unit_test(a_port_that_is_set_to_be_no_device_takes_gadget_and_services_with_it),
         cmocka_unit_test(a_box_with_real_devices_has_an_owner_and_a_simulated_one_needs_none),
         cmocka_unit_test(simulated_sensors_are_not_looked_for_in_the_kernel),
         cmocka_unit_test(what_is_wrong_is_named_with_line_column_and_what_was_meant),

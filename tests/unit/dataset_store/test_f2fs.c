@@ -31,6 +31,7 @@ static int asked(const char *what, int error)
     return error ? -1 : 0;
 }
 
+/* NOLINTNEXTLINE(readability-inconsistent-declaration-parameter-name): its own are reserved ones */
 int fstatfs(int fd, struct statfs *ret)
 {
     memset(ret, 0, sizeof *ret);
@@ -43,6 +44,7 @@ int fsync(int fd)
     return asked("fsync", 0);
 }
 
+/* NOLINTNEXTLINE(readability-inconsistent-declaration-parameter-name) */
 int fdatasync(int fd)
 {
     return asked("fdatasync", 0);

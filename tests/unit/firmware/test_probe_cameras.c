@@ -121,6 +121,26 @@ static void a_camera_behind_libcamera_says_what_is_in_its_way(void **state)
     (void)found(b, "/dev/media0 is held by rpicam-vid (process 812)");
 }
 
+/* libcamera is in a process that this one started, and has the camera while it is probed. */
+static void what_this_program_started_itself_is_nobody_elses(void **state)
+{
+    struct bench *b = *state;
+    char stat[96];
+
+    load(b, LIBCAMERA);
+    put(b, "dev/media0", "");
+    put(b, "run/udev/data/c1", "");
+    put_holder(b, "812", "ttfbox-libcamer\n", "/dev/media0");
+    (void)snprintf(stat, sizeof stat, "812 (ttfbox) (x) S %d 812 1 0\n", (int)getpid());
+    put(b, "proc/812/stat", stat);
+    cameras(b);
+    for (unsigned i = 0; i < b->findings.n; i++)
+        assert_null(strstr(b->findings.finding[i].text, "is held by"));
+    put(b, "proc/812/stat", "812 (ttfbox-libcamer) S 1 812 1 0\n");
+    cameras(b);
+    (void)found(b, "/dev/media0 is held by ttfbox-libcamer (process 812)");
+}
+
 /* A node and what its driver calls it. */
 static void put_node(const struct bench *b, const char *node, const char *called)
 {
@@ -241,6 +261,7 @@ int main(void)
         ON_FILES(a_camera_that_is_busy_says_who_has_it),
         ON_FILES(a_device_that_has_another_number_now_is_told),
         ON_FILES(a_camera_behind_libcamera_says_what_is_in_its_way),
+        ON_FILES(what_this_program_started_itself_is_nobody_elses),
         ON_FILES(codecs_and_image_processors_of_a_pi_are_no_cameras),
         ON_FILES(a_camera_port_without_a_sensor_says_so),
         ON_FILES(a_sensor_of_a_pi_5_is_known_by_its_subdevice),
