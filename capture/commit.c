@@ -78,7 +78,7 @@ void ttf_committer_note_disk(struct ttf_committer *c, bool full)
 
 /*
  * What the file system has found in itself: slots are still safe, but the disk may be about to go. As above the first
- * look of a run tells in any case; after a move to another storage there may be fewer.
+ * look of a run tells in any case; a move to another storage begins anew with none.
  */
 static void note_fs_errors(struct ttf_committer *c, int64_t errors)
 {

@@ -220,6 +220,7 @@ int ttf_committer_move(struct ttf_committer *c, const char *why, struct ttf_slot
     c->segment_base = c->in_force->segment.segment;
     c->plan_base = c->n_plans - 1 - c->continued.plan; /* its newest plan is the one in force */
     c->moved = true;
+    c->fs_errors = 0; /* were the first one's: any here is told; its alarm stays */
     /* Before the first dataset is opened anew, which would clear them away. */
     for (struct ttf_slot_work *work = c->pending; work; work = work->next)
         fetch(c, first, work);

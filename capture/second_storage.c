@@ -139,19 +139,25 @@ int ttf_second_manifest(const struct ttf_manifest *first, struct ttf_manifest *r
     return 0;
 }
 
-/* Whether its newest plan is this one, to the letter. */
-static bool has_plan(struct ttf_io *io, const char *path, int n_plans, const char *json)
+/* Whether its plan of this number is this one, to the letter. */
+static bool is_plan(struct ttf_io *io, const char *path, int number, const char *json)
 {
     char name[4096 + 32];
     char *text = NULL;
     size_t bytes;
     bool same;
 
-    snprintf(name, sizeof(name), "%s/plans/%d.json", path, n_plans - 1);
-    same = n_plans > 0 && ttf_io_slurp(io, name, 1 << 20, &text, &bytes, NULL) == 0 &&
-           strcmp(text, json) == 0;
+    snprintf(name, sizeof(name), "%s/plans/%d.json", path, number);
+    same = ttf_io_slurp(io, name, 1 << 20, &text, &bytes, NULL) == 0 && strcmp(text, json) == 0;
     free(text);
     return same;
+}
+
+static bool has_plan(struct ttf_io *io, const char *path, int n_plans, const char *json)
+{
+    while (n_plans > 0 && !is_plan(io, path, n_plans - 1, json))
+        n_plans--;
+    return n_plans > 0;
 }
 
 /* The number of its newest plan, which is this one: added, if it was another. */
@@ -160,7 +166,7 @@ static int with_plan(struct ttf_io *io, const char *path, struct ttf_writer *wri
 {
     int n = ttf_writer_state(writer)->n_plans;
 
-    if (has_plan(io, path, n, plan->json))
+    if (n > 0 && is_plan(io, path, n - 1, plan->json))
         return n - 1;
     return ttf_writer_plan(writer, plan->yaml, plan->json, err);
 }
@@ -192,9 +198,9 @@ int ttf_second_open(struct ttf_io *io, const char *path, const struct ttf_manife
 
     if (plan < 0)
         return plan;
-    /* Plans may have changed since it was made. */
-    if (given && !has_plan(io, path, ttf_writer_state(writer)->n_plans, in_force->json))
-        plan = with_plan(io, path, writer, given, err);
+    /* Plans may have changed since it was made, the given one, too. */
+    if (given && !has_plan(io, path, ttf_writer_state(writer)->n_plans, given->json))
+        plan = ttf_writer_plan(writer, given->yaml, given->json, err);
     if (plan >= 0)
         plan = with_plan(io, path, writer, in_force, err);
     if (plan < 0) {

@@ -221,6 +221,11 @@ static int fa_sync_all(struct ttf_io *io, int file)
     return r ? r : ttf_io_sync_all(f->base, file);
 }
 
+static int fa_inherit(struct ttf_io *io, int file, const char *path)
+{
+    return ttf_io_inherit(self(io)->base, file, path);
+}
+
 static const struct ttf_io_ops faulty_ops = {
     .name = "faulty",
     .open = fa_open,
@@ -240,6 +245,7 @@ static const struct ttf_io_ops faulty_ops = {
     .space = fa_space,
     .lock = fa_lock,
     .sync_all = fa_sync_all,
+    .inherit = fa_inherit,
 };
 
 struct ttf_io *ttf_io_faulty_create(struct ttf_io *base, ttf_io_fault_fn *fault, void *ctx)

@@ -261,6 +261,21 @@ static int px_sync_all(struct ttf_io *io, int file)
     return syncfs(file) < 0 ? -errno : 0;
 }
 
+static int px_inherit(struct ttf_io *io, int file, const char *path)
+{
+    struct stat st;
+
+    if (lstat(path, &st) < 0)
+        return errno == ENOENT ? 0 : -errno;
+    if (S_ISLNK(st.st_mode))
+        return -ELOOP;
+    /* The owner first: giving a file away may take bits of its mode. Only root may; anybody may give it a group that he is of. */
+    if (fchown(file, st.st_uid, st.st_gid) < 0)
+        (void)!fchown(file, (uid_t)-1, st.st_gid);
+    (void)!fchmod(file, st.st_mode & 0777); /* FAT has no modes */
+    return 0;
+}
+
 static const struct ttf_io_ops posix_ops = {
     .name = "posix",
     .open = px_open,
@@ -280,6 +295,7 @@ static const struct ttf_io_ops posix_ops = {
     .space = px_space,
     .lock = px_lock,
     .sync_all = px_sync_all,
+    .inherit = px_inherit,
 };
 
 struct ttf_io *ttf_io_posix(void)

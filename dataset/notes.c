@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 
 #include "io_path.h"
 #include "ttf/base/time.h"
@@ -61,12 +62,16 @@ static void put_note(struct ttf_json *j, const struct ttf_note *note)
 
 /* ---- writing ---- */
 
+#define FRESH ".notes-new" /* and more: each adder's own */
+
 /* Of one note that is being added. */
 struct adding {
     struct ttf_io *io;
     const char *path, *line;
     char *notes, *fresh;
     int guard, old, file; /* -1: none */
+    bool there;           /* notes.jsonl, and what its name stood for before it was opened */
+    struct ttf_io_stat was;
 };
 
 /* What was noted so far, each line of it ended, and the line. Returns the size of what was noted, or a negative errno. */
@@ -92,6 +97,21 @@ static int64_t fill(struct adding *a)
     return r ? r : bytes;
 }
 
+/* By its name: a tool that takes no lock may have appended, made one, or put another in its place. */
+static int still_as_it_was(const struct adding *a, int64_t bytes)
+{
+    struct ttf_io_stat now = {0}; /* not every table knows all of it */
+    int r = a->io->ops->stat(a->io, a->notes, &now);
+
+    if (r == -ENOENT)
+        return a->there ? -EAGAIN : 0;
+    if (r)
+        return r;
+    if (!a->there || now.device != a->was.device || now.inode != a->was.inode)
+        return -EAGAIN;
+    return now.bytes != bytes || now.mtime_ns != a->was.mtime_ns ? -EAGAIN : 0;
+}
+
 /*
  * As a new file that takes the old one's place, for each note: after a sync that failed, of this note or of anybody's before it, nobody knows
  * which bytes and names that are seen are on the disk, and what stands behind a hole is lost with it (DESIGN.md, "Notes").
@@ -99,25 +119,54 @@ static int64_t fill(struct adding *a)
 static int write_fresh(struct adding *a)
 {
     struct ttf_io *io = a->io;
-    int64_t bytes, now = 0;
-    int r = io->ops->unlink(io, a->fresh); /* of one that was cut off */
+    int64_t bytes;
+    int r;
 
-    if (r && r != -ENOENT)
-        return r;
     a->file = io->ops->open(io, a->fresh, TTF_IO_CREATE_NEW);
     if (a->file < 0)
         return a->file;
-    bytes = fill(a);
+    r = ttf_io_inherit(io, a->file, a->notes);
+    bytes = r ? r : fill(a);
     r = bytes < 0 ? (int)bytes : io->ops->sync(io, a->file, false);
-    if (r == 0 && a->old >= 0)
-        r = io->ops->size(io, a->old, &now);
-    if (r == 0 && a->old >= 0 && now != bytes) /* somebody's own tool, which knows of no lock */
-        r = -EAGAIN;
+    if (r == 0)
+        r = still_as_it_was(a, bytes);
     if (r == 0)
         r = io->ops->rename(io, a->fresh, a->notes);
+    if (r == -ENOENT) /* another one's remove_leftovers */
+        r = -EAGAIN;
     if (r)
         (void)io->ops->unlink(io, a->fresh);
     return r ? r : io->ops->sync_dir(io, a->path);
+}
+
+static int take_leftover(void *ctx, const char *name, bool is_dir)
+{
+    int r;
+
+    (void)is_dir;
+    if (strncmp(name, FRESH, strlen(FRESH)) != 0)
+        return 0;
+    r = ttf_path_put(ctx, "%s", name);
+    return r ? r : 1;
+}
+
+/*
+ * Of those that were cut off. Where the lock guards nothing, one may be somebody's who is writing it: he finds it gone when he renames it, and
+ * tries again, as its name is his alone.
+ */
+static int remove_leftovers(const struct adding *a)
+{
+    char name[TTF_PATH_MAX], path[TTF_PATH_MAX];
+    int r;
+
+    while ((r = a->io->ops->list(a->io, a->path, take_leftover, name)) > 0) {
+        r = ttf_path_put(path, "%s/%s", a->path, name);
+        if (r == 0)
+            r = a->io->ops->unlink(a->io, path);
+        if (r && r != -ENOENT)
+            return r;
+    }
+    return r;
 }
 
 /* The lock is of dataset.json, which is there before any note and is never replaced; the folder's is the writer's. */
@@ -143,18 +192,50 @@ static int lock(struct adding *a, struct ttf_err *err)
     return r;
 }
 
+/* No name that another adder has or had, on this machine or on another: what is renamed is whole, and his own. */
+static int name_files(struct adding *a)
+{
+    unsigned long long random;
+
+    if (getrandom(&random, sizeof(random), 0) != (ssize_t)sizeof(random))
+        return -EIO;
+    a->notes = ttf_path_format("%s/notes.jsonl", a->path);
+    a->fresh = ttf_path_format("%s/" FRESH "-%016llx", a->path, random);
+    return a->notes && a->fresh ? 0 : -ENOMEM;
+}
+
+static int open_old(struct adding *a)
+{
+    int r = a->io->ops->stat(a->io, a->notes, &a->was);
+
+    a->there = r == 0;
+    if (r)
+        return r == -ENOENT ? 0 : r;
+    a->old = a->io->ops->open(a->io, a->notes, TTF_IO_READ);
+    if (a->old == -ENOENT)
+        return -EAGAIN;
+    return a->old < 0 ? a->old : 0;
+}
+
 static int add(struct adding *a, struct ttf_err *err)
 {
     int r = lock(a, err);
 
     if (r)
         return r;
-    a->notes = ttf_path_format("%s/notes.jsonl", a->path);
-    a->fresh = ttf_path_format("%s/.notes-new", a->path);
-    if (!a->notes || !a->fresh)
-        return ttf_err_set(err, -ENOMEM, a->path, "no memory");
-    a->old = a->io->ops->open(a->io, a->notes, TTF_IO_READ);
-    r = a->old < 0 && a->old != -ENOENT ? a->old : write_fresh(a);
+    r = name_files(a);
+    if (r == -ENOMEM)
+        return ttf_err_set(err, r, a->path, "no memory");
+    if (r == 0)
+        r = remove_leftovers(a);
+    if (r == 0)
+        r = open_old(a);
+    if (r == 0)
+        r = write_fresh(a);
+    if (r == -EAGAIN)
+        return ttf_err_set(err, r, a->notes, "something else has written it meanwhile: try again");
+    if (r == -ELOOP)
+        return ttf_err_set(err, r, a->notes, "is a link, whose place a note would take");
     return r ? ttf_err_set(err, r, a->notes, "the note cannot be written: %s", strerrordesc_np(-r))
              : 0;
 }

@@ -23,6 +23,8 @@ TTF_MUST_USE int ttf_segment_get(const struct ttf_line *line, struct ttf_segment
                                  struct ttf_err *err);
 TTF_MUST_USE int ttf_end_get(const struct ttf_line *line, struct ttf_end_record *ret,
                              struct ttf_err *err);
+/* Its number alone, for who reads no files by it. */
+TTF_MUST_USE int ttf_plan_number(const struct ttf_line *line, int *ret, struct ttf_err *err);
 TTF_MUST_USE int ttf_plan_get(const struct ttf_line *line, int *ret_number, struct ttf_err *err);
 TTF_MUST_USE int ttf_calibration_get(const struct ttf_line *line, char ret_id[64],
                                      struct ttf_err *err);

@@ -272,10 +272,25 @@ int ttf_end_get(const struct ttf_line *line, struct ttf_end_record *ret, struct 
     return in.code;
 }
 
+static int plan_number(struct ttf_json_in *in, const struct ttf_line *line)
+{
+    return (int)ttf_in_int(in, line->json, "plan", 0, INT32_MAX - 1, 0, TTF_JSON_REQUIRED);
+}
+
+int ttf_plan_number(const struct ttf_line *line, int *ret, struct ttf_err *err)
+{
+    struct ttf_json_in in = reading(line, err);
+    int number = plan_number(&in, line);
+
+    if (in.code == 0)
+        *ret = number;
+    return in.code;
+}
+
 int ttf_plan_get(const struct ttf_line *line, int *ret_number, struct ttf_err *err)
 {
     struct ttf_json_in in = reading(line, err);
-    int number = (int)ttf_in_int(&in, line->json, "plan", 0, INT32_MAX - 1, 0, TTF_JSON_REQUIRED);
+    int number = plan_number(&in, line);
 
     ttf_in_array(&in, line->json, "files", TTF_JSON_REQUIRED);
     if (in.code == 0)

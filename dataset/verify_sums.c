@@ -25,7 +25,21 @@ static void check_listed(struct ttf_verify_run *run, const char *path, const cha
                         "gives %.150s another sha256 than its record", path);
 }
 
-static void read_list(struct ttf_verify_run *run, int file, struct ttf_named_files *listed)
+static int by_name(const void *key, const void *item)
+{
+    return strcmp(key, *(char *const *)item);
+}
+
+/* A path that no record names and nothing lies at is the damage itself: others are not measured by it. */
+static bool is_somewhere(const struct ttf_verify_run *run, const struct ttf_paths *files,
+                         const char *path)
+{
+    return ttf_named_files_find(&run->named, path) ||
+           (files->n > 0 && bsearch(path, files->items, files->n, sizeof(*files->items), by_name));
+}
+
+static void read_list(struct ttf_verify_run *run, int file, const struct ttf_paths *files,
+                      struct ttf_named_files *listed)
 {
     struct ttf_lines lines;
     const char *line, *path;
@@ -50,7 +64,8 @@ static void read_list(struct ttf_verify_run *run, int file, struct ttf_named_fil
                 run, TTF_FINDING_DAMAGE, -1, where,
                 "%.150s does not come behind %.150s: a seal lists by the bytes of the paths", name,
                 last);
-        memcpy(last, name, sizeof(last));
+        if (is_somewhere(run, files, name))
+            memcpy(last, name, sizeof(last));
         if (ttf_named_files_add(listed, name, line) != 0) {
             run->failed = -ENOMEM;
             break;
@@ -106,7 +121,7 @@ static void check_sealed(struct ttf_verify_run *run, const struct ttf_paths *fil
                         strerrordesc_np(-file));
         return;
     }
-    read_list(run, file, &listed);
+    read_list(run, file, files, &listed);
     run->io->ops->close(run->io, file);
     for (i = 0; i < run->named.n; i++)
         if (!ttf_named_files_find(&listed, run->named.items[i].path))

@@ -163,6 +163,8 @@ functions_of "$SOURCE/boards/rpi4/board.yaml"
 said out 'network 10.'
 functions_of "$SOURCE/boards/rpi4/board.yaml" 'gadget.functions: "[streams]"'
 said out 'no network'
+expect 0 env "PATH=$(dirname "$TTFBOX"):$PATH" "$GADGET" --into "$WORK/of" --serial 0007 show # by hand
+said out 'no network'
 functions_of "$SOURCE/boards/pc-uvc/board.yaml" # it says nothing of a gadget
 said out 'network 10.'
 functions_of "$WORK/nowhere.yaml"

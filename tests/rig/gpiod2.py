@@ -62,5 +62,5 @@ def renamed(scenario):
 
 # Clients that are stopped are about leases, and no library's matter; killed, five times.
 NOT_AGAIN = [lamps.programs_pass_their_tests_on_this_processor, lamps.killed_and_stopped_clients_leave_the_lamps_dark]
-SCENARIOS = [renamed(s) for s in lamps.SCENARIOS + [lamps.clients_killed_a_few_times_leave_the_lamps_dark] + inputs.SCENARIOS if s not in NOT_AGAIN]
+SCENARIOS = [renamed(s) for s in lamps.SCENARIOS + [lamps.clients_killed_five_times_leave_the_lamps_dark_in_time] + inputs.SCENARIOS if s not in NOT_AGAIN]
 SCENARIOS.append(renamed(lines_pass_their_tests))

@@ -10,17 +10,24 @@ import sys
 from cross import HERE, ROOT, Cross
 
 SUITE = "trixie"
+NOT_HERE = 75  # as newer.sh has it
 RIG = ROOT + "/build-rig"
 ARM64 = Cross("%s/%s/tree" % (RIG, SUITE), "%s/arm64-%s" % (RIG, SUITE))
 TESTS = r"^(test_lines|test_conformance_(libcamera|v4l2)|test_libcamera_.*)$"
+
+
+class NotHere(Exception):
+    """This machine's mirror has no such suite."""
 
 
 def prepare(targets=()):
     """These targets, or all."""
     os.makedirs(RIG, exist_ok=True)
     done = subprocess.run(["bash", HERE + "/newer.sh", os.path.dirname(ARM64.tree), SUITE], check=False)
+    if done.returncode == NOT_HERE:
+        raise NotHere("no arm64 tree of %s can be made from this machine's mirror" % SUITE)
     if done.returncode != 0:
-        sys.exit(done.returncode)
+        raise RuntimeError("newer.sh ends with %d" % done.returncode)
     ARM64.configure()
     ARM64.compile(targets)
 
@@ -31,7 +38,11 @@ def version(library):
 
 
 def main():
-    prepare()
+    try:
+        prepare()
+    except NotHere as e:
+        print("rig: %s" % e, file=sys.stderr)
+        return NOT_HERE
     env = dict(os.environ, QEMU_LD_PREFIX=ARM64.libraries())
     ran = subprocess.run(["ctest", "--test-dir", ARM64.folder, "-R", TESTS, "--no-tests=error", "-j", str(os.cpu_count()),
                           "--output-on-failure"], env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)

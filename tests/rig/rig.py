@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """rig.py [quick|smoke] [WORDS]: real kernel drivers in an emulated board; scenarios whose names hold one of WORDS. README.md."""
+import contextlib
 import fcntl
 import os
 import shutil
@@ -18,6 +19,7 @@ import gpiod2
 import inputs
 import instructions
 import lamps
+import newer
 import pipeline
 import powercuts
 import soak
@@ -30,6 +32,7 @@ from cross import HERE, ROOT, Cross
 from machine import Machine
 
 RIG = ROOT + "/build-rig"
+LOCK_S = {None: 1800, "smoke": 300}
 ARM64 = Cross(RIG + "/system/tree", RIG + "/arm64")
 PROGRAMS = ["ttfbox", "ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "lampd_child", "capture_child", "rig_camera", "rig_usb", "rig_uvc", "strike", "test_lines", "test_sysfs",
             "test_conformance_lampd", "ttfbox-libcamera", "ttfbox-libcamera-host"]
@@ -69,6 +72,24 @@ def prepare_system():
         sys.exit(done.returncode)
 
 
+@contextlib.contextmanager
+def alone(tier):
+    """One sets up a tree's rig at a time. 124, as `timeout` has it: another one took too long."""
+    wait_s = LOCK_S.get(tier, LOCK_S[None])
+    with open(RIG + "/lock", "w") as lock:
+        end = time.monotonic() + wait_s
+        while True:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > end:
+                    print("rig: another run has been setting up this tree for %g s" % wait_s, file=sys.stderr)
+                    sys.exit(124)
+                time.sleep(min(0.2, wait_s))
+        yield
+
+
 def of_tier(name, tier):
     """A folder that each tier has for itself, as one may run beside another."""
     return RIG + "/" + name + ("-" + tier if tier else "")
@@ -78,8 +99,7 @@ def prepare(tier):
     """The system and the programs; where the guest finds them. One at a time, in a tree."""
     os.makedirs(RIG, exist_ok=True)
     share = of_tier("share", tier)
-    with open(RIG + "/lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with alone(tier):
         prepare_system()
         if tier != "smoke":
             subprocess.run(["bash", HERE + "/modules.sh", RIG], check=True)
@@ -87,6 +107,18 @@ def prepare(tier):
         if tier:
             frozen.prepare(RIG + "/system", share, of_tier("frozen", tier))
     return share
+
+
+def prepare_newer():
+    """Of gpiod2's scenarios: None, or what has become of them all, and why. The others are run all the same."""
+    try:
+        with alone(None):
+            gpiod2.prepare(of_tier("share", "newer"))
+    except newer.NotHere as e:
+        return "skipped", str(e)
+    except (SystemExit, RuntimeError, OSError, subprocess.SubprocessError) as e:
+        return "FAILED", "the second tree: %s" % e
+    return None
 
 
 def machine_for(scenario, share, tier):
@@ -110,8 +142,31 @@ def run(scenario, share, tier):
         return "%s\n%s" % (e, traceback.format_exc(limit=2))
     except (RuntimeError, OSError) as e:
         return "the machine: %s" % e
-    except Exception as e:  # a scenario that does not understand what it is told; the others are run all the same
+    except (Exception, SystemExit) as e:  # a scenario that does not understand what it is told; the others are run all the same
         return "%s: %s\n%s" % (type(e).__name__, e, traceback.format_exc(limit=3))
+
+
+def chosen(every, words):
+    """A scenario's whole name is that one; else a word is of all whose names hold it."""
+    names = [s.__name__ for s in every]
+    return [s for s in every if not words or any(w == s.__name__ or (w not in names and w in s.__name__) for w in words)]
+
+
+def run_all(scenarios, share, tier):
+    """How many passed, failed, were skipped."""
+    missing = prepare_newer() if any(s in gpiod2.SCENARIOS for s in scenarios) else None
+    count = {"passed": 0, "FAILED": 0, "skipped": 0}
+    for scenario in scenarios:
+        before = time.monotonic()
+        print("  %s ..." % scenario.__name__.replace("_", " "), flush=True)
+        if missing and scenario in gpiod2.SCENARIOS:
+            outcome, why = missing
+        else:
+            why = run(scenario, share, tier)
+            outcome = "passed" if why is None else "FAILED"
+        count[outcome] += 1
+        print("    %s (%.0f s)%s" % (outcome, time.monotonic() - before, "" if outcome == "passed" else ": " + why), flush=True)
+    return count
 
 
 def main():
@@ -123,26 +178,16 @@ def main():
     every = {"smoke": SMOKE, "quick": QUICK}.get(tier) or (
         lamps.SCENARIOS + camera.SCENARIOS + strokes.SCENARIOS + powercuts.SCENARIOS + boots.SCENARIOS + soak.SCENARIOS + instructions.SCENARIOS +
         drivers.SCENARIOS + inputs.SCENARIOS + gpiod2.SCENARIOS + chips.SCENARIOS + pipeline.SCENARIOS + usb.SCENARIOS + usb_speed.SCENARIOS + uvc.SCENARIOS)
-    scenarios = [s for s in every if not words or any(w in s.__name__ for w in words)]
+    scenarios = chosen(every, words)
     if not scenarios:
         print("rig: no scenario has such a name; there are:", file=sys.stderr)
         print("\n".join("  " + s.__name__ for s in every), file=sys.stderr)
         return 2
-    share = prepare(tier)
-    if any(s in gpiod2.SCENARIOS for s in scenarios):
-        gpiod2.prepare(of_tier("share", "newer"))
-    failed = 0
-    for scenario in scenarios:
-        before = time.monotonic()
-        print("  %s ..." % scenario.__name__.replace("_", " "), flush=True)
-        wrong = run(scenario, share, tier)
-        failed += wrong is not None
-        print("    %s (%.0f s)%s" % ("FAILED" if wrong else "passed", time.monotonic() - before,
-                                     ": " + wrong if wrong else ""), flush=True)
+    count = run_all(scenarios, prepare(tier), tier)
     for what in NOT_HERE:
         print("  skipped, as no machine here has it: %s" % what)
-    print("%d passed, %d failed, %d skipped" % (len(scenarios) - failed, failed, len(NOT_HERE)))
-    return 1 if failed else 0
+    print("%d passed, %d failed, %d skipped" % (count["passed"], count["FAILED"], count["skipped"] + len(NOT_HERE)))
+    return 1 if count["FAILED"] else 0
 
 
 if __name__ == "__main__":

@@ -54,7 +54,8 @@ static int disk_space(struct ttf_io *io, const char *path, struct ttf_io_space *
     int r = ttf_io_posix()->ops->space(ttf_io_posix(), path, ret);
 
     if (r == 0) /* not what this machine's own disk has */
-        ret->fs_errors = strstr(path, "/second") ? 0 : disk->run->fs_errors;
+        ret->fs_errors =
+            strstr(path, "/second") ? disk->run->second_fs_errors : disk->run->fs_errors;
     if (r == 0 && disk->run->free_bytes != 0 && !strstr(path, "/second"))
         ret->free_bytes = disk->run->free_bytes;
     return r;

@@ -23,9 +23,10 @@ struct sim_run {
     /* what the disk says it has (but for a second storage); 0: as it is. May change while running, in on_progress */
     int64_t free_bytes;
     int64_t fs_errors; /* which its file system has found in itself, likewise */
-    bool plain_disk;   /* the machine's files, none failing, and nobody waits for the disk */
-    bool no_waiting;   /* nobody waits for the disk; files may fail */
-    unsigned failing;  /* so many file operations from now on give EIO; may be set in on_progress */
+    int64_t second_fs_errors;
+    bool plain_disk;  /* the machine's files, none failing, and nobody waits for the disk */
+    bool no_waiting;  /* nobody waits for the disk; files may fail */
+    unsigned failing; /* so many file operations from now on give EIO; may be set in on_progress */
     void (*on_box)(struct sim_run *run);  /* before the session: run->box is there */
     void (*on_file)(struct sim_run *run); /* before each file operation */
     /* what an operation fails with, if it is to: an errno, else 0 */

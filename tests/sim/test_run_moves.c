@@ -166,6 +166,28 @@ static void a_changed_plan_is_in_force_in_the_second_storage_whatever_plan_is_gi
     }
 }
 
+/* ---- errors that a file system found in itself ---- */
+
+static void errors_of_the_second_storage_are_told_though_the_first_had_more(void **state)
+{
+    struct sim_run second;
+    struct sim_run run;
+
+    (void)state;
+    with_second(&run);
+    run.plan.count = 9;
+    run.fs_errors = 5;
+    run.second_fs_errors = 2;
+    run.fault = first_can_only_be_read;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_true(run.result.second_storage);
+    second = second_run_of(&run);
+    assert_int_equal(sim_run_events(&run, "storage", "5 since it was last checked"), 1);
+    assert_int_equal(sim_run_events(&second, "storage", "2 since it was last checked"), 1);
+    assert_int_equal(sim_run_events(&second, "storage", "found errors in itself"), 1);
+    sim_run_finish(&run);
+}
+
 /* ---- at the beginning of a boot ---- */
 
 static int at_boot; /* errno of all that is written in the first; 0: none */
@@ -574,6 +596,7 @@ int main(void)
         cmocka_unit_test(the_plan_in_force_is_that_of_a_second_dataset_made_under_an_older_one),
         cmocka_unit_test(plans_that_come_later_are_counted_as_they_stand_there),
         cmocka_unit_test(a_changed_plan_is_in_force_in_the_second_storage_whatever_plan_is_given),
+        cmocka_unit_test(errors_of_the_second_storage_are_told_though_the_first_had_more),
         cmocka_unit_test(
             whatever_keeps_the_first_from_being_written_it_is_gone_on_from_in_the_second),
         cmocka_unit_test(what_says_nothing_of_the_storage_is_no_reason_to_leave_it),

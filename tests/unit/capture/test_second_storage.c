@@ -286,6 +286,7 @@ static void one_that_was_made_and_is_another_s_or_begun_is_not_opened(void **sta
     const struct ttf_plan_text own = {.json = "{}"};
     const struct ttf_plan_text changed = {.json = "{\"a\":1}"};
     const struct ttf_plan_text given = {.json = "{\"a\":2}"};
+    const struct ttf_plan_text other_given = {.json = "{\"a\":3}"};
     struct ttf_writer *writer = NULL;
 
     (void)state;
@@ -309,6 +310,16 @@ static void one_that_was_made_and_is_another_s_or_begun_is_not_opened(void **sta
                          3);
         ttf_writer_close(writer);
     }
+    /* Another is given, and the newest there is the one in force: it comes all the same, and that one anew behind it. */
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(
+            ttf_second_open(ttf_io_posix(), second, &m, &other_given, &own, &writer, NULL), 5);
+        ttf_writer_close(writer);
+    }
+    /* One that is given and is there, further back, does not come again. */
+    assert_int_equal(ttf_second_open(ttf_io_posix(), second, &m, &given, &changed, &writer, NULL),
+                     6);
+    ttf_writer_close(writer);
     away(second);
     make_second(BEGUN);
     assert_int_equal(ttf_second_open(ttf_io_posix(), second, &m, NULL, &own, &writer, NULL),

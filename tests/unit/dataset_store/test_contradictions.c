@@ -151,9 +151,8 @@ static void records_that_contradict_each_other_are_damage(void **state)
         {0, "\"plan\":0", "\"plan\":1", "plan 1 comes where plan 0 is due", -TTF_EDAMAGED,
          -TTF_EDAMAGED},
         {0, "\"plan\":0", "\"plum\":0", "plan is missing", -TTF_EDAMAGED, -TTF_EDAMAGED},
-        {0, "\"files\"", "\"fires\"", "files is missing", -TTF_EDAMAGED, -TTF_EDAMAGED},
-        {0, "\"type\":\"plan\"", "\"type\":\"calibration\"", "id is missing", -TTF_EDAMAGED,
-         -TTF_EDAMAGED},
+        {0, "\"files\"", "\"fires\"", "files is missing", -TTF_EDAMAGED, 0},
+        {0, "\"type\":\"plan\"", "\"type\":\"calibration\"", "id is missing", -TTF_EDAMAGED, 0},
         {4, "\"n_averaged\":1",
          "\"n_averaged\":1,\"bracket\":{\"index\":0,\"relative_exposure\":0}",
          "relative_exposure must be more than 0", 0, 0},
@@ -266,6 +265,39 @@ static void a_seal_that_is_not_in_order_is_damage(void **state)
         0);
     assert_int_equal(sha256sum_check(path), 0);
     assert_true(verify_says(path, "lists by the bytes of the paths"));
+}
+
+/* A path that was changed upward is missing, and the next, which comes before it, is as it was. */
+static void one_changed_path_of_a_seal_accuses_no_other(void **state)
+{
+    /* dataset.json is the first, then events.jsonl */
+    static const char *const change[] = {"1s/  d/  z/", "2s/  e/  a/"};
+    static const char *const accused[] = {"zataset.json", "avents.jsonl"};
+
+    for (unsigned i = 0; i < 2; i++) {
+        struct ttf_verify_options options = {.deep = true};
+        struct ttf_verify_report report;
+        const char *path = three_slots(state);
+        struct ttf_writer *writer;
+        bool missing = false;
+        unsigned order = 0;
+
+        assert_int_equal(ttf_writer_open(quick_io(), path, &writer, NULL), 0);
+        assert_int_equal(ttf_writer_seal(writer, "count", NULL, NULL), 0);
+        ttf_writer_close(writer);
+        assert_int_equal(run("sed -i '%s' '%s/SHA256SUMS'", change[i], path), 0);
+        assert_int_equal(ttf_verify(quick_io(), path, &options, &report, NULL), 0);
+        for (unsigned k = 0; k < report.n_findings; k++) {
+            const struct ttf_verify_finding *f = &report.findings[k];
+
+            order += strstr(f->text, "lists by the bytes") != NULL;
+            missing = missing || strcmp(f->file, accused[i]) == 0;
+        }
+        assert_true(missing);
+        assert_int_equal(order, i); /* the second one comes before the first itself */
+        ttf_verify_report_free(&report);
+        assert_int_equal(run("rm -r '%s'", path), 0);
+    }
 }
 
 static void a_rehearsal_is_not_sealed(void **state)
@@ -491,6 +523,7 @@ int main(void)
         T(a_calibration_without_a_line_is_damage_though_its_folder_is_there),
         T(one_damaged_plan_does_not_accuse_the_next),
         T(a_seal_that_is_not_in_order_is_damage),
+        T(one_changed_path_of_a_seal_accuses_no_other),
         T(a_rehearsal_is_not_sealed),
         T(a_seal_without_an_end_is_damage),
         T(the_seal_does_not_bless_a_frame_that_changed_before_it),

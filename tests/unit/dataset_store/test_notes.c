@@ -10,11 +10,20 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "store_ios.h"
 #include "store_test.h"
 #include "ttf/base/time.h"
 #include "ttf/dataset/notes.h"
+
+/* What another one does who adds a note, and to whom the lock is none. */
+enum beside {
+    NOBODY,
+    ADDS,
+    IS_CUT_OFF
+};
 
 /* A dataset, and a disk that lists what is done to it and fails on cue. */
 struct noted {
@@ -22,18 +31,50 @@ struct noted {
     char log[4096];
     struct cue cue;
     struct ttf_io *io;
-    bool meddles; /* somebody's tool appends a line just before the new file is synced */
+    /* just before the new file is synced: a command of somebody's tool, in the dataset; another one */
+    const char *meddles;
+    enum beside beside;
+    bool cut; /* this process goes with the next bytes to write */
+    int beside_code;
 };
+
+static int add(struct noted *n, const char *text);
+
+/* Another process, which leaves its new file without what it was to hold. */
+static void be_cut_off(struct noted *n)
+{
+    pid_t child = fork();
+    int status;
+
+    assert_true(child >= 0);
+    if (child == 0) {
+        n->cut = true;
+        _exit(add(n, "cut off") == 0 ? 1 : 2);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+}
 
 static int fault(void *ctx, const char *op, const char *path)
 {
     struct noted *n = ctx;
+    const char *meddles = n->meddles;
 
-    if (n->meddles && strcmp(op, "sync") == 0) {
-        n->meddles = false;
-        assert_int_equal(run("echo '{\"text\":\"by hand\"}' >> '%s/notes.jsonl'", n->path), 0);
+    if (strcmp(op, "sync") == 0) {
+        n->meddles = NULL;
+        if (meddles)
+            assert_int_equal(run("cd '%s' && %s", n->path, meddles), 0);
+        if (n->beside == ADDS) {
+            n->beside = NOBODY;
+            n->beside_code = add(n, "beside");
+        } else if (n->beside == IS_CUT_OFF) {
+            n->beside = NOBODY;
+            be_cut_off(n);
+        }
     }
-    return cue_fault(&n->cue, op, path);
+    if (n->cut && strcmp(op, "append") == 0)
+        _exit(0);
+    return cue_fault(&n->cue, op, strstr(path, "/.notes-new-") ? ".notes-new" : path);
 }
 
 static void begin(struct noted *n, void **state)
@@ -60,7 +101,7 @@ static void expect(struct noted *n, const char *wanted)
 
     assert_string_equal(text, wanted);
     free(text);
-    assert_false(exists(in(n->path, ".notes-new")));
+    assert_int_equal(run("! ls -A '%s' | grep -q notes-new", n->path), 0);
     ttf_io_faulty_destroy(n->io);
 }
 
@@ -72,7 +113,7 @@ static void a_note_is_on_the_disk_before_it_takes_its_name(void **state)
     assert_int_equal(add(&n, "one"), 0);
     n.log[n.cue.log_used = 0] = '\0';
     assert_int_equal(add(&n, "two"), 0);
-    assert_string_equal(n.log, "unlink .notes-new\nopen .notes-new\nappend .notes-new\nappend "
+    assert_string_equal(n.log, "open .notes-new\nappend .notes-new\nappend "
                                ".notes-new\nappend .notes-new\nsync .notes-new\nrename "
                                "notes.jsonl\nsync_dir d\n");
     expect(&n, "{\"text\":\"one\"}\n{\"text\":\"two\"}\n");
@@ -133,7 +174,8 @@ static void a_line_that_somebody_left_unfinished_is_ended_first(void **state)
 
     begin(&n, state);
     write_text(in(n.path, "notes.jsonl"), "{\"text\":\"to", 11);
-    write_text(in(n.path, ".notes-new"), "{\"text\":\"cut", 12); /* of one that was cut off */
+    write_text(in(n.path, ".notes-new"), "{\"text\":\"cut", 12); /* of those that were cut off */
+    write_text(in(n.path, ".notes-new-0123456789abcdef"), "{\"text\":\"cut", 12);
     assert_int_equal(add(&n, "two"), 0);
     expect(&n, "{\"text\":\"to\n{\"text\":\"two\"}\n");
 }
@@ -158,16 +200,125 @@ static void only_one_adds_a_note_at_a_time(void **state)
     expect(&n, "{\"text\":\"one\"}\n");
 }
 
-static void what_a_tool_appends_meanwhile_is_not_lost(void **state)
+static void what_a_tool_writes_meanwhile_is_not_lost(void **state)
+{
+    static const char *const meddling[] = {
+        "printf 'B\\n' >> notes.jsonl",
+        "printf 'A\\nB\\n' > .saved && mv .saved notes.jsonl", /* an editor's way */
+        "printf 'B\\n' > .saved && mv .saved notes.jsonl",     /* and as long as before */
+        "printf 'B\\n' > notes.jsonl && touch -d 2001-01-01 notes.jsonl",
+        "rm notes.jsonl",
+    };
+    static const char *const left[] = {"A\nB\n", "A\nB\n", "B\n", "B\n", ""};
+
+    for (unsigned i = 0; i < sizeof meddling / sizeof *meddling; i++) {
+        char wanted[64];
+        struct noted n;
+
+        begin(&n, state);
+        write_text(in(n.path, "notes.jsonl"), "A\n", 2);
+        n.meddles = meddling[i];
+        assert_int_equal(add(&n, "two"), -EAGAIN);
+        assert_int_equal(add(&n, "two"), 0);
+        snprintf(wanted, sizeof(wanted), "%s{\"text\":\"two\"}\n", left[i]);
+        expect(&n, wanted);
+        assert_int_equal(run("rm -r '%s'", n.path), 0);
+    }
+}
+
+static void notes_that_a_tool_began_meanwhile_are_not_lost(void **state)
 {
     struct noted n;
 
     begin(&n, state);
+    n.meddles = "printf 'B\\n' > notes.jsonl";
+    assert_int_equal(add(&n, "one"), -EAGAIN);
     assert_int_equal(add(&n, "one"), 0);
-    n.meddles = true;
-    assert_int_equal(add(&n, "two"), -EAGAIN);
+    expect(&n, "B\n{\"text\":\"one\"}\n");
+}
+
+static int no_lock(struct ttf_io *io, int file)
+{
+    (void)io;
+    (void)file;
+    return -EBADF; /* as NFS says of a handle that only reads */
+}
+
+static void where_nobody_can_lock_no_acknowledged_note_is_lost(void **state)
+{
+    for (unsigned i = 0; i < 2; i++) {
+        struct ttf_io_ops ops;
+        struct noted n;
+
+        begin(&n, state);
+        ops = *n.io->ops;
+        ops.lock = no_lock;
+        n.io->ops = &ops;
+        if (i)
+            assert_int_equal(add(&n, "one"), 0);
+        n.beside = ADDS;
+        assert_int_equal(add(&n, "two"), -EAGAIN); /* the other was faster */
+        assert_int_equal(n.beside_code, 0);
+        assert_int_equal(add(&n, "two"), 0);
+        expect(&n, i ? "{\"text\":\"one\"}\n{\"text\":\"beside\"}\n{\"text\":\"two\"}\n"
+                     : "{\"text\":\"beside\"}\n{\"text\":\"two\"}\n");
+        assert_int_equal(run("rm -r '%s'", n.path), 0);
+    }
+}
+
+/* Nor is what takes the place of the notes another one's half. */
+static void where_nobody_can_lock_what_is_renamed_is_one_s_own(void **state)
+{
+    struct ttf_io_ops ops;
+    struct noted n;
+
+    begin(&n, state);
+    ops = *n.io->ops;
+    ops.lock = no_lock;
+    n.io->ops = &ops;
+    assert_int_equal(add(&n, "one"), 0);
+    n.beside = IS_CUT_OFF;
+    assert_int_equal(add(&n, "two"), -EAGAIN); /* its own was taken for a leftover */
     assert_int_equal(add(&n, "two"), 0);
-    expect(&n, "{\"text\":\"one\"}\n{\"text\":\"by hand\"}\n{\"text\":\"two\"}\n");
+    expect(&n, "{\"text\":\"one\"}\n{\"text\":\"two\"}\n");
+}
+
+static void a_person_s_notes_keep_their_mode_and_group(void **state)
+{
+    static const int modes[] = {0644, 0600, 0664, 0666};
+
+    for (unsigned i = 0; i < sizeof modes / sizeof *modes; i++) {
+        struct noted n;
+
+        begin(&n, state);
+        write_text(in(n.path, "notes.jsonl"), "A\n", 2);
+        assert_int_equal(run("chmod %o '%s/notes.jsonl'", modes[i], n.path), 0);
+        if (geteuid() == 0) /* who else has a group to give? */
+            assert_int_equal(run("chown 12345:12346 '%s/notes.jsonl'", n.path), 0);
+        assert_int_equal(add(&n, "one"), 0);
+        assert_int_equal(run("test $(stat -c %%a '%s/notes.jsonl') = %o", n.path, modes[i]), 0);
+        if (geteuid() == 0)
+            assert_int_equal(run("test $(stat -c %%u:%%g '%s/notes.jsonl') = 12345:12346", n.path),
+                             0);
+        expect(&n, "A\n{\"text\":\"one\"}\n");
+        assert_int_equal(run("rm -r '%s'", n.path), 0);
+    }
+}
+
+static void a_link_is_not_replaced(void **state)
+{
+    static const char *const ends[] = {"elsewhere", "nowhere"};
+    struct noted n;
+
+    begin(&n, state);
+    write_text(in(n.path, "elsewhere"), "A\n", 2);
+    for (unsigned i = 0; i < 2; i++) {
+        assert_int_equal(run("ln -sfn %s '%s/notes.jsonl'", ends[i], n.path), 0);
+        assert_int_equal(add(&n, "one"), -ELOOP);
+        assert_int_equal(run("test -L '%s/notes.jsonl'", n.path), 0);
+    }
+    assert_int_equal(run("mv '%s/elsewhere' '%s/notes.jsonl'", n.path, n.path), 0);
+    expect(&n, "A\n");
 }
 
 #define T(test) cmocka_unit_test_setup_teardown(test, folder_setup, folder_teardown)
@@ -180,7 +331,12 @@ int main(void)
         T(a_note_that_fails_leaves_those_before_it),
         T(a_line_that_somebody_left_unfinished_is_ended_first),
         T(only_one_adds_a_note_at_a_time),
-        T(what_a_tool_appends_meanwhile_is_not_lost),
+        T(what_a_tool_writes_meanwhile_is_not_lost),
+        T(notes_that_a_tool_began_meanwhile_are_not_lost),
+        T(where_nobody_can_lock_no_acknowledged_note_is_lost),
+        T(where_nobody_can_lock_what_is_renamed_is_one_s_own),
+        T(a_person_s_notes_keep_their_mode_and_group),
+        T(a_link_is_not_replaced),
     };
 
     return cmocka_run_group_tests_name("notes", tests, NULL, NULL);

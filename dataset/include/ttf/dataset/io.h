@@ -67,6 +67,7 @@ struct ttf_io_ops {
     int (*space)(struct ttf_io *io, const char *path, struct ttf_io_space *ret);
     int (*lock)(struct ttf_io *io, int file);     /* exclusive, not blocking: -EAGAIN */
     int (*sync_all)(struct ttf_io *io, int file); /* ttf_io_sync_all; NULL: there is none */
+    int (*inherit)(struct ttf_io *io, int file, const char *path); /* NULL: files have no owners */
 };
 
 struct ttf_io {
@@ -95,6 +96,12 @@ void ttf_io_faulty_space(struct ttf_io *io, ttf_io_space_fn *space);
  * -EOPNOTSUPP: there is none here that would tell of such errors; each file is to be synced by itself.
  */
 TTF_MUST_USE int ttf_io_sync_all(struct ttf_io *io, int file);
+
+/*
+ * The file is to take the place of what lies at path: it gets its mode, and its owner and group, as far as may be. Nothing if there is none.
+ * -ELOOP: a link lies there.
+ */
+TTF_MUST_USE int ttf_io_inherit(struct ttf_io *io, int file, const char *path);
 
 /* Writes or appends all of it, going on after short counts and EINTR. 0 or a negative errno. */
 TTF_MUST_USE int ttf_io_pwrite_all(struct ttf_io *io, int file, const void *buf, size_t n,
