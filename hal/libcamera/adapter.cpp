@@ -77,13 +77,9 @@ class listener : public std::streambuf
     std::string line_, complaint_;
 };
 
-/*
- * libcamera allows one manager in a process, so its holders share it. Held by the module and not by its callers, since
- * a process may have several cameras.
- */
+/* libcamera allows one manager in a process, which here is one camera's (host.c), and ends without having been asked. */
 struct library {
     std::mutex lock;
-    unsigned users = 0;
     std::unique_ptr<libcamera::CameraManager> manager;
     listener said;
     std::ostream stream{&said};
@@ -107,7 +103,7 @@ int begin(void *) noexcept
     library &l = the_library();
     const std::lock_guard<std::mutex> held(l.lock);
 
-    if (l.users == 0) {
+    if (!l.manager) {
         l.said.forget();
         (void)libcamera::logSetStream(&l.stream);
         l.manager = std::make_unique<libcamera::CameraManager>();
@@ -117,7 +113,6 @@ int begin(void *) noexcept
             return r;
         }
     }
-    l.users++;
     return 0;
 }
 
@@ -126,7 +121,7 @@ void end(void *) noexcept
     library &l = the_library();
     const std::lock_guard<std::mutex> held(l.lock);
 
-    if (l.users == 0 || --l.users > 0)
+    if (!l.manager)
         return;
     l.manager->stop();
     l.manager.reset();
