@@ -12,9 +12,9 @@
 
 #include "log.h"
 
-#define TIMES    2               /* RFC 6762, 8.3: told unasked, so often, a second apart */
-#define APART_NS TTF_NS_PER_S    /* nor is it told to all more often because somebody asks (6) */
-#define AT_ONCE  16              /* questions that are read before other things are looked after */
+#define TIMES    2            /* RFC 6762, 8.3: told unasked, so often, a second apart */
+#define APART_NS TTF_NS_PER_S /* nor is it told to all more often because somebody asks (6) */
+#define AT_ONCE  16           /* questions that are read before other things are looked after */
 
 void announce_init(struct announce *a, const char *serial)
 {
@@ -57,8 +57,8 @@ static int make_socket(const struct announce_place *p)
         return -errno;
     /* Others of this machine may answer there as well, to their own names. */
     if (setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) < 0 ||
-        setsockopt(fd, SOL_SOCKET, SO_BINDTODEVICE, p->interface,
-                   (socklen_t)strlen(p->interface)) < 0 ||
+        setsockopt(fd, SOL_SOCKET, SO_BINDTODEVICE, p->interface, (socklen_t)strlen(p->interface)) <
+            0 ||
         setsockopt(fd, IPPROTO_IP, IP_MULTICAST_IF, &group, sizeof group) < 0 ||
         setsockopt(fd, IPPROTO_IP, IP_MULTICAST_TTL, &hops, sizeof hops) < 0 ||
         setsockopt(fd, IPPROTO_IP, IP_TTL, &hops, sizeof hops) < 0 ||
@@ -125,9 +125,8 @@ void announce_follow(struct announce *a, const struct sockets *sockets, int64_t 
 
 static void tell_all(struct announce_place *p, const uint8_t *data, size_t n, int64_t now_ns)
 {
-    const struct sockaddr_in group = {.sin_family = AF_INET,
-                                      .sin_port = htons(MDNS_PORT),
-                                      .sin_addr.s_addr = htonl(MDNS_GROUP)};
+    const struct sockaddr_in group = {
+        .sin_family = AF_INET, .sin_port = htons(MDNS_PORT), .sin_addr.s_addr = htonl(MDNS_GROUP)};
 
     /* What does not arrive is asked for again. */
     (void)!sendto(p->fd, data, n, 0, (const struct sockaddr *)(const void *)&group, sizeof group);
@@ -165,8 +164,8 @@ static void hear_place(struct announce_place *p, int64_t now_ns)
     for (unsigned i = 0; i < AT_ONCE; i++) {
         struct sockaddr_in from = {.sin_family = AF_UNSPEC};
         socklen_t size = sizeof from;
-        ssize_t n = recvfrom(p->fd, datagram, sizeof datagram, 0,
-                             (struct sockaddr *)(void *)&from, &size);
+        ssize_t n =
+            recvfrom(p->fd, datagram, sizeof datagram, 0, (struct sockaddr *)(void *)&from, &size);
 
         if (n < 0)
             break;

@@ -16,9 +16,9 @@ struct announce_place {
     unsigned number;              /* of the interface: another one may have come in its place */
     int fd;                       /* -1: not open */
     struct mdns_host host;
-    int64_t told_ns;    /* to all, last */
-    unsigned left;      /* times that it is to be told unasked */
-    bool complained;    /* that it cannot be had: once */
+    int64_t told_ns; /* to all, last */
+    unsigned left;   /* times that it is to be told unasked */
+    bool complained; /* that it cannot be had: once */
 };
 
 struct announce {

@@ -3,20 +3,21 @@
 
 #include <string.h>
 
-#define HEAD        12
-#define POINTER     0xc0  /* of a name's end that stands elsewhere: RFC 1035, 4.1.4 */
-#define OUR_NAME    0xc00c /* the first name behind the head, which is always ours */
-#define JUMPS_MAX   8
-#define TYPE_A      1
-#define TYPE_NSEC   47
-#define TYPE_ANY    255
-#define CLASS_IN    1
-#define CLASS_ANY   255
-#define TOP         0x8000 /* of a question's class: to who asks alone; of a record's: forget what you knew */
-#define ANSWER      0x8000 /* flags: it is one, */
-#define OPCODE      0x7800
-#define SURE        0x0400 /* of who knows */
-#define LEGACY_TTL_S 10    /* 6.7: they are told of no change */
+#define HEAD      12
+#define POINTER   0xc0   /* of a name's end that stands elsewhere: RFC 1035, 4.1.4 */
+#define OUR_NAME  0xc00c /* the first name behind the head, which is always ours */
+#define JUMPS_MAX 8
+#define TYPE_A    1
+#define TYPE_NSEC 47
+#define TYPE_ANY  255
+#define CLASS_IN  1
+#define CLASS_ANY 255
+#define TOP \
+    0x8000 /* of a question's class: to who asks alone; of a record's: forget what you knew */
+#define ANSWER       0x8000 /* flags: it is one, */
+#define OPCODE       0x7800
+#define SURE         0x0400 /* of who knows */
+#define LEGACY_TTL_S 10     /* 6.7: they are told of no change */
 
 struct reader {
     const uint8_t *data;
@@ -73,8 +74,7 @@ static bool same(const uint8_t *label, size_t n, const char *text)
 }
 
 /* One label, at *at, which goes on behind it; NULL: the name's end (*ret_n 0), or no name (*ret_n 1). */
-static const uint8_t *next_label(const struct reader *r, size_t *at, unsigned *jumps,
-                                 size_t *ret_n)
+static const uint8_t *next_label(const struct reader *r, size_t *at, unsigned *jumps, size_t *ret_n)
 {
     *ret_n = 1;
     while (*at < r->n && (r->data[*at] & POINTER) == POINTER) {
@@ -167,9 +167,9 @@ static void put_nothing_else(struct writer *w, const struct mdns_host *host)
     put_record(w, host, TYPE_NSEC, TOP | CLASS_IN, MDNS_TTL_S);
     put16(w, 5);
     put16(w, OUR_NAME);
-    w->data[w->n++] = 0;                   /* types 0 to 255, */
-    w->data[w->n++] = 1;                   /* of these one byte: */
-    w->data[w->n++] = 0x80 >> TYPE_A;      /* the first eight */
+    w->data[w->n++] = 0;              /* types 0 to 255, */
+    w->data[w->n++] = 1;              /* of these one byte: */
+    w->data[w->n++] = 0x80 >> TYPE_A; /* the first eight */
 }
 
 static struct writer begin(uint8_t *ret, unsigned id, unsigned questions, unsigned answers,
@@ -214,7 +214,8 @@ static bool take_questions(struct reader *r, const struct mdns_host *host, unsig
     for (; n > 0; n--) {
         if (!take_name(r, host->name, &ours) || !take16(r, &type) || !take16(r, &class_))
             return false;
-        if (!ours || ((class_ & ~(unsigned)TOP) != CLASS_IN && (class_ & ~(unsigned)TOP) != CLASS_ANY))
+        if (!ours ||
+            ((class_ & ~(unsigned)TOP) != CLASS_IN && (class_ & ~(unsigned)TOP) != CLASS_ANY))
             continue;
         if (type == TYPE_A || type == TYPE_ANY) {
             ret->address = true;

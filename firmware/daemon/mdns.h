@@ -33,8 +33,7 @@ bool mdns_is_name(const char *name);
 
 /* legacy: it came from another port than MDNS_PORT, from one who knows plain DNS alone. *ret_n: of ret; only where somebody is to get it. */
 TTF_MUST_USE enum mdns_to mdns_answer(const struct mdns_host *host, const uint8_t *datagram,
-                                      size_t n, bool legacy, uint8_t ret[MDNS_SIZE],
-                                      size_t *ret_n);
+                                      size_t n, bool legacy, uint8_t ret[MDNS_SIZE], size_t *ret_n);
 
 /* Told to all, unasked; ttl_s 0: that it is the name's address no more. Its length. */
 size_t mdns_tell(const struct mdns_host *host, uint32_t ttl_s, uint8_t ret[MDNS_SIZE]);
