@@ -172,24 +172,23 @@ static void put_nothing_else(struct writer *w, const struct mdns_host *host)
     w->data[w->n++] = 0x80 >> TYPE_A; /* the first eight */
 }
 
-static struct writer begin(uint8_t *ret, unsigned id, unsigned questions, unsigned answers,
-                           unsigned further)
+static void begin(struct writer *w, uint8_t *ret, unsigned id, unsigned questions, unsigned further)
 {
-    struct writer w = {.data = ret};
-
-    put16(&w, id);
-    put16(&w, ANSWER | SURE);
-    put16(&w, questions);
-    put16(&w, answers);
-    put16(&w, 0);
-    put16(&w, further);
-    return w;
+    w->data = ret;
+    w->n = 0;
+    put16(w, id);
+    put16(w, ANSWER | SURE);
+    put16(w, questions);
+    put16(w, 1); /* answers */
+    put16(w, 0);
+    put16(w, further);
 }
 
 size_t mdns_tell(const struct mdns_host *host, uint32_t ttl_s, uint8_t ret[MDNS_SIZE])
 {
-    struct writer w = begin(ret, 0, 0, 1, 0);
+    struct writer w;
 
+    begin(&w, ret, 0, 0, 0);
     put_address(&w, host, TOP | CLASS_IN, ttl_s);
     return w.n;
 }
@@ -264,8 +263,9 @@ static bool read_asked(const struct mdns_host *host, struct reader *r, struct as
 /* As a server of plain DNS would: with its number and its question. */
 static size_t answer_legacy(const struct mdns_host *host, const struct asked *asked, uint8_t *ret)
 {
-    struct writer w = begin(ret, asked->id, 1, 1, 0);
+    struct writer w;
 
+    begin(&w, ret, asked->id, 1, 0);
     put_name(&w, host);
     put16(&w, asked->type);
     put16(&w, CLASS_IN);
@@ -277,8 +277,8 @@ enum mdns_to mdns_answer(const struct mdns_host *host, const uint8_t *datagram, 
                          bool legacy, uint8_t ret[MDNS_SIZE], size_t *ret_n)
 {
     struct reader r = {.data = datagram, .n = n};
-    struct asked asked = {0};
     struct writer w;
+    struct asked asked = {0};
 
     if (!read_asked(host, &r, &asked))
         return MDNS_NOBODY;
@@ -291,7 +291,7 @@ enum mdns_to mdns_answer(const struct mdns_host *host, const uint8_t *datagram, 
     }
     if (!asked.address && !asked.other)
         return MDNS_NOBODY;
-    w = begin(ret, 0, 0, 1, asked.address);
+    begin(&w, ret, 0, 0, asked.address);
     if (asked.address)
         put_address(&w, host, TOP | CLASS_IN, MDNS_TTL_S);
     put_nothing_else(&w, host);

@@ -75,7 +75,7 @@ def expect_sealed_off(m):
 
 def exposure(m):
     """Of each service at most 2.0; of the one that is root's and ends, told."""
-    for unit in SERVICES + ("ttfbox-gadget",):
+    for unit in SERVICES + ("ttfbox-carrier", "ttfbox-gadget"):
         code, out = m.run("systemd-analyze security --no-pager %s.service | tail -n 1" % unit, 120)
         print("    " + out.strip().lstrip("→ "))
         level = re.search(r": ([0-9.]+) ", out)
