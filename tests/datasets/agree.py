@@ -292,7 +292,9 @@ def comparable(o):
     for slot in o["slots"]:
         for image in slot.get("images", []):
             image.pop("pixel_mean", None)  # compared with mean_level, below
-            image.get("developed", {}).pop("exposure_ns", None)  # likewise
+            for role in ROLES:
+                if role in image:
+                    image[role].pop("exposure_ns", None)  # likewise
             image["files"] = [f for f in image.get("files", []) if f["role"] in ROLES]
     for counts in (o["counts"], o.get("end", {})):
         for key in [k for k, v in counts.items() if v == 0 and k != "slots"]:
@@ -433,6 +435,8 @@ def by_the_box(box, folder):
           b'b;Poa "x";0;0;96;64;"dry; ""since"" 3"\r\na;Festuca;;;;;none\r\n')
     made("sample", "whole", "--table", "pots.csv")
     made("export", "whole", "--to", "png", "--with-excluded", "-o", "pictures")
+    made("export", "../made/rich", "--stream", "top", "--bracket", "1", "--role", "mask", "--to", "png", "-o", "masks")
+    made("export", "../made/rich", "--stream", "top", "--role", "nonsense", "--to", "png", "-o", "none", code=2)
     made("import", *("pictures/frame.%d.png" % n for n in range(1001, 1007)), "--interval", "1min", "-o", "imported")
     made("develop", "whole", "-c", "cal", "-o", "developed")
     made("synth", "quilt", "imported", "--size", "80x70", "--block", "24x24", "-o", "grown")

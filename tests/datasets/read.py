@@ -26,6 +26,7 @@ RESULTS = ("captured", "partial", "missed", "failed", "paused", "power")
 FORMATS = {"u8": "B", "u16": "H", "f16": "e", "f32": "f"}
 SAMPLE_BITS = {"u8": 8, "u16": 16, "f16": 16, "f32": 32}
 HOLE = "bytes that did not reach the disk"
+PICTURES = ("developed", "uncertainty", "mask")  # roles
 UNSEALED = ("SHA256SUMS", "notes.jsonl", "samples.json", "report.json")
 
 
@@ -174,7 +175,7 @@ def tiff_tags(data):
                        for tag, (kind, value) in folder.items() if kind not in (2, 7)}
 
 
-# What a developed image says of itself: its colours (ICC.1:2010) and when it was taken (Exif 2.31)
+# What an image says of itself, one developed or beside it: its colours (ICC.1:2010) and when it was taken (Exif 2.31)
 
 def curve_is_straight(data):
     """A tone curve, as ICC.1 has it in `curv` (10.5) and `para` (10.15), that changes nothing."""
@@ -233,7 +234,7 @@ def times_of(data, folder):
     return present(start_utc_ns=start, zone_offset_s=zone, exposure_ns=exposure)
 
 
-def developed_of(data):
+def picture_of(data):
     """None of what is no little-endian TIFF."""
     folder = first_folder(data)
     if not folder:
@@ -712,11 +713,11 @@ class Reader:
                         image["raw"] = raw_of(self.bytes_of(f["path"]) or b"")
                 stream = self.streams.get(image["stream"])
                 for f in image.get("files", []) if stream else []:
-                    data = self.bytes_of(f["path"]) if f["role"] == "developed" else None
+                    data = self.bytes_of(f["path"]) if f["role"] in PICTURES else None
                     if data is None or hashlib.sha256(data).hexdigest() != f["sha256"]:
                         continue
-                    image.update(present(developed=developed_of(data)))
-                    mean = tiff_mean(data, stream)
+                    image.update(present(**{f["role"]: picture_of(data)}))
+                    mean = tiff_mean(data, stream) if f["role"] == "developed" else None
                     if mean is not None:
                         image["pixel_mean"] = (mean - stream["pedestal"]) / stream["scale"]
 
