@@ -47,9 +47,10 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
                       "try N slots at once and report; the dataset stays unsealed"},
     [OPT_NO_SPEED_CHECK] = {"no-speed-check", 0, NULL, CLI_FLAG, O(no_speed_check), 0, 0,
                             "do not measure how fast the disk writes"},
-    [OPT_SCRIPT] = {"script", 0, "FILE", CLI_TEXT, O(script), 0, 0,
-                    "what is asked of the run meanwhile: lines of SLOT and pause [REASON], "
-                    "continue, stop, count N, interval TIME, plan FILE or note TEXT"},
+    [OPT_SCRIPT] =
+        {"script", 0, "FILE", CLI_TEXT, O(script), 0, 0,
+         "what is asked of the run meanwhile: lines of SLOT and pause [REASON], "
+         "continue, stop, count N, until INSTANT, interval TIME, plan FILE or note TEXT"},
     [OPT_AS_GIVEN] = {"plan-as-given", 0, NULL, CLI_FLAG, O(as_given), 0, 0,
                       "go back to this plan although the dataset has moved on from it"},
     [OPT_SLOTS] = {"slots", 0, "RANGE", CLI_TEXT, O(slots), 0, 0,

@@ -46,7 +46,7 @@ static const struct ttf_http_route ROUTES[] = {
     {"GET", "/api/v1/datasets/{name}/charts", TTF_HTTP_READ, charts_answer, TTF_HTTP_NO_BODY,
      TTF_HTTP_WORK, &GIVES_TAGGED_JSON},
     {"GET", "/api/v1/datasets/{name}/thumbs/{path}", TTF_HTTP_READ, thumbs_answer, TTF_HTTP_NO_BODY,
-     TTF_HTTP_PICTURES, &GIVES_JPEG},
+     TTF_HTTP_PICTURES, &GIVES_THUMB},
     {"GET", "/api/v1/datasets/{name}/preview", TTF_HTTP_READ, previews_state, TTF_HTTP_NO_BODY,
      TTF_HTTP_AT_ONCE, &GIVES_TAGGED_JSON},
     {"GET", "/api/v1/datasets/{name}/preview.avi", TTF_HTTP_READ, preview_video, TTF_HTTP_NO_BODY,

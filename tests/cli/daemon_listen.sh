@@ -104,3 +104,15 @@ bad = [r for r in slots if r["result"] != "captured"]
 assert not bad, bad
 assert told and told == list(range(told[0], slots[-1]["index"] + 1)), (told, len(slots))
 END
+
+# A configuration that says nothing of it: the cable's network too, where there is one, and not a word where there is none.
+printf 'board: ./box.yaml\ndata: data\n' >ttfboxd.yaml
+: >log
+begin_daemon
+heard 'listening at="10.9.0.1:8417" for="usb0:8417"'
+named 10.9.0.1
+ip link del usb0
+heard 'left at="10.9.0.1:8417"'
+sleep 2
+grep 'unreachable at="usb0' log && fail "it complains of a cable's network that nobody asked for"
+end_daemon

@@ -46,6 +46,16 @@ said err "refused:2: the run ended before it was heard"
 is sealed true
 is script_lines_not_done 2
 
+# ---- until an instant, with whatever interval ----
+printf '2 until 2026-03-01T08:05:00Z\n2 interval 30s\n' >until
+expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" -o until.d --script until --json
+is slots 9
+is sealed true
+grep -q '"type":"end".*"reason":"until"' until.d/records.jsonl || fail "the end does not say what ended it"
+echo "2 until tomorrow" >wrong
+expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other --script wrong
+said err "wrong:1"
+
 # ---- a stop is for once; a plan cannot end before what there is ----
 echo "4 stop" >stop
 expect 1 "$TTFBOX" capture p.yaml "${TINY[@]}" -o stops --script stop
