@@ -78,7 +78,7 @@ static void acknowledge(struct ttf_committer *c, const struct ttf_slot_work *wor
     struct ttf_progress p = {
         .kind = TTF_PROGRESS_SLOT,
         .index = record->index,
-        .total = c->total,
+        .total = work->total,
         .result = (int)record->result,
         .text = record->reason,
         .now_ns = now,
@@ -87,6 +87,7 @@ static void acknowledge(struct ttf_committer *c, const struct ttf_slot_work *wor
         .wakeup_ns = work->wakeup_ns,
     };
 
+    c->total = work->total;
     if (work->wakeup_ns != TTF_NS_UNKNOWN)
         ttf_quantile_add(&c->ledger.wakeup, work->wakeup_ns);
     if (c->rehearsal && c->busy_since_ns != TTF_NS_UNKNOWN)

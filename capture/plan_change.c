@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "plan_end.h"
 #include "ttf/base/time.h"
 
 struct ttf_plan_change *ttf_plan_change_new(const struct ttf_plan *plan, const char *yaml)
@@ -59,6 +60,9 @@ static int check_whole(const struct ttf_plan *plan, const struct ttf_plan *wante
     memcpy(as.title, plan->title, sizeof(as.title));
     as.interval_ns = plan->interval_ns;
     as.count = plan->count;
+    as.end = plan->end;
+    as.until_utc_ns = plan->until_utc_ns;
+    as.length_ns = plan->length_ns;
     as.day_ns = plan->day_ns;
     as.period_ns = plan->period_ns;
     as.phase_ns = plan->phase_ns;
@@ -103,6 +107,13 @@ int ttf_plan_changed(const struct ttf_plan *plan, const struct ttf_ask *ask, int
     switch (ask->kind) {
     case TTF_ASK_COUNT:
         changed.count = ask->count;
+        changed.end = TTF_END_COUNT;
+        changed.until_utc_ns = changed.length_ns = 0;
+        break;
+    case TTF_ASK_UNTIL:
+        changed.end = TTF_END_UNTIL;
+        changed.until_utc_ns = ask->until_utc_ns;
+        changed.length_ns = 0;
         break;
     case TTF_ASK_INTERVAL:
         changed.interval_ns = ask->interval_ns;
@@ -122,7 +133,7 @@ int ttf_plan_changed(const struct ttf_plan *plan, const struct ttf_ask *ask, int
     }
     if (r < 0)
         return r;
-    if (changed.count < index)
+    if (changed.count < index && !ttf_plan_ends_in_time(&changed))
         return ttf_err_set(err, -EINVAL, "count", "%lld slots have their records already",
                            (long long)index);
     *ret = changed;

@@ -25,10 +25,10 @@ struct ttf_plan_change *ttf_plan_change_new(const struct ttf_plan *plan, const c
 void ttf_plan_change_free(struct ttf_plan_change *change); /* NULL allowed */
 
 /*
- * What the plan becomes by an ask of kind COUNT, INTERVAL, PHOTOPERIOD or PLAN (pure). -EINVAL with a
+ * What the plan becomes by an ask of kind COUNT, UNTIL, INTERVAL, PHOTOPERIOD or PLAN (pure). -EINVAL with a
  * sentence where it asks for what cannot change while a run lives: another stream (a new dataset of the group),
  * another exposure (stop, and run with the new plan), fewer slots than there are records.
- * index: of the next slot.
+ * index: of the next slot. How many slots one comes to that ends in time is not said: that needs its grid.
  */
 TTF_MUST_USE int ttf_plan_changed(const struct ttf_plan *plan, const struct ttf_ask *ask,
                                   int64_t index, struct ttf_plan *ret, struct ttf_err *err);

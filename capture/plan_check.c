@@ -54,6 +54,10 @@ static int check_times(const struct ttf_plan *plan, struct ttf_err *err)
         return bad(err, "count", "the number of slots must be 1 to 1000000000");
     if (!ttf_mul_i64(plan->count, plan->interval_ns, &run) || run > RUN_MAX_NS)
         return bad(err, "count", "the run would take more than a hundred years");
+    if (plan->end == TTF_END_UNTIL && plan->until_utc_ns <= 0)
+        return bad(err, "until", "the end lies before 1970");
+    if (plan->end == TTF_END_LENGTH && (plan->length_ns < 1 || plan->length_ns > RUN_MAX_NS))
+        return bad(err, "until", "the run must take some time, and at most a hundred years");
     if (plan->start_utc_ns < 0)
         return bad(err, "start", "the start lies before 1970");
     if (plan->zone_offset_s < -24 * 3600 || plan->zone_offset_s > 24 * 3600)

@@ -11,6 +11,20 @@
 const char *const ttf_lamp_mode_names[4] = {"none", "continuous", "capture-only", "photoperiod"};
 const char *const ttf_keep_names[4] = {"default", "raw", "developed", "both"};
 
+const char *const ttf_plan_end_names[3] = {"count", "until", "length"};
+
+static void write_end(struct ttf_json *j, const struct ttf_plan *plan)
+{
+    ttf_json_kint(j, "count", plan->count);
+    if (plan->end == TTF_END_UNTOLD)
+        return;
+    ttf_json_kstring(j, "end", ttf_plan_end_names[plan->end]);
+    if (plan->end == TTF_END_UNTIL)
+        ttf_json_kint(j, "until_utc_ns", plan->until_utc_ns);
+    if (plan->end == TTF_END_LENGTH)
+        ttf_json_kint(j, "length_ns", plan->length_ns);
+}
+
 static void write_levels(struct ttf_json *j, const struct ttf_lamp_level *levels, unsigned n)
 {
     ttf_json_object(j);
@@ -87,7 +101,7 @@ int ttf_plan_json(const struct ttf_plan *plan, char **ret_text, struct ttf_err *
     ttf_json_object(&j);
     ttf_json_kstring(&j, "title", plan->title);
     ttf_json_kint(&j, "interval_ns", plan->interval_ns);
-    ttf_json_kint(&j, "count", plan->count);
+    write_end(&j, plan);
     if (plan->start_utc_ns != 0)
         ttf_json_kint(&j, "start_utc_ns", plan->start_utc_ns);
     ttf_json_kstring(&j, "zone", plan->zone);

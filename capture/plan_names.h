@@ -5,5 +5,6 @@
 
 extern const char *const ttf_lamp_mode_names[4]; /* by enum ttf_lamp_mode */
 extern const char *const ttf_keep_names[4];      /* by enum ttf_keep */
+extern const char *const ttf_plan_end_names[3];  /* by enum ttf_plan_end; of UNTOLD none */
 
 #endif

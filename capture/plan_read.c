@@ -65,6 +65,18 @@ static int get_name(struct reading *in, const json_t *o, const char *key, const 
     return 0;
 }
 
+static void get_end(struct reading *in, const json_t *root, struct ttf_plan *plan)
+{
+    plan->count = get_int(in, root, "count", 1, INT64_MAX);
+    plan->end = TTF_END_UNTOLD;
+    if (json_object_get(root, "end"))
+        plan->end = (enum ttf_plan_end)get_name(in, root, "end", ttf_plan_end_names, 3);
+    if (plan->end == TTF_END_UNTIL)
+        plan->until_utc_ns = get_int(in, root, "until_utc_ns", 1, INT64_MAX);
+    if (plan->end == TTF_END_LENGTH)
+        plan->length_ns = get_int(in, root, "length_ns", 1, INT64_MAX);
+}
+
 static unsigned get_levels(struct reading *in, const json_t *o, const char *key,
                            struct ttf_lamp_level ret[TTF_LAMPS_MAX])
 {
@@ -182,7 +194,7 @@ int ttf_plan_read(const char *text, size_t bytes, const char *where, struct ttf_
     ttf_plan_defaults(&plan);
     get_text(&in, root, "title", plan.title, sizeof(plan.title));
     plan.interval_ns = get_int(&in, root, "interval_ns", 1, INT64_MAX);
-    plan.count = get_int(&in, root, "count", 1, INT64_MAX);
+    get_end(&in, root, &plan);
     plan.start_utc_ns = maybe_int(&in, root, "start_utc_ns");
     get_text(&in, root, "zone", plan.zone, sizeof(plan.zone));
     plan.zone_offset_s = (int)get_int(&in, root, "zone_offset_s", -86400, 86400);
@@ -205,9 +217,17 @@ int ttf_plan_read(const char *text, size_t bytes, const char *where, struct ttf_
     return 0;
 }
 
+static void forget_end(struct ttf_plan *plan)
+{
+    plan->end = TTF_END_UNTOLD;
+    plan->until_utc_ns = plan->length_ns = 0;
+}
+
 /* What the first run resolves, and may resolve otherwise another time, is no difference between plans. */
 static void forget_resolved(struct ttf_plan *plan)
 {
+    if (plan->end == TTF_END_UNTIL || plan->end == TTF_END_LENGTH)
+        plan->count = 0;
     plan->zone_offset_s = 0;
     if (plan->photoperiod_local)
         plan->phase_ns = 0;
@@ -221,6 +241,10 @@ int ttf_plan_same(const struct ttf_plan *a, const struct ttf_plan *b)
     char *of_y = NULL;
     int r;
 
+    if (x.end == TTF_END_UNTOLD || y.end == TTF_END_UNTOLD) {
+        forget_end(&x);
+        forget_end(&y);
+    }
     forget_resolved(&x);
     forget_resolved(&y);
     r = ttf_plan_json(&x, &of_x, NULL);

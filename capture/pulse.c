@@ -22,6 +22,7 @@ void ttf_pulse_begin(struct ttf_pulse *pulse, struct ttf_box *box, struct ttf_qu
     pulse->stop = stop;
     ttf_clock_utc(box->clock, &utc);
     ttf_utc_watch_init(&pulse->utc, &utc);
+    pulse->gap_segment = -1;
     pulse->door_was_opened_ns = TTF_NS_UNKNOWN;
     pulse->door_was_closed_ns = TTF_NS_UNKNOWN;
     if (box->panel)
@@ -63,8 +64,10 @@ static void correct_one(struct ttf_pulse *pulse, struct ttf_segment *s, const st
     s->origin_utc_ns = utc->utc_ns + (s->origin_ns - utc->boot_ns);
     s->uncertainty_ns = utc->uncertainty_ns;
     snprintf(s->trust, sizeof(s->trust), "%s", ttf_trust_name(utc->trust));
-    if (s->gap_ns == TTF_NS_UNKNOWN && pulse->has_before)
+    if (s->segment == pulse->gap_segment && pulse->has_before)
         s->gap_ns = ttf_resume_gap_ns(&pulse->before, s->first_index, s->origin_utc_ns);
+    if (s->segment == pulse->gap_segment)
+        pulse->gap_ns = s->gap_ns > 0 ? s->gap_ns : 0;
     s->corrects = true;
     job = ttf_job_new(pulse->queue, TTF_JOB_SEGMENT);
     if (!job)
@@ -75,6 +78,7 @@ static void correct_one(struct ttf_pulse *pulse, struct ttf_segment *s, const st
 
 static void correct_segment(struct ttf_pulse *pulse, const struct ttf_utc *utc)
 {
+    pulse->corrected = pulse->has_segment;
     /* The one that a resume goes by comes first. */
     if (pulse->has_segment)
         correct_one(pulse, &pulse->segment, utc);
@@ -200,7 +204,7 @@ int ttf_pulse_wait(struct ttf_pulse *pulse, int64_t deadline_ns, bool stoppable)
             return r;
         if (stoppable && ttf_pulse_stop_wanted(pulse))
             return -ECANCELED;
-        if (stoppable && ttf_asks_due(pulse->control, pulse->next_index))
+        if (stoppable && (pulse->corrected || ttf_asks_due(pulse->control, pulse->next_index)))
             return 1;
         if (ttf_clock_now_ns(pulse->box->clock) >= deadline_ns)
             return 0;

@@ -31,6 +31,10 @@ struct ttf_pulse {
     struct ttf_utc_watch utc;
     struct ttf_segment segment; /* the current one; corrected when UTC becomes better known */
     bool has_segment;
+    bool
+        corrected; /* it was, and nobody has looked since: what is reckoned in UTC may be other now */
+    int gap_segment; /* of this boot's segments the one with an outage of unknown length before it; -1: none */
+    int64_t gap_ns; /* how long that was, by the clock as corrected last; 0: not known */
     /* those of this boot before it, of plans that were changed: corrected as well */
     struct ttf_segment earlier[TTF_PULSE_EARLIER];
     unsigned n_earlier;
@@ -70,7 +74,7 @@ TTF_MUST_USE int ttf_pulse_beat_blocking(struct ttf_pulse *pulse);
 
 /*
  * Waits until deadline_ns. 0, or as beat. stoppable: -ECANCELED as soon as a stop is wanted, 1 as soon as
- * something that was asked for is due to be heard.
+ * something that was asked for is due to be heard, or the segment was corrected.
  */
 TTF_MUST_USE int ttf_pulse_wait(struct ttf_pulse *pulse, int64_t deadline_ns, bool stoppable);
 

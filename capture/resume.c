@@ -26,7 +26,7 @@ static struct ttf_grid utc_grid_of(const struct ttf_segment *s)
 static int resolve_new(const struct ttf_resume_input *in, struct ttf_resume *r, struct ttf_err *err)
 {
     r->grid.first_index = 0;
-    r->grid.interval_ns = in->interval_ns;
+    r->grid.interval_ns = in->plan->interval_ns;
     r->grid.origin_ns = in->ready_ns;
     r->gap_ns = 0;
     if (in->start_utc_ns == 0)
@@ -45,13 +45,64 @@ static int resolve_new(const struct ttf_resume_input *in, struct ttf_resume *r, 
     return 0;
 }
 
+static struct ttf_run_clock clock_of(const struct ttf_resume_input *in, const struct ttf_grid *grid,
+                                     int64_t gaps_ns, int64_t utc_offset_ns)
+{
+    return (struct ttf_run_clock){grid->origin_ns - in->elapsed_ns, gaps_ns, utc_offset_ns};
+}
+
+static int64_t offset_of(const struct ttf_resume_input *in)
+{
+    return in->utc.trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : in->utc.utc_ns - in->utc.boot_ns;
+}
+
+/* With the run gone on with on this grid, by the UTC that slot 0 is said to have been due at: nothing of the present. */
+static struct ttf_run_clock clock_of_past(const struct ttf_resume_input *in,
+                                          const struct ttf_grid *grid, int64_t gaps_ns,
+                                          int64_t slot0_utc_ns)
+{
+    struct ttf_run_clock clock = clock_of(in, grid, gaps_ns, TTF_NS_UNKNOWN);
+
+    if (slot0_utc_ns != TTF_NS_UNKNOWN)
+        clock.utc_offset_ns = slot0_utc_ns - clock.slot0_ns;
+    return clock;
+}
+
+/*
+ * By what the run ends: the present UTC; else what was known before, as if there had been no outage, or only such as are known.
+ * What a PC alone says counts as long as it does not say that the end has passed.
+ */
+static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
+{
+    const struct ttf_run_past *past = &in->past;
+    const int64_t index = r->grid.first_index;
+    bool host = in->utc.trust == TTF_TRUST_HOST;
+
+    r->clock = clock_of(in, &r->grid, past->gaps_ns, offset_of(in));
+    if (r->clock_implausible || in->utc.trust == TTF_TRUST_NONE ||
+        !ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock, host)) {
+        r->clock = clock_of_past(in, &r->grid, past->gaps_ns, past->slot0_utc_ns);
+        host = past->sure_slot0_utc_ns != past->slot0_utc_ns || past->sure_gaps_ns != past->gaps_ns;
+        if (!ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock, host))
+            r->clock = clock_of_past(in, &r->grid, past->sure_gaps_ns, past->sure_slot0_utc_ns);
+    }
+    r->end_passed = ttf_plan_end_passed(in->plan, &r->grid, index, &r->clock);
+    r->count = ttf_plan_slots(in->plan, &r->grid, &r->clock);
+    /* It had ended: a clock that says otherwise now adds nothing. */
+    if (in->state->sealed && in->same_plan && ttf_plan_ends_in_time(in->plan))
+        r->count = index;
+}
+
 /*
  * A PC's word alone would give up every slot that is left: more likely the PC's clock is ahead than that the box was
  * without power until after its end. Nothing is given up for that.
  */
 static bool gives_up_all(const struct ttf_resume_input *in, const struct ttf_grid *grid)
 {
-    return in->utc.trust == TTF_TRUST_HOST && ttf_grid_index_at(grid, in->ready_ns) >= in->count;
+    struct ttf_run_clock clock = clock_of(in, grid, in->past.gaps_ns, offset_of(in));
+
+    return in->utc.trust == TTF_TRUST_HOST &&
+           ttf_grid_index_at(grid, in->ready_ns) >= ttf_plan_slots(in->plan, grid, &clock);
 }
 
 static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resume *r)
@@ -63,7 +114,7 @@ static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resu
 
     r->continued = true;
     r->grid.first_index = next;
-    r->grid.interval_ns = in->interval_ns;
+    r->grid.interval_ns = in->plan->interval_ns;
     if (strcmp(last->boot_id, in->boot_id) == 0) {
         r->grid.origin_ns = ttf_grid_due_ns(&before, next);
         r->lost_result = TTF_RESULT_MISSED;
@@ -111,9 +162,10 @@ int ttf_resume_resolve(const struct ttf_resume_input *in, struct ttf_resume *ret
         if (e < 0)
             return e;
     }
+    resolve_end(in, &r);
     r.lost_until = ttf_grid_index_at(&r.grid, in->ready_ns);
-    if (r.lost_until > in->count)
-        r.lost_until = in->count;
+    if (r.lost_until > r.count)
+        r.lost_until = r.count;
     if (r.lost_until < r.grid.first_index)
         r.lost_until = r.grid.first_index;
     r.unready_from = r.continued ? ttf_grid_index_at(&r.grid, in->now_ns) : r.lost_until;

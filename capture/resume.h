@@ -8,7 +8,9 @@
 
 #include <stdbool.h>
 
+#include "plan_end.h"
 #include "schedule.h"
+#include "timeline.h"
 #include "ttf/base/err.h"
 #include "ttf/capture/session.h"
 #include "ttf/dataset/writer.h"
@@ -20,13 +22,19 @@ struct ttf_resume_input {
     struct ttf_utc utc;
     int64_t now_ns;
     int64_t ready_ns; /* earliest due time that can still be met; not before now_ns */
-    int64_t interval_ns, count, start_utc_ns;
+    const struct ttf_plan *plan;
+    int64_t start_utc_ns;
+    bool same_plan;     /* the one of the last segment */
+    int64_t elapsed_ns; /* the run's own time at the first slot without a record (timeline.h) */
+    struct ttf_run_past past; /* of a run that is gone on with */
     struct ttf_absence absence;
 };
 
 struct ttf_resume {
     struct ttf_grid grid; /* of the new segment: its first_index is the first without a record */
-    int64_t lost_until;   /* slots first_index .. lost_until-1 cannot be captured any more */
+    struct ttf_run_clock clock; /* by which the plan ends */
+    int64_t count;              /* slots that the plan comes to */
+    int64_t lost_until;         /* slots first_index .. lost_until-1 cannot be captured any more */
     int64_t
         unready_from; /* those from here on are not due yet, but sooner than the box is ready (lamps settle): missed */
     enum ttf_result lost_result; /* of those before */
@@ -35,6 +43,7 @@ struct ttf_resume {
     int64_t gap_ns;             /* of the segment: time that no index stands for; TTF_NS_UNKNOWN */
     bool continued;             /* not a new dataset */
     bool on_grid;               /* the grid of before the interruption was kept */
+    bool end_passed;            /* the plan's end is known to have come before the last slot */
     bool clock_implausible;     /* UTC is vouched for, but lies before the last slot */
     int64_t outage_ns;          /* from the last record's due time to now; TTF_NS_UNKNOWN */
 };

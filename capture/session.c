@@ -108,6 +108,8 @@ static int prepare_plan(struct ttf_session *s, struct ttf_err *err)
     if (r < 0 || s->config->rehearse <= 0)
         return r;
     s->plan.count = s->config->rehearse;
+    s->plan.end = TTF_END_COUNT;
+    s->plan.until_utc_ns = s->plan.length_ns = 0;
     s->plan.interval_ns = s->figures.slot_busy_ns + REHEARSAL_PAUSE_NS;
     ttf_plan_figures_fill(&s->plan, s->box, &s->figures);
     return 0;
@@ -232,7 +234,7 @@ static int run_slots(struct ttf_session *s)
         if (r == 0)
             r = ttf_session_no_slot(s, k, result, reason);
     }
-    for (; k < s->plan.count && r == 0; k++)
+    for (; r == 0 && ttf_session_has_slot(s, k); k++)
         r = ttf_session_slot(s, k);
     return r;
 }
@@ -289,8 +291,9 @@ static int seal(struct ttf_session *s, char ret_digest[65], struct ttf_err *err)
     struct ttf_writer **writer = &s->committer.writer;
     struct ttf_clock *clock = s->box->clock;
     int64_t until = ttf_clock_now_ns(clock) + TTF_COMMIT_PATIENCE_NS;
+    const char *reason = ttf_session_end_reason(s);
     struct ttf_writer *old;
-    int r = ttf_writer_seal(*writer, "count", ret_digest, err);
+    int r = ttf_writer_seal(*writer, reason, ret_digest, err);
 
     while (ttf_storage_may_pass(r) && !power_lost(s) && ttf_clock_now_ns(clock) < until) {
         (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + TTF_TICK_NS);
@@ -302,7 +305,7 @@ static int seal(struct ttf_session *s, char ret_digest[65], struct ttf_err *err)
         r = ttf_writer_open_anew(s->config->io, s->committer.path, old, &s->committer.doubt, writer,
                                  err);
         if (r == 0) /* once more even if it is seen: it may not have got there */
-            r = ttf_writer_seal(*writer, "count", ret_digest, err);
+            r = ttf_writer_seal(*writer, reason, ret_digest, err);
     }
     return r;
 }
@@ -352,8 +355,8 @@ static int armed(struct ttf_session *s, struct ttf_session_result *ret, struct t
     if (r == 0)
         r = reserve_memory(s, err);
     if (r == 0)
-        r = ttf_lamp_programme_init(&s->programme, &s->plan, s->box->lamps, s->slot0_ns, err);
-    s->programme.begin_ns = s->slot0_ns - s->lead_ns - s->first_settle_ns;
+        r = ttf_lamp_programme_init(&s->programme, &s->plan, s->box->lamps, s->run.slot0_ns, err);
+    s->programme.begin_ns = s->run.slot0_ns - s->lead_ns - s->first_settle_ns;
     if (r == 0)
         r = run(s, err);
     if (r == -ECANCELED)

@@ -12,35 +12,55 @@
 /* From hearing of another interval to the first lamp command on the new grid. */
 #define READY_MARGIN_NS TTF_NS_PER_S
 
-/* The first slot due at or after an instant: how many come before it. */
-static int count_until(const struct ttf_session *s, int64_t until_utc_ns, int64_t *ret,
+/* What a plan is to become. */
+struct changed {
+    struct ttf_plan plan;
+    struct ttf_grid grid;
+    struct ttf_run_clock run;
+    struct ttf_plan_figures figures;
+};
+
+static bool same_end(const struct ttf_plan *a, const struct ttf_plan *b)
+{
+    return a->end == b->end && a->until_utc_ns == b->until_utc_ns && a->length_ns == b->length_ns;
+}
+
+/* An instant that is new means what the clock says now. */
+static int count_until(const struct ttf_session *s, struct changed *to, int64_t index,
                        struct ttf_err *err)
 {
+    const bool is_new = !same_end(&to->plan, &s->plan);
     struct ttf_utc utc;
 
     ttf_clock_utc(s->box->clock, &utc);
-    if (utc.trust == TTF_TRUST_NONE)
+    if (is_new && to->plan.end == TTF_END_UNTIL && utc.trust == TTF_TRUST_NONE)
         return ttf_err_set(err, -EINVAL, "until",
                            "nobody vouches for this box's clock, so an instant means nothing");
-    *ret = ttf_grid_index_at(&s->grid, utc.boot_ns + (until_utc_ns - utc.utc_ns));
+    if (is_new && to->plan.end == TTF_END_UNTIL)
+        to->run.utc_offset_ns = utc.utc_ns - utc.boot_ns;
+    if (is_new && ttf_plan_end_passed(&to->plan, &s->grid, index, &to->run))
+        return ttf_err_set(err, -EINVAL, "until", "%lld slots have their records already",
+                           (long long)index);
+    to->plan.count = ttf_plan_slots(&to->plan, &to->grid, &to->run);
     return 0;
 }
 
 static int changed_plan(const struct ttf_session *s, const struct ttf_ask *ask, int64_t index,
-                        struct ttf_plan *ret, struct ttf_plan_figures *ret_figures,
-                        struct ttf_err *err)
+                        struct changed *ret, struct ttf_err *err)
 {
-    struct ttf_ask as = *ask;
-    int r = 0;
+    struct changed to = {.run = s->run};
+    int r = ttf_plan_changed(&s->plan, ask, index, &to.plan, err);
 
-    if (ask->kind == TTF_ASK_UNTIL) {
-        as.kind = TTF_ASK_COUNT;
-        r = count_until(s, ask->until_utc_ns, &as.count, err);
-    }
+    if (r < 0)
+        return r;
+    to.grid = ttf_grid_changed(&s->grid, index, to.plan.interval_ns,
+                               ttf_clock_now_ns(s->box->clock) + s->lead_ns + READY_MARGIN_NS);
+    if (ttf_plan_ends_in_time(&to.plan))
+        r = count_until(s, &to, index, err);
     if (r == 0)
-        r = ttf_plan_changed(&s->plan, &as, index, ret, err);
+        r = ttf_plan_check(&to.plan, s->box, &to.figures, err);
     if (r == 0)
-        r = ttf_plan_check(ret, s->box, ret_figures, err);
+        *ret = to;
     return r;
 }
 
@@ -60,13 +80,13 @@ static void next_segment(const struct ttf_session *s, const struct ttf_grid *gri
     ret->corrects = false;
 }
 
-static void adopt(struct ttf_session *s, const struct ttf_plan *plan,
-                  const struct ttf_plan_figures *figures, const struct ttf_grid *grid,
+static void adopt(struct ttf_session *s, const struct changed *to,
                   const struct ttf_segment *segment)
 {
-    s->plan = *plan;
-    s->figures = *figures;
-    s->grid = *grid;
+    s->plan = to->plan;
+    s->figures = to->figures;
+    s->grid = to->grid;
+    s->run = to->run;
     s->segment = segment->segment;
     s->next_plan++;
     ttf_pulse_next_segment(&s->pulse, segment);
@@ -106,36 +126,33 @@ static int change_plan(struct ttf_session *s, const struct ttf_ask *ask, int64_t
 {
     const struct ttf_plan before = s->plan;
     struct ttf_lamp_programme programme;
-    struct ttf_plan_figures figures = {0};
     struct ttf_plan_change *change;
     struct ttf_segment segment;
-    struct ttf_plan plan = {0};
-    struct ttf_grid grid;
-    int r = changed_plan(s, ask, index, &plan, &figures, err);
+    struct changed to = {0};
+    int r = changed_plan(s, ask, index, &to, err);
 
-    if (r == 0 && same_local_day(&plan, &before))
-        plan.phase_ns = before.phase_ns;
+    if (r == 0 && same_local_day(&to.plan, &before))
+        to.plan.phase_ns = before.phase_ns;
     else if (r == 0)
-        r = ttf_session_resolve_phase(&plan, ttf_utc_watch_at(&s->pulse.utc, s->slot0_ns), err);
+        r = ttf_session_resolve_phase(&to.plan, ttf_utc_watch_at(&s->pulse.utc, s->run.slot0_ns),
+                                      err);
     if (r == 0)
-        r = ttf_lamp_programme_init(&programme, &plan, s->box->lamps, s->slot0_ns, err);
+        r = ttf_lamp_programme_init(&programme, &to.plan, s->box->lamps, s->run.slot0_ns, err);
     if (r < 0)
         return r;
     programme.begin_ns = s->programme.begin_ns;
-    grid = ttf_grid_changed(&s->grid, index, plan.interval_ns,
-                            ttf_clock_now_ns(s->box->clock) + s->lead_ns + READY_MARGIN_NS);
-    change = ttf_plan_change_new(&plan, ask->kind == TTF_ASK_PLAN ? ask->plan_yaml : NULL);
+    change = ttf_plan_change_new(&to.plan, ask->kind == TTF_ASK_PLAN ? ask->plan_yaml : NULL);
     if (!change)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     change->ask = number;
-    change->slot_bytes = figures.slot_bytes;
-    next_segment(s, &grid, &segment);
+    change->slot_bytes = to.figures.slot_bytes;
+    next_segment(s, &to.grid, &segment);
     change->segment = segment;
     r = ttf_session_hand_over_change(s, change);
     if (r < 0)
         return ttf_err_set(err, r, NULL, "no memory");
     s->programme = programme;
-    adopt(s, &plan, &figures, &grid, &segment);
+    adopt(s, &to, &segment);
     tell_change(s, &before, index);
     return 0;
 }

@@ -57,16 +57,14 @@ static int expect_known_plan(const struct ttf_session *s, struct ttf_err *err)
     return -EINVAL;
 }
 
-/* The run's own time, from the segments so far and the grid it goes on with. */
-static int resolve_slot0(struct ttf_session *s, const struct ttf_writer_state *state,
-                         const struct ttf_utc *utc, int64_t *ret_utc_ns, struct ttf_err *err)
+/* The run's own time, from the segments so far. */
+static int read_past(const struct ttf_session *s, struct ttf_resume_input *in, struct ttf_err *err)
 {
     struct ttf_segment *segments = NULL;
-    int64_t elapsed = s->grid.first_index * s->grid.interval_ns;
     int n = 0;
     int r = 0;
 
-    if (state->n_segments > 0)
+    if (in->state->n_segments > 0)
         r = ttf_timeline_read(s->config->io, s->from_first ? s->config->path : s->path, &segments,
                               &n, err);
     if (r < 0)
@@ -74,38 +72,41 @@ static int resolve_slot0(struct ttf_session *s, const struct ttf_writer_state *s
     if (n > 0) {
         const struct ttf_segment *last = &segments[n - 1];
 
-        elapsed = ttf_timeline_elapsed_ns(segments, n) +
-                  (s->grid.first_index - last->first_index) * last->interval_ns;
+        in->elapsed_ns = ttf_timeline_elapsed_ns(segments, n) +
+                         (in->state->next_index - last->first_index) * last->interval_ns;
     }
-    s->slot0_ns = s->grid.origin_ns - elapsed;
-    *ret_utc_ns = ttf_timeline_slot0_utc_ns(segments, n);
-    if (*ret_utc_ns == TTF_NS_UNKNOWN && utc->trust != TTF_TRUST_NONE)
-        *ret_utc_ns = utc->utc_ns + (s->slot0_ns - utc->boot_ns);
+    in->past = ttf_timeline_past(segments, n);
     free(segments);
     return 0;
 }
 
-static int resolve_grid(struct ttf_session *s, const struct ttf_writer_state *state,
-                        struct ttf_utc *ret_utc, struct ttf_err *err)
+/* UTC of slot 0; TTF_NS_UNKNOWN. */
+static int64_t slot0_utc(const struct ttf_session *s, const struct ttf_resume_input *in)
 {
-    struct ttf_resume_input in = {
-        .state = state,
-        .boot_id = ttf_clock_boot_id(s->box->clock),
-        .now_ns = ttf_clock_now_ns(s->box->clock),
-        .interval_ns = s->plan.interval_ns,
-        .count = s->plan.count,
-        .start_utc_ns = s->config->rehearse > 0 ? 0 : s->plan.start_utc_ns,
-        .absence = s->config->absence,
-    };
+    if (in->past.slot0_utc_ns != TTF_NS_UNKNOWN || in->utc.trust == TTF_TRUST_NONE)
+        return in->past.slot0_utc_ns;
+    return in->utc.utc_ns + (s->run.slot0_ns - in->utc.boot_ns);
+}
+
+static int resolve_grid(struct ttf_session *s, struct ttf_resume_input *in, struct ttf_err *err)
+{
     int r;
 
-    ttf_clock_utc(s->box->clock, &in.utc);
-    in.ready_ns = in.now_ns + s->first_settle_ns + s->lead_ns + READY_MARGIN_NS;
-    r = ttf_resume_resolve(&in, &s->resume, err);
+    in->boot_id = ttf_clock_boot_id(s->box->clock);
+    in->plan = &s->plan;
+    in->same_plan = s->goes_on;
+    in->start_utc_ns = s->config->rehearse > 0 ? 0 : s->plan.start_utc_ns;
+    in->absence = s->config->absence;
+    in->now_ns = ttf_clock_now_ns(s->box->clock);
+    in->ready_ns = in->now_ns + s->first_settle_ns + s->lead_ns + READY_MARGIN_NS;
+    ttf_clock_utc(s->box->clock, &in->utc);
+    r = ttf_resume_resolve(in, &s->resume, err);
     if (r < 0)
         return r;
     s->grid = s->resume.grid;
-    *ret_utc = in.utc;
+    s->run = s->resume.clock;
+    s->gaps_before_ns = s->run.gaps_ns;
+    s->plan.count = s->resume.count;
     if (!s->resume.continued && s->resume.lost_until >= s->plan.count)
         return ttf_err_set(err, -EINVAL, "start", "the plan's last slot lies in the past");
     return 0;
@@ -138,13 +139,15 @@ static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int p
     snprintf(segment->zone, sizeof(segment->zone), "%s", s->plan.zone);
     segment->zone_offset_s = s->plan.zone_offset_s;
     if (s->from_first)
-        segment->run_ns = ttf_timeline_run_ns(segment, s->slot0_ns);
+        segment->run_ns = ttf_timeline_run_ns(segment, s->run.slot0_ns);
     snprintf(segment->box, sizeof(segment->box), "%s", s->box->description);
     segment->gap_ns = s->resume.gap_ns;
     if (segment->gap_ns == TTF_NS_UNKNOWN && s->pulse.has_before)
         segment->gap_ns = ttf_resume_gap_ns(&s->pulse.before, segment->first_index,
                                             s->resume.clock_implausible ? TTF_NS_UNKNOWN
                                                                         : segment->origin_utc_ns);
+    if (segment->gap_ns == TTF_NS_UNKNOWN)
+        s->pulse.gap_segment = segment->segment;
     r = ttf_writer_segment(writer, segment, err);
     if (r < 0)
         return r;
@@ -267,7 +270,7 @@ static int set_in_force(struct ttf_session *s, const struct ttf_manifest *manife
     c->in_force->as_given = s->moved_on_from < 0;
     c->given = s->config->plan;
     c->given_yaml = s->config->plan_yaml;
-    c->slot0_ns = s->slot0_ns;
+    c->slot0_ns = s->run.slot0_ns;
     c->in_force->slot_bytes = s->figures.slot_bytes;
     c->n_plans = s->next_plan = ttf_writer_state(c->writer)->n_plans;
     c->manifest = *manifest;
@@ -282,17 +285,36 @@ static int set_in_force(struct ttf_session *s, const struct ttf_manifest *manife
 static int resolve(struct ttf_session *s, const struct ttf_writer_state *state,
                    struct ttf_utc *ret_utc, struct ttf_err *err)
 {
-    int64_t slot0_utc_ns;
+    struct ttf_resume_input in = {.state = state};
     int r;
 
     if (s->known_plan < 0)
         keep_zone(&s->plan, state);
-    r = resolve_grid(s, state, ret_utc, err);
+    r = read_past(s, &in, err);
     if (r == 0)
-        r = resolve_slot0(s, state, ret_utc, &slot0_utc_ns, err);
+        r = resolve_grid(s, &in, err);
     if (r == 0 && s->known_plan < 0)
-        r = ttf_session_resolve_phase(&s->plan, slot0_utc_ns, err);
+        r = ttf_session_resolve_phase(&s->plan, slot0_utc(s, &in), err);
+    *ret_utc = in.utc;
     return r;
+}
+
+/* A new plan that has fewer slots than there are, or ends before the last of them. */
+static int expect_enough(const struct ttf_session *s, int64_t next_index, struct ttf_err *err)
+{
+    if (next_index > s->plan.count) {
+        ttf_err_set(err, -EINVAL, "count", "%lld slots, and the dataset has %lld already",
+                    (long long)s->plan.count, (long long)next_index);
+        ttf_err_hint(err, "count: %lld ends it here", (long long)next_index);
+        return -EINVAL;
+    }
+    if (s->known_plan < 0 && s->resume.end_passed) {
+        ttf_err_set(err, -EINVAL, "until", "comes before slot %lld, which has its record already",
+                    (long long)next_index - 1);
+        ttf_err_hint(err, "count: %lld ends it here", (long long)next_index);
+        return -EINVAL;
+    }
+    return 0;
 }
 
 int ttf_session_open_dataset(struct ttf_session *s, struct ttf_err *err)
@@ -318,12 +340,10 @@ int ttf_session_open_dataset(struct ttf_session *s, struct ttf_err *err)
         r = resolve(s, &found.state, &utc, err);
     if (r < 0)
         return r;
-    if (s->resume.continued && !found.state.sealed && found.state.next_index > s->plan.count) {
-        ttf_err_set(err, -EINVAL, "count", "%lld slots, and the dataset has %lld already",
-                    (long long)s->plan.count, (long long)found.state.next_index);
-        ttf_err_hint(err, "count: %lld ends it here", (long long)found.state.next_index);
-        return -EINVAL;
-    }
+    if (s->resume.continued && !found.state.sealed)
+        r = expect_enough(s, found.state.next_index, err);
+    if (r < 0)
+        return r;
     if (s->resume.continued && found.state.next_index >= s->plan.count)
         /* Cut off before its seal: sealed now. */
         return s->from_first ? s->first_code : found.state.sealed ? expect_known_plan(s, err) : 0;

@@ -53,11 +53,13 @@ static int choose(struct ttf_session *s, int n_plans, int in_force, struct ttf_e
     if (r < 0)
         return ttf_err_set(err, r, s->path, "no memory to look for the plan given");
     s->known_plan = given;
+    s->goes_on = given == in_force;
     if (given < 0)
         return 0; /* new: a change */
     if (given < in_force && !s->config->plan_as_given) {
         s->moved_on_from = given;
         s->known_plan = given = in_force;
+        s->goes_on = true;
     }
     if (given < in_force)
         s->known_plan = -1; /* an old one again: a change too, with a number of its own */

@@ -6,6 +6,7 @@
 #include "climate_watch.h"
 #include "commit.h"
 #include "lamp_programme.h"
+#include "plan_end.h"
 #include "resume.h"
 #include "schedule.h"
 #include "shoot.h"
@@ -38,9 +39,10 @@ struct ttf_session {
     struct ttf_lamp_programme programme;
     struct ttf_grid grid;
     struct ttf_resume resume;
-    int64_t
-        slot0_ns;   /* where slot 0 was, or would have been, due: what a photoperiod counts from */
-    int known_plan; /* the dataset has this plan already, by this number; -1: it is new to it */
+    struct ttf_run_clock run; /* the run's own time */
+    int64_t gaps_before_ns;   /* of its gaps, those before this boot */
+    bool goes_on;             /* known_plan is the one of the last segment */
+    int known_plan;    /* the dataset has this plan already, by this number; -1: it is new to it */
     int moved_on_from; /* the plan that was given is this one, but another has come since; -1: no */
     int next_plan;     /* number of the next one that changes it */
     char path[4096];   /* of the dataset: as configured, or in the second storage */
@@ -110,6 +112,14 @@ TTF_MUST_USE int ttf_session_plan_in_force(struct ttf_session *s, struct ttf_err
  */
 TTF_MUST_USE int ttf_session_resolve_phase(struct ttf_plan *plan, int64_t slot0_utc_ns,
                                            struct ttf_err *err);
+
+/* ---- session_end.c: how many slots there are ---- */
+
+/* Whether slot `index` is to be, by the clock as it is now: one that was corrected may move the plan's end. */
+bool ttf_session_has_slot(struct ttf_session *s, int64_t index);
+
+/* Why a run that is complete has ended: what the dataset's "end" line says. */
+const char *ttf_session_end_reason(const struct ttf_session *s);
 
 /* ---- session_asks.c: what people ask meanwhile ---- */
 

@@ -27,6 +27,7 @@ static struct ttf_slot_work *new_work(struct ttf_session *s, int64_t index)
     work->record.index = index;
     work->record.segment = s->segment;
     work->record.due_ns = ttf_grid_due_ns(&s->grid, index);
+    work->total = s->plan.count;
     work->begun_ns = now_ns(s);
     return work;
 }
@@ -94,7 +95,7 @@ int ttf_session_no_slot(struct ttf_session *s, int64_t index, enum ttf_result re
     return hand_over(s, work);
 }
 
-/* Waits between slots; the lamps follow their programme. *ret_late_ns: how late it woke, if it slept. 1: something was asked. */
+/* Waits between slots; the lamps follow their programme. *ret_late_ns: how late it woke, if it slept. 1: something was asked, or the clock corrected. */
 static int idle_until(struct ttf_session *s, int64_t until_ns, int64_t *ret_late_ns)
 {
     for (;;) {
@@ -376,7 +377,7 @@ static int await_slot(struct ttf_session *s, int64_t index, int64_t *ret_late_ns
 
     do {
         r = ttf_session_hear(s, index);
-        if (r < 0 || index >= s->plan.count)
+        if (r < 0 || !ttf_session_has_slot(s, index))
             return r;
         r = idle_until(s, ttf_grid_due_ns(&s->grid, index) - s->lead_ns, ret_late_ns);
     } while (r == 1);

@@ -46,6 +46,7 @@ struct ttf_slot_work {
     struct ttf_slot_record
         record;                 /* its images and shots lie in room: never ttf_slot_record_free */
     struct ttf_slot_room *room; /* NULL: a slot without images */
+    int64_t total;              /* slots of the plan, as known when it came to this one */
     int64_t begun_ns;           /* boot clock: the first lamp command */
     int64_t wakeup_ns;          /* how late the loop woke; TTF_NS_UNKNOWN */
     struct ttf_plan_change *change; /* NULL: a slot; owned, with memory of its own */

@@ -43,6 +43,29 @@ int64_t ttf_timeline_slot0_utc_ns(const struct ttf_segment *segments, int n)
     return TTF_NS_UNKNOWN;
 }
 
+static bool by_host(const struct ttf_segment *segment)
+{
+    return strcmp(segment->trust, "host") == 0;
+}
+
+struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n)
+{
+    struct ttf_run_past past = {.slot0_utc_ns = ttf_timeline_slot0_utc_ns(segments, n),
+                                .sure_slot0_utc_ns = TTF_NS_UNKNOWN};
+
+    for (int i = 0; i < n; i++) {
+        const struct ttf_segment *s = &segments[i];
+
+        if (s->gap_ns > 0)
+            past.gaps_ns += s->gap_ns;
+        if (s->gap_ns > 0 && !by_host(s))
+            past.sure_gaps_ns += s->gap_ns;
+        if (s->origin_utc_ns != TTF_NS_UNKNOWN && !by_host(s))
+            past.sure_slot0_utc_ns = s->origin_utc_ns - ttf_timeline_elapsed_ns(segments, i + 1);
+    }
+    return past;
+}
+
 int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **ret, int *ret_n,
                       struct ttf_err *err)
 {

@@ -19,6 +19,16 @@ int64_t ttf_timeline_run_ns(const struct ttf_segment *segment, int64_t slot0_ns)
 /* UTC of slot 0, by the last of n segments that knows; TTF_NS_UNKNOWN. */
 int64_t ttf_timeline_slot0_utc_ns(const struct ttf_segment *segments, int n);
 
+/* What the segments of a run say of its time, for its end. */
+struct ttf_run_past {
+    int64_t gaps_ns;      /* outages that no slot stands for, as far as their lengths are known */
+    int64_t slot0_utc_ns; /* as ttf_timeline_slot0_utc_ns */
+    /* Without what a PC's word alone says. */
+    int64_t sure_gaps_ns, sure_slot0_utc_ns;
+};
+
+struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n);
+
 /* The segments of a dataset in order, as corrected; to be freed. *ret_n may be 0, *ret NULL then. */
 TTF_MUST_USE int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **ret,
                                    int *ret_n, struct ttf_err *err);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* notes_read.c: notes.jsonl and samples.json as people and their tools left them: read for what can be understood. */
+/* notes_read.c: notes.jsonl as people and their tools left it: read for what can be understood. */
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,9 +10,6 @@
 #include "ttf/base/time.h"
 #include "ttf/dataset/json_parse.h"
 #include "ttf/dataset/notes.h"
-
-#define SAMPLES_BYTES_MAX ((size_t)1 << 20)
-#define SAMPLES_MAX       4096u
 
 bool ttf_note_is_of(const struct ttf_note *note, int64_t index)
 {
@@ -144,81 +140,4 @@ int ttf_notes_read(struct ttf_io *io, const char *path, const struct ttf_note_vi
         ttf_err_set(err, r, notes ? notes : path, "cannot be read: %s", strerrordesc_np(-r));
     free(notes);
     return r;
-}
-
-static void read_region(struct ttf_json_in *in, const json_t *sample, struct ttf_sample_region *ret)
-{
-    const json_t *region;
-    char at[sizeof(in->at)];
-
-    ttf_in_text(in, sample, "id", ret->id, sizeof(ret->id), TTF_JSON_REQUIRED);
-    ttf_in_text(in, sample, "title", ret->title, sizeof(ret->title), TTF_JSON_CUT);
-    ttf_in_text(in, sample, "treatment", ret->treatment, sizeof(ret->treatment), TTF_JSON_CUT);
-    region = ttf_in_object(in, sample, "region", TTF_JSON_REQUIRED);
-    memcpy(at, in->at, sizeof(at));
-    ttf_in_at(in, "%.90sregion.", at);
-    ret->x = ttf_in_int(in, region, "x", 0, INT32_MAX, 0, TTF_JSON_REQUIRED);
-    ret->y = ttf_in_int(in, region, "y", 0, INT32_MAX, 0, TTF_JSON_REQUIRED);
-    ret->width = ttf_in_int(in, region, "width", 1, INT32_MAX, 0, TTF_JSON_REQUIRED);
-    ret->height = ttf_in_int(in, region, "height", 1, INT32_MAX, 0, TTF_JSON_REQUIRED);
-}
-
-static int parse_samples(const char *text, size_t n, struct ttf_sample_region **ret,
-                         unsigned *ret_n, struct ttf_err *err)
-{
-    struct ttf_json_in in = {.where = "samples.json", .wrong = -EINVAL, .err = err};
-    json_error_t parse;
-    struct ttf_sample_region *regions;
-    const json_t *list;
-    json_t *root;
-    size_t count;
-    int r = ttf_json_parse(text, n, &root, &parse);
-
-    if (r == -ENOMEM)
-        return ttf_err_set(err, r, "samples.json", "no memory");
-    if (r)
-        return ttf_err_set(err, r, "samples.json", "it is not JSON: %s", parse.text);
-    list = ttf_in_array(&in, root, "samples", TTF_JSON_REQUIRED);
-    count = json_array_size(list);
-    if (count > SAMPLES_MAX)
-        ttf_in_wrong(&in, "samples", "has more than %u", SAMPLES_MAX);
-    regions = calloc(count + 1, sizeof(*regions));
-    if (!regions) {
-        json_decref(root);
-        return ttf_err_set(err, -ENOMEM, "samples.json", "no memory");
-    }
-    for (size_t i = 0; i < count && !in.code; i++) {
-        ttf_in_at(&in, "samples[%zu].", i);
-        read_region(&in, json_array_get(list, i), &regions[i]);
-    }
-    json_decref(root);
-    if (in.code) {
-        free(regions);
-        return in.code;
-    }
-    *ret = regions;
-    *ret_n = (unsigned)count;
-    return 0;
-}
-
-int ttf_samples_read(struct ttf_io *io, const char *path, struct ttf_sample_region **ret,
-                     unsigned *ret_n, struct ttf_err *err)
-{
-    char *file = ttf_path_format("%s/samples.json", path);
-    struct ttf_io_stat st;
-    char *text = NULL;
-    size_t n = 0;
-    int r = file ? io->ops->stat(io, file, &st) : -ENOMEM;
-
-    *ret = NULL;
-    *ret_n = 0;
-    if (r == 0)
-        r = ttf_io_slurp(io, file, SAMPLES_BYTES_MAX, &text, &n, err);
-    else if (r != -ENOENT)
-        ttf_err_set(err, r, path, "samples.json cannot be read: %s", strerrordesc_np(-r));
-    if (r == 0)
-        r = parse_samples(text, n, ret, ret_n, err);
-    free(text);
-    free(file);
-    return r == -ENOENT ? 0 : r;
 }

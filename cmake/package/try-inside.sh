@@ -39,7 +39,7 @@ ttfbox board probe --board /tmp/pi.yaml >/tmp/pi.said 2>&1 || true
 grep -q 'finds no camera' /tmp/pi.said || wrong "$(cat /tmp/pi.said)"
 held "the module for libcamera is found, and libcamera answers"
 
-systemd-analyze verify ttfboxd.service ttfbox-lampd.service ttfbox-gadget.service ttfbox-usbd.service 2>/tmp/verify || wrong "$(cat /tmp/verify)"
+systemd-analyze verify ttfboxd.service ttfbox-lampd.service ttfbox-gadget.service ttfbox-usbd.service ttfbox-carrier.service 2>/tmp/verify || wrong "$(cat /tmp/verify)"
 if grep ttfbox /tmp/verify; then wrong "systemd has something to say"; fi
 [ "$(systemctl is-enabled ttfboxd.service || true)" = disabled ] || wrong "ttfboxd is enabled by itself"
 [ "$(systemctl is-enabled ttfbox-lampd.service || true)" = disabled ] || wrong "ttfbox-lampd is enabled by itself"

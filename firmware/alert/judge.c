@@ -10,32 +10,45 @@
 /* A button's stop is written down once its run has ended: until then nobody knows who wanted it. */
 #define DECIDED_NS (5 * TTF_NS_PER_S)
 
+/* What a line of a dataset says may be any number: what lies beyond all time never comes. */
+static int64_t later_ns(int64_t at_ns, int64_t by_ns)
+{
+    int64_t sum_ns;
+
+    return at_ns == TTF_NS_NEVER || __builtin_add_overflow(at_ns, by_ns, &sum_ns) ? TTF_NS_NEVER
+                                                                                  : sum_ns;
+}
+
 /* When the next slot is due; UNKNOWN: its segment is of another boot, or there is none. */
 static int64_t due_ns(const struct watch *w)
 {
     const struct ttf_segment *s = &w->segment;
-    int64_t next = w->index + 1 > s->first_index ? w->index + 1 : s->first_index;
+    int64_t next = later_ns(w->index, 1) > s->first_index ? later_ns(w->index, 1) : s->first_index;
+    int64_t slots, since_ns;
 
     if (s->segment < 0 || strcmp(s->boot_id, ttf_clock_boot_id(w->clock)) != 0)
         return TTF_NS_UNKNOWN;
-    return s->origin_ns + (next - s->first_index) * s->interval_ns;
+    if (__builtin_sub_overflow(next, s->first_index, &slots) ||
+        __builtin_mul_overflow(slots, s->interval_ns, &since_ns))
+        return TTF_NS_NEVER;
+    return later_ns(s->origin_ns, since_ns);
 }
 
 /* When the next record will have come, if all is well; NEVER: none is to come. */
 static int64_t awaited_ns(const struct watch *w)
 {
     int64_t late_ns = w->interval_ns / 2 > LEAST_NS ? w->interval_ns / 2 : LEAST_NS;
-    int64_t at_ns = w->since_ns + w->config->begin_ns, next_ns = due_ns(w);
+    int64_t at_ns = later_ns(w->since_ns, w->config->begin_ns), next_ns = due_ns(w);
 
     if (w->wanted.wants == WANTS_NOTHING && !w->came)
         return TTF_NS_NEVER;
     if (w->came && w->interval_ns > 0)
-        at_ns = w->seen_ns + w->interval_ns + late_ns;
+        at_ns = later_ns(later_ns(w->seen_ns, w->interval_ns), late_ns);
     else if (w->came)
-        at_ns = w->seen_ns + w->config->begin_ns;
+        at_ns = later_ns(w->seen_ns, w->config->begin_ns);
     /* Lamps settle before the first slot, and a plan may have a start that is still to come. */
-    if (next_ns != TTF_NS_UNKNOWN && at_ns < next_ns + late_ns)
-        at_ns = next_ns + late_ns;
+    if (next_ns != TTF_NS_UNKNOWN && at_ns < later_ns(next_ns, late_ns))
+        at_ns = later_ns(next_ns, late_ns);
     return at_ns;
 }
 

@@ -55,10 +55,10 @@ static int take_word(const char *word, const char *value, struct ttf_ask *ask,
         const char *word;
         enum ttf_ask_kind kind;
         int needs_value; /* -1: has none; 0: may have one */
-    } WORDS[] = {{"pause", TTF_ASK_PAUSE, 0},       {"continue", TTF_ASK_CONTINUE, -1},
-                 {"stop", TTF_ASK_STOP, -1},        {"count", TTF_ASK_COUNT, 1},
-                 {"interval", TTF_ASK_INTERVAL, 1}, {"plan", TTF_ASK_PLAN, 1},
-                 {"note", TTF_ASK_NOTE, 1}};
+    } WORDS[] = {{"pause", TTF_ASK_PAUSE, 0}, {"continue", TTF_ASK_CONTINUE, -1},
+                 {"stop", TTF_ASK_STOP, -1},  {"count", TTF_ASK_COUNT, 1},
+                 {"until", TTF_ASK_UNTIL, 1}, {"interval", TTF_ASK_INTERVAL, 1},
+                 {"plan", TTF_ASK_PLAN, 1},   {"note", TTF_ASK_NOTE, 1}};
     unsigned i = 0;
 
     while (i < TTF_COUNT_OF(WORDS) && strcmp(WORDS[i].word, word) != 0)
@@ -72,8 +72,8 @@ static int take_word(const char *word, const char *value, struct ttf_ask *ask,
         else
             ttf_err_set(err, -EINVAL, NULL, "%s %s", word,
                         *value ? "takes nothing behind it" : "needs something behind it");
-        ttf_err_hint(err, "SLOT and one of pause [REASON], continue, stop, count N, interval TIME, "
-                          "plan FILE, note TEXT");
+        ttf_err_hint(err, "SLOT and one of pause [REASON], continue, stop, count N, until INSTANT, "
+                          "interval TIME, plan FILE, note TEXT");
         return -EINVAL;
     }
     ask->kind = WORDS[i].kind;
@@ -82,6 +82,8 @@ static int take_word(const char *word, const char *value, struct ttf_ask *ask,
         return take_text(value, ask->reason, sizeof ask->reason, err);
     case TTF_ASK_COUNT:
         return ttf_integer_parse(value, &ask->count, err);
+    case TTF_ASK_UNTIL:
+        return ttf_utc_parse(value, &ask->until_utc_ns, err);
     case TTF_ASK_INTERVAL:
         return ttf_unit_parse(TTF_UNIT_TIME, value, &ask->interval_ns, err);
     case TTF_ASK_PLAN:

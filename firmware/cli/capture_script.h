@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * capture_script.h: what is asked of a living run, from a file: a line each, SLOT WORD [VALUE], heard when that slot is
- * the next one. Words: pause [REASON], continue, stop, count N, interval TIME, plan FILE, note TEXT. Empty
+ * the next one. Words: pause [REASON], continue, stop, count N, until INSTANT, interval TIME, plan FILE, note TEXT. Empty
  * lines and lines that begin with # say nothing.
  */
 #ifndef CLI_CAPTURE_SCRIPT_H

@@ -57,6 +57,7 @@ int cmd_help(struct cli *cli);
 int cmd_import(struct cli *cli);
 int cmd_info(struct cli *cli);
 int cmd_note(struct cli *cli);
+int cmd_sample(struct cli *cli);
 int cmd_plan_check(struct cli *cli);
 int cmd_pull(struct cli *cli);
 int cmd_serve(struct cli *cli);

@@ -256,6 +256,30 @@ static const struct cli_command ROWS[] = {
         .examples = {{"ttfbox note grass \"watered\" --slots 144", NULL},
                      {"ttfbox note grass --tag exclude --slots 30-42", NULL}},
     },
+    {
+        .name = "sample",
+        .args = "DATASET [ID]",
+        .summary = "say which part of the picture is which sample, while it is captured or after",
+        .text =
+            "Twelve pots in one picture: samples.json, outside the seal, names the region of each, "
+            "its species or material and its treatment. Of a sample that is there already only "
+            "what is said is changed; of many in a table all or none. 'ttfbox info' lists them. "
+            "The dataset itself is not touched.",
+        .min_args = 1,
+        .max_args = 2,
+        .run = cmd_sample,
+        .options = {{OPT_REGION, NULL},
+                    {OPT_TITLE, "its species or material; an empty text takes it back"},
+                    {OPT_TREATMENT, NULL},
+                    {OPT_REMOVE, NULL},
+                    {OPT_TABLE, NULL},
+                    {OPT_JSON, NULL},
+                    {OPT_END, NULL}},
+        .examples = {{"ttfbox sample grass A1 --region 120,80,400x300 --title 'Lolium perenne'",
+                      NULL},
+                     {"ttfbox sample grass A1 --treatment 'no water since slot 144'", NULL},
+                     {"ttfbox sample grass --table pots.csv", "all twelve"}},
+    },
 };
 
 const struct cli_commands cli_commands_capture = {ROWS, TTF_COUNT_OF(ROWS)};

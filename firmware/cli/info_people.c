@@ -8,6 +8,7 @@
 
 #include "ttf/base/time.h"
 #include "ttf/dataset/notes.h"
+#include "ttf/dataset/samples.h"
 
 /* "3-5,9", "" of the whole. */
 static const char *slots_text(const struct ttf_note *note, char *buf, size_t size)
@@ -89,16 +90,16 @@ static void say_samples(struct cli *cli, const struct ttf_sample_region *regions
         const struct ttf_sample_region *s = &regions[i];
 
         cli_say(cli, "sample %-10s %" PRId64 " x %" PRId64 " at %" PRId64 ", %" PRId64 "%s%s%s%s",
-                s->id, s->width, s->height, s->x, s->y, *s->title ? ", " : "", s->title,
-                *s->treatment ? ", " : "", s->treatment);
+                s->id, s->region.width, s->region.height, s->region.x, s->region.y,
+                *s->title ? ", " : "", s->title, *s->treatment ? ", " : "", s->treatment);
         ttf_json_object(j);
         ttf_json_kstring(j, "id", s->id);
         ttf_json_kstring(j, "title", s->title);
         ttf_json_kstring(j, "treatment", s->treatment);
-        ttf_json_kint(j, "x", s->x);
-        ttf_json_kint(j, "y", s->y);
-        ttf_json_kint(j, "width", s->width);
-        ttf_json_kint(j, "height", s->height);
+        ttf_json_kint(j, "x", s->region.x);
+        ttf_json_kint(j, "y", s->region.y);
+        ttf_json_kint(j, "width", s->region.width);
+        ttf_json_kint(j, "height", s->region.height);
         ttf_json_object_end(j);
     }
     ttf_json_array_end(j);

@@ -47,9 +47,10 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
                       "try N slots at once and report; the dataset stays unsealed"},
     [OPT_NO_SPEED_CHECK] = {"no-speed-check", 0, NULL, CLI_FLAG, O(no_speed_check), 0, 0,
                             "do not measure how fast the disk writes"},
-    [OPT_SCRIPT] = {"script", 0, "FILE", CLI_TEXT, O(script), 0, 0,
-                    "what is asked of the run meanwhile: lines of SLOT and pause [REASON], "
-                    "continue, stop, count N, interval TIME, plan FILE or note TEXT"},
+    [OPT_SCRIPT] =
+        {"script", 0, "FILE", CLI_TEXT, O(script), 0, 0,
+         "what is asked of the run meanwhile: lines of SLOT and pause [REASON], "
+         "continue, stop, count N, until INSTANT, interval TIME, plan FILE or note TEXT"},
     [OPT_AS_GIVEN] = {"plan-as-given", 0, NULL, CLI_FLAG, O(as_given), 0, 0,
                       "go back to this plan although the dataset has moved on from it"},
     [OPT_SLOTS] = {"slots", 0, "RANGE", CLI_TEXT, O(slots), 0, 0,
@@ -57,6 +58,15 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
     [OPT_TAG] = {"tag", 0, "TAG", CLI_TEXT, O(tag), 0, 0,
                  "exclude, reference or your own; several with commas"},
     [OPT_AUTHOR] = {"author", 0, "NAME", CLI_TEXT, O(author), 0, 0, "who says so"},
+    [OPT_REGION] = {"region", 0, "X,Y,WxH", CLI_TEXT, O(region), 0, 0,
+                    "its part of the primary stream's picture: pixels from the top left corner, as "
+                    "120,80,400x300"},
+    [OPT_TREATMENT] = {"treatment", 0, "TEXT", CLI_TEXT, O(treatment), 0, 0,
+                       "what is done to it; an empty text takes it back"},
+    [OPT_TABLE] = {"table", 0, "FILE", CLI_TEXT, O(table), 0, 0,
+                   "many at once, as a spreadsheet saves them (CSV): the first line names the "
+                   "columns id, x, y, width, height, title (or species, material), treatment"},
+    [OPT_REMOVE] = {"remove", 0, NULL, CLI_FLAG, O(remove), 0, 0, "take this sample out again"},
     [OPT_THREADS] = {"threads", 't', "N", CLI_WHOLE, O(threads), 0, 256,
                      "computing threads (default: one per processor); never changes a result"},
     [OPT_SEED] = {"seed", 0, "N", CLI_SEED, O(seed), 0, 9.2e18,

@@ -37,6 +37,10 @@ enum cli_option {
     OPT_SLOTS,
     OPT_TAG,
     OPT_AUTHOR,
+    OPT_REGION,
+    OPT_TREATMENT,
+    OPT_TABLE,
+    OPT_REMOVE,
     OPT_THREADS,
     OPT_SEED,
     OPT_INTERVAL,
@@ -129,8 +133,9 @@ struct cli_options {
     const char *listen, *token_file, *box, *only, *beside;
     bool follow, list, usb;
     const char *bundle, *root, *script, *slots, *tag, *author;
+    const char *region, *treatment, *table;
     const char *compress, *sink, *stream, *title, *name, *metric;
-    bool json, quiet, per_frame, no_speed_check, as_given, with_excluded, check, man;
+    bool json, quiet, per_frame, no_speed_check, as_given, with_excluded, check, man, remove;
     int64_t threads, rehearse, frames, every, start, fps, feather, columns, width_max;
     int64_t bracket; /* -1: of each bracket the reference */
     int64_t seed;

@@ -84,6 +84,7 @@ static int read_listen(const struct cfg_field *field, struct yaml_node *node, vo
 {
     struct ttf_daemon_config *config = &((struct read *)at)->c;
 
+    config->listen_as_ever = false;
     return read_list(field, node, config->listen, TTF_DAEMON_LISTEN_MAX, &config->n_listen, err);
 }
 
@@ -177,9 +178,11 @@ static int read_all(struct read *read, const char *file, struct yaml_node *root,
     int r;
 
     read->c.retry_ns = 5 * TTF_NS_PER_S;
-    read->c.n_listen = 2;
+    read->c.n_listen = 3;
+    read->c.listen_as_ever = true;
     (void)snprintf(read->c.listen[0], sizeof read->c.listen[0], "%s", TTF_DAEMON_LISTEN_TCP);
     (void)snprintf(read->c.listen[1], sizeof read->c.listen[1], "%s", TTF_DAEMON_LISTEN_UNIX);
+    (void)snprintf(read->c.listen[2], sizeof read->c.listen[2], "%s", TTF_DAEMON_LISTEN_USB);
     r = cfg_map(DAEMON, root, read, err);
     return r < 0 ? r : finish(read, file, root, err);
 }

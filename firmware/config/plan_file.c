@@ -214,7 +214,7 @@ static const struct cfg_field PLAN[] = {
     {"reserve", cfg_i64_bytes, P(reserve_bytes), 0, 1e15, "disk kept free, as 256MiB", 0, 0},
     {0}};
 
-/* `until: 7d` or an instant: the number of slots before it. */
+/* `until: 7d` or an instant: kept, and the number of slots before it as long as all goes to plan. */
 static int read_until(struct yaml_node *root, struct ttf_plan *plan, struct ttf_err *err)
 {
     struct yaml_node *node = yaml_child(root, "until");
@@ -240,8 +240,12 @@ static int read_until(struct yaml_node *root, struct ttf_plan *plan, struct ttf_
         length = end - plan->start_utc_ns;
         if (r == 0 && length <= 0)
             return cfg_error(node, err, "the end comes after the start", "is before 'start'");
+        plan->end = TTF_END_UNTIL;
+        plan->until_utc_ns = end;
     } else {
         r = cfg_i64_time(&span, node, &length, err);
+        plan->end = TTF_END_LENGTH;
+        plan->length_ns = length;
     }
     if (r < 0)
         return r;

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "check.h"
 #include "ttf/config/board_file.h"
@@ -45,16 +46,23 @@ static void put_board(struct ttf_json *j, const struct ttf_board *board)
     ttf_json_object_end(j);
 }
 
-int check_board(const char *yaml, size_t bytes, char **ret_json, struct ttf_err *err)
+int check_board(const char *yaml, size_t bytes, const char *name, char **ret_json,
+                struct ttf_err *err)
 {
     struct ttf_board *board = malloc(sizeof *board);
     struct ttf_err wrong = {0};
     struct ttf_json j;
     int r = board ? ttf_board_parse("board", yaml, bytes, NULL, 0, board, &wrong) : -ENOMEM;
 
-    if (r == -ENOMEM) {
+    if (r == 0 && name && strcmp(name, board->name) != 0)
+        r = ttf_err_set(&wrong, -EINVAL, "board", "it calls itself '%s', not '%s'", board->name,
+                        name);
+    if (r == -ENOMEM || (r < 0 && name)) {
         free(board);
-        return ttf_err_set(err, r, NULL, "no memory");
+        if (r == -ENOMEM)
+            return ttf_err_set(err, r, NULL, "no memory");
+        *err = wrong;
+        return err->code = -EINVAL;
     }
     ttf_json_init(&j, false);
     ttf_json_object(&j);

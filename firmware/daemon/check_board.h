@@ -8,7 +8,11 @@
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
 
-/* Findings, and what the description says, as JSON, by malloc. Fails only where that cannot be said. */
-TTF_MUST_USE int check_board(const char *yaml, size_t bytes, char **ret_json, struct ttf_err *err);
+/*
+ * Findings, and what the description says, as JSON, by malloc. Without a name it fails only where that cannot be said; with one also,
+ * -EINVAL, where the description would not do or calls itself otherwise: *err says why.
+ */
+TTF_MUST_USE int check_board(const char *yaml, size_t bytes, const char *name, char **ret_json,
+                             struct ttf_err *err);
 
 #endif

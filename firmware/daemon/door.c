@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "boards.h"
 #include "check.h"
 #include "check_board.h"
 #include "library.h"
@@ -64,20 +65,39 @@ static int door_devices(struct ttf_http_box *box, char **ret_json, struct ttf_er
 
 static int door_boards(struct ttf_http_box *box, char **ret_json, struct ttf_err *err)
 {
-    return library_boards(of(box), ret_json, err);
+    return boards_list(of(box), ret_json, err);
 }
 
 static int door_board(struct ttf_http_box *box, const char *name, const char *plan, char **ret_yaml,
                       struct ttf_err *err)
 {
-    return library_board(of(box), name, plan, ret_yaml, err);
+    return boards_show(of(box), name, plan, ret_yaml, err);
 }
 
 static int door_board_check(struct ttf_http_box *box, const char *yaml, size_t bytes,
                             char **ret_json, struct ttf_err *err)
 {
     (void)box; /* the text alone is looked at */
-    return check_board(yaml, bytes, ret_json, err);
+    return check_board(yaml, bytes, NULL, ret_json, err);
+}
+
+static int door_board_put(struct ttf_http_box *box, const char *name, const char *yaml,
+                          size_t bytes, char **ret_json, struct ttf_err *err)
+{
+    int r = boards_put(of(box), name, yaml, bytes, ret_json, err);
+
+    if (r == 0)
+        log_line(LOG_LEVEL_NOTICE, "board", "sent=\"%s\"", name);
+    return r;
+}
+
+static int door_board_delete(struct ttf_http_box *box, const char *name, struct ttf_err *err)
+{
+    int r = boards_delete(of(box), name, err);
+
+    if (r == 0)
+        log_line(LOG_LEVEL_NOTICE, "board", "deleted=\"%s\"", name);
+    return r;
 }
 
 static int door_plans(struct ttf_http_box *box, char **ret_json, struct ttf_err *err)
@@ -374,6 +394,8 @@ const struct ttf_http_box_ops DOOR_OPS = {
     .boards = door_boards,
     .board = door_board,
     .board_check = door_board_check,
+    .board_put = door_board_put,
+    .board_delete = door_board_delete,
     .plans = door_plans,
     .plan = door_plan,
     .plan_check = door_plan_check,

@@ -10,6 +10,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "announce.h"
 #include "devices.h"
 #include "follow.h"
 #include "log.h"
@@ -36,6 +37,7 @@ struct keeper {
     struct preview_watch preview;
     struct ttf_http_server *server;
     struct sockets sockets;
+    struct announce announce;
     bool complained; /* that there is no server */
     int64_t again_ns, look_ns, save_ns, tick_ns, preview_ns, follow_ns;
 };
@@ -100,6 +102,7 @@ static void open_sockets(struct keeper *k, int64_t now_ns)
         make_server_some_time(k, now_ns);
     if (k->server)
         sockets_look(&k->sockets, k->server);
+    announce_follow(&k->announce, &k->sockets, now_ns);
 }
 
 /* What was decided and the disk did not take, until it does; and what it did not give. */
@@ -223,6 +226,7 @@ static void *keep(void *ctx)
         if (daemon_told_to_end(k->d)) /* nor does a step of a calibration keep the end waiting */
             __atomic_store_n(&k->d->view_stop, 1, __ATOMIC_SEQ_CST);
         open_sockets(k, now_ns);
+        announce_hear(&k->announce, now_ns);
         keep_orders(k, now_ns);
         follow_records(k, now_ns);
         empty_mailbox(k);
@@ -249,6 +253,7 @@ int keeper_start(struct daemon *d, struct keeper **ret, struct ttf_err *err)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     k->d = d;
     sockets_init(&k->sockets, &d->config, ttf_http_address_of, NULL);
+    announce_init(&k->announce, d->serial);
     r = -pthread_create(&k->thread, NULL, keep, k);
     if (r < 0) {
         free(k);
@@ -265,6 +270,7 @@ void keeper_stop(struct keeper *k)
     __atomic_store_n(&k->stop, 1, __ATOMIC_RELAXED);
     (void)pthread_join(k->thread, NULL);
     empty_mailbox(k);
+    announce_end(&k->announce);
     ttf_http_server_destroy(k->server);
     free(k);
 }

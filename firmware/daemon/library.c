@@ -7,77 +7,11 @@
 #include <string.h>
 
 #include "check.h"
+#include "listing.h"
 #include "ttf/config/plan_file.h"
 #include "ttf/dataset/reader.h"
 
-#define PLANS_MAX  256
-#define BOARDS_MAX 128
-#define TEXT_MAX   ((size_t)256 * 1024)
-#define SUFFIX     ".yaml"
-
-struct names {
-    char (*name)[65];
-    unsigned n, max;
-    bool folders; /* else files that end in SUFFIX, without it */
-};
-
-static int by_name(const void *a, const void *b)
-{
-    return strcmp(a, b);
-}
-
-static bool is_name(const char *name)
-{
-    return *name != '.' && *name &&
-           strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-") ==
-               strlen(name);
-}
-
-static int take(void *ctx, const char *name, bool is_dir)
-{
-    struct names *names = ctx;
-    size_t n = strlen(name), end = sizeof SUFFIX - 1;
-    char text[65];
-
-    if (is_dir != names->folders || names->n == names->max)
-        return 0;
-    if (!names->folders) {
-        if (n <= end || strcmp(name + n - end, SUFFIX) != 0 || strcmp(name, "board.yaml") == 0)
-            return 0;
-        n -= end;
-    }
-    if (n >= sizeof text)
-        return 0;
-    memcpy(text, name, n);
-    text[n] = '\0';
-    if (is_name(text))
-        memcpy(names->name[names->n++], text, sizeof text);
-    return 0;
-}
-
-/* Names in a folder, in order; of one that is not there: none. */
-static int list(struct ttf_io *io, const char *folder, unsigned max, bool folders,
-                struct names *ret)
-{
-    int r;
-
-    *ret = (struct names){.name = calloc(max, sizeof *ret->name), .max = max, .folders = folders};
-    if (!ret->name)
-        return -ENOMEM;
-    r = io->ops->list(io, folder, take, ret);
-    if (r == -ENOENT)
-        r = 0;
-    qsort(ret->name, ret->n, sizeof *ret->name, by_name);
-    return r;
-}
-
-static int finish(struct ttf_json *json, int r, char **ret, struct ttf_err *err)
-{
-    if (r == 0)
-        return daemon_give(json, ret, err);
-    ttf_json_free(json);
-    return ttf_err_set(err, r, NULL, "%s", strerrordesc_np(-r));
-}
+#define SUFFIX LISTING_SUFFIX
 
 /* ---- plans ---- */
 
@@ -135,12 +69,12 @@ static void put_plan(struct daemon *d, const char *name, struct ttf_json *json)
 int library_plans(struct daemon *d, char **ret_json, struct ttf_err *err)
 {
     char folder[600], own[65];
-    struct names names;
+    struct listing names;
     struct ttf_json json;
     int r;
 
     (void)snprintf(folder, sizeof folder, "%s/plans", d->config.state);
-    r = list(d->io, folder, PLANS_MAX, false, &names);
+    r = listing_read(d->io, folder, LISTING_PLANS_MAX, false, &names);
     ttf_json_init(&json, false);
     ttf_json_object(&json);
     ttf_json_key(&json, "plans");
@@ -153,23 +87,14 @@ int library_plans(struct daemon *d, char **ret_json, struct ttf_err *err)
     ttf_json_array_end(&json);
     ttf_json_object_end(&json);
     free(names.name);
-    return finish(&json, r, ret_json, err);
-}
-
-static int read_text(struct daemon *d, const char *path, const char *what, char **ret,
-                     struct ttf_err *err)
-{
-    size_t bytes;
-    int r = ttf_io_slurp(d->io, path, TEXT_MAX, ret, &bytes, err);
-
-    return r == -ENOENT ? ttf_err_set(err, r, NULL, "there is no %s of this name", what) : r;
+    return listing_give(&json, r, ret_json, err);
 }
 
 int library_plan(struct daemon *d, const char *name, char **ret_yaml, struct ttf_err *err)
 {
     char path[640];
 
-    return read_text(d, path_of(d, name, path), "plan", ret_yaml, err);
+    return listing_text(d->io, path_of(d, name, path), "plan", ret_yaml, err);
 }
 
 /* Is this text one of the plans that were given to the dataset? */
@@ -185,7 +110,7 @@ static bool is_of_plan(struct daemon *d, const char *folder, const char *yaml)
         if (d->io->ops->stat(d->io, path, &st) < 0)
             break;
         (void)snprintf(path, sizeof path, "%s/plans/%u.yaml", folder, n);
-        if (read_text(d, path, "plan", &text, NULL) == 0)
+        if (listing_text(d->io, path, "plan", &text, NULL) == 0)
             same = strcmp(text, yaml) == 0;
         free(text);
     }
@@ -256,102 +181,4 @@ int library_delete(struct daemon *d, const char *name, struct ttf_err *err)
     return r < 0 ? ttf_err_set(err, r, NULL, "%s",
                                r == -ENOENT ? "there is no plan of this name" : strerrordesc_np(-r))
                  : 0;
-}
-
-/* ---- boards ---- */
-
-/* The folder of a board of this name; false: there is none. */
-static bool find_board(struct daemon *d, const char *name, char ret[600])
-{
-    char path[640];
-    struct ttf_io_stat st;
-
-    if (strcmp(name, d->board.name) == 0) {
-        const char *slash = strrchr(d->board.path, '/');
-
-        (void)snprintf(ret, 600, "%.*s", slash ? (int)(slash - d->board.path) : 1,
-                       slash ? d->board.path : ".");
-        return true;
-    }
-    for (const char *const *folder = ttf_daemon_board_folders(); *folder; folder++) {
-        (void)snprintf(path, sizeof path, "%s/%s/board.yaml", *folder, name);
-        if (d->io->ops->stat(d->io, path, &st) < 0 || !st.is_regular)
-            continue;
-        (void)snprintf(ret, 600, "%s/%s", *folder, name);
-        return true;
-    }
-    return false;
-}
-
-int library_board(struct daemon *d, const char *name, const char *plan, char **ret_yaml,
-                  struct ttf_err *err)
-{
-    char folder[600], path[700];
-
-    if (!find_board(d, name, folder))
-        return ttf_err_set(err, -ENOENT, NULL, "there is no board of this name");
-    if (!plan && strcmp(name, d->board.name) == 0)
-        return read_text(d, d->board.path, "board", ret_yaml, err);
-    (void)snprintf(path, sizeof path, "%s/%s%s" SUFFIX, folder, plan ? "plans/" : "",
-                   plan ? plan : "board");
-    return read_text(d, path, plan ? "plan" : "board", ret_yaml, err);
-}
-
-/* Does this file read as a plan? */
-static bool is_plan(const char *folder, const char *name)
-{
-    struct ttf_plan_file *file = NULL;
-    char path[700];
-    bool is;
-
-    (void)snprintf(path, sizeof path, "%s/%s" SUFFIX, folder, name);
-    is = ttf_plan_file_load(path, &file, NULL) == 0;
-    ttf_plan_file_free(file);
-    return is;
-}
-
-static void put_board(struct daemon *d, const char *name, struct ttf_json *json)
-{
-    char folder[600], plans[620];
-    struct names names = {0};
-
-    if (!find_board(d, name, folder))
-        return;
-    (void)snprintf(plans, sizeof plans, "%s/plans", folder);
-    ttf_json_object(json);
-    ttf_json_kstring(json, "name", name);
-    ttf_json_key(json, "plans");
-    ttf_json_array(json);
-    if (list(d->io, plans, PLANS_MAX, false, &names) == 0)
-        for (unsigned i = 0; i < names.n; i++)
-            if (is_plan(plans, names.name[i]))
-                ttf_json_string(json, names.name[i]);
-    ttf_json_array_end(json);
-    ttf_json_object_end(json);
-    free(names.name);
-}
-
-int library_boards(struct daemon *d, char **ret_json, struct ttf_err *err)
-{
-    struct ttf_json json;
-    int r = 0;
-
-    ttf_json_init(&json, false);
-    ttf_json_object(&json);
-    ttf_json_kstring(&json, "own", d->board.name);
-    ttf_json_key(&json, "boards");
-    ttf_json_array(&json);
-    put_board(d, d->board.name, &json);
-    for (const char *const *folder = ttf_daemon_board_folders(); *folder && r == 0; folder++) {
-        struct names names;
-
-        r = list(d->io, *folder, BOARDS_MAX, true, &names);
-        for (unsigned i = 0; r == 0 && i < names.n; i++)
-            if (strcmp(names.name[i], d->board.name) != 0)
-                put_board(d, names.name[i], &json);
-        free(names.name);
-    }
-    ttf_json_array_end(&json);
-    ttf_json_object_end(&json);
-    return finish(&json, r, ret_json, err);
 }

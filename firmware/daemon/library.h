@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* library.h: plans that were put in place, and boards with theirs. Names are those of files without ".yaml", and checked. Any thread. */
+/* library.h: plans that were put in place. Names are those of files without ".yaml", and checked. Any thread. */
 #ifndef DAEMON_LIBRARY_H
 #define DAEMON_LIBRARY_H
 
@@ -7,15 +7,10 @@
 
 /* As JSON (openapi.yaml); by malloc. */
 TTF_MUST_USE int library_plans(struct daemon *d, char **ret_json, struct ttf_err *err);
-TTF_MUST_USE int library_boards(struct daemon *d, char **ret_json, struct ttf_err *err);
 
 /* A plan's text, by malloc. -ENOENT. */
 TTF_MUST_USE int library_plan(struct daemon *d, const char *name, char **ret_yaml,
                               struct ttf_err *err);
-/* A board's description, or with a name that of one of its plans. -ENOENT. */
-TTF_MUST_USE int library_board(struct daemon *d, const char *name, const char *plan,
-                               char **ret_yaml, struct ttf_err *err);
-
 /* -EPERM: it is the configuration's own; -ENOENT; errors of the disk. */
 TTF_MUST_USE int library_put(struct daemon *d, const char *name, const char *yaml, size_t bytes,
                              struct ttf_err *err);

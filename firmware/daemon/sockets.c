@@ -10,7 +10,10 @@
 void sockets_init(struct sockets *s, const struct ttf_daemon_config *config,
                   ttf_http_address_fn *address_of, void *ctx)
 {
-    *s = (struct sockets){.address_of = address_of, .ctx = ctx, .n = config->n_listen};
+    *s = (struct sockets){.address_of = address_of,
+                          .ctx = ctx,
+                          .as_ever = config->listen_as_ever,
+                          .n = config->n_listen};
     for (unsigned i = 0; i < s->n; i++)
         s->places[i] = (struct socket_place){.text = config->listen[i], .fd = -1};
 }
@@ -53,6 +56,12 @@ static int open_place(struct socket_place *place, const char *at, struct ttf_htt
     return 0;
 }
 
+/* There is no such interface, or it has no address yet. */
+static bool is_away(int r)
+{
+    return r == -ENODEV || r == -EADDRNOTAVAIL;
+}
+
 static void look(struct sockets *s, struct socket_place *place, struct ttf_http_server *server)
 {
     char at[TTF_HTTP_WHERE_SIZE], text[900], quoted[1000];
@@ -62,8 +71,10 @@ static void look(struct sockets *s, struct socket_place *place, struct ttf_http_
     if (r == 0 && place->fd >= 0 && strcmp(at, place->at) == 0)
         return;
     /* What nobody could be asked about stays as it is. */
-    if (r == 0 || r == -ENODEV || r == -EADDRNOTAVAIL)
+    if (r == 0 || is_away(r))
         leave(place, server);
+    if (is_away(r) && s->as_ever)
+        return;
     if (r == 0)
         r = open_place(place, at, server, &err);
     if (r < 0 && place->fd < 0 && !place->complained) {

@@ -23,6 +23,7 @@ struct socket_place {
 struct sockets {
     ttf_http_address_fn *address_of;
     void *ctx;
+    bool as_ever; /* nobody asked for an interface that is not there */
     unsigned n;
     struct socket_place places[TTF_DAEMON_LISTEN_MAX];
 };

@@ -80,10 +80,11 @@ static void put(struct MHD_Response *response, const char *name, const char *val
     (void)MHD_add_response_header(response, name, value);
 }
 
-/* What every answer has. */
+/* What every answer has. type: NULL of one without a body. */
 static void put_common(struct MHD_Response *response, const char *type, bool page)
 {
-    put(response, "Content-Type", type);
+    if (type)
+        put(response, "Content-Type", type);
     put(response, "Cache-Control", "private, no-cache");
     put(response, "X-Content-Type-Options", "nosniff");
     put(response, "Cross-Origin-Resource-Policy", "same-origin");

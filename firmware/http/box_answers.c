@@ -35,6 +35,29 @@ static int named(struct ttf_http_request *request, const char *name)
                : ttf_err_set(&request->err, -ENOENT, NULL, "there is nothing of this name here");
 }
 
+/* The body, a text, under the name in the path; the door says what is in it. */
+static int put_text(struct ttf_http_request *request,
+                    int (*put)(struct ttf_http_box *box, const char *name, const char *yaml,
+                               size_t bytes, char **ret_json, struct ttf_err *err),
+                    struct ttf_http_answer *ret)
+{
+    char *json = NULL;
+    int r = put(request->box, request->match->name, request->body, request->body_bytes, &json,
+                &request->err);
+
+    return box_give(ret, r, json);
+}
+
+/* What is of the name in the path. */
+static int take_away(struct ttf_http_request *request,
+                     int (*remove)(struct ttf_http_box *box, const char *name, struct ttf_err *err),
+                     struct ttf_http_answer *ret)
+{
+    int r = remove(request->box, request->match->name, &request->err);
+
+    return r < 0 ? r : answer_done(request, ret);
+}
+
 /* ---- reading ---- */
 
 static int status_of_none(struct ttf_http_request *request, struct ttf_http_answer *ret)
@@ -117,6 +140,20 @@ int box_board_check(struct ttf_http_request *request, struct ttf_http_answer *re
     return box_give(ret, r, json);
 }
 
+int box_board_put(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    int r = named(request, request->match->name);
+
+    return r < 0 ? r : put_text(request, OPS(request)->board_put, ret);
+}
+
+int box_board_delete(struct ttf_http_request *request, struct ttf_http_answer *ret)
+{
+    int r = named(request, request->match->name);
+
+    return r < 0 ? r : take_away(request, OPS(request)->board_delete, ret);
+}
+
 /* ---- plans ---- */
 
 int box_plans(struct ttf_http_request *request, struct ttf_http_answer *ret)
@@ -156,23 +193,16 @@ int box_plan_check(struct ttf_http_request *request, struct ttf_http_answer *ret
 
 int box_plan_put(struct ttf_http_request *request, struct ttf_http_answer *ret)
 {
-    char *json = NULL;
     int r = named(request, request->match->name);
 
-    if (r < 0)
-        return r;
-    r = OPS(request)->plan_put(request->box, request->match->name, request->body,
-                               request->body_bytes, &json, &request->err);
-    return box_give(ret, r, json);
+    return r < 0 ? r : put_text(request, OPS(request)->plan_put, ret);
 }
 
 int box_plan_delete(struct ttf_http_request *request, struct ttf_http_answer *ret)
 {
     int r = named(request, request->match->name);
 
-    if (r == 0)
-        r = OPS(request)->plan_delete(request->box, request->match->name, &request->err);
-    return r < 0 ? r : answer_done(request, ret);
+    return r < 0 ? r : take_away(request, OPS(request)->plan_delete, ret);
 }
 
 int box_time(struct ttf_http_request *request, struct ttf_http_answer *ret)
@@ -233,7 +263,5 @@ int box_calibration_delete(struct ttf_http_request *request, struct ttf_http_ans
 {
     int r = named(request, request->match->name);
 
-    if (r == 0)
-        r = OPS(request)->calibration_delete(request->box, request->match->name, &request->err);
-    return r < 0 ? r : answer_done(request, ret);
+    return r < 0 ? r : take_away(request, OPS(request)->calibration_delete, ret);
 }

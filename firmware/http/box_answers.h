@@ -13,6 +13,8 @@ int box_board_plan(struct ttf_http_request *request, struct ttf_http_answer *ret
 int box_plans(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_plan(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_board_check(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_board_put(struct ttf_http_request *request, struct ttf_http_answer *ret);
+int box_board_delete(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_plan_check(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_plan_put(struct ttf_http_request *request, struct ttf_http_answer *ret);
 int box_plan_delete(struct ttf_http_request *request, struct ttf_http_answer *ret);

@@ -310,6 +310,10 @@ static void handle(struct call *call)
     if (!gives->tagged)
         call->answer.etag[0] = '\0';
     call->answer.ranges = call->answer.ranges && gives->ranges;
+    if (call->answer.none && gives->none) {
+        call->answer.status = MHD_HTTP_NO_CONTENT;
+        call->answer.type = NULL;
+    }
     /* What the disk refuses is no wrong token: that is told of the session's body alone. */
     if (call->r == -EACCES && !brings_token(call)) {
         call->r = -EIO;

@@ -48,6 +48,8 @@ const struct ttf_http_gives GIVES_VIDEO = {
 const struct ttf_http_gives GIVES_YAML = {.types = ALL_OF("application/yaml"), .status = 200};
 const struct ttf_http_gives GIVES_JPEG = {
     .types = ALL_OF("image/jpeg"), .status = 200, .tagged = true};
+const struct ttf_http_gives GIVES_THUMB = {
+    .types = ALL_OF("image/jpeg"), .status = 200, .none = true, .tagged = true};
 const struct ttf_http_gives GIVES_LIVE = {
     .types = ALL_OF("image/jpeg"), .status = 200, .tagged = true, .query = LIVE_QUERY};
 const struct ttf_http_gives GIVES_EVENTS = {

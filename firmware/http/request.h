@@ -62,10 +62,11 @@ struct ttf_http_answer {
     const char *type;                /* static */
     bool page;                       /* the page's own scripts may run in it */
     bool ranges;                     /* parts may be asked for */
-    char etag[80];                   /* without quotes; empty: none */
-    char sha256[65];                 /* hex, of the whole entity as recorded; empty: not known */
-    char file_name[80];              /* to be saved under; empty: to be shown */
-    unsigned n_headers;              /* further ones */
+    bool none;          /* it is there, and there is nothing to give: of a route that says so */
+    char etag[80];      /* without quotes; empty: none */
+    char sha256[65];    /* hex, of the whole entity as recorded; empty: not known */
+    char file_name[80]; /* to be saved under; empty: to be shown */
+    unsigned n_headers; /* further ones */
     struct {
         const char *name; /* static */
         char value[256];

@@ -197,7 +197,7 @@ static bool read_index(const char *text, int64_t *ret)
     return true;
 }
 
-/* -ENOENT: no such slot, or it has no image; -EAGAIN: that is not known yet. */
+/* wanted->of stays empty: the slot has no image. -ENOENT: there is no such slot; -EAGAIN: that is not known yet. */
 static int find_file(struct ttf_http_request *request, const char *folder, int64_t index,
                      struct wanted *wanted)
 {
@@ -222,8 +222,6 @@ static int find_file(struct ttf_http_request *request, const char *folder, int64
         return ttf_err_set(&request->err, -ENOENT, request->match->path, "there is no such slot");
     (void)snprintf(path, sizeof path, "%s/records.jsonl", folder);
     r = ttf_growth_read(request->io, path, &at, 1, take_slot, wanted, &request->err);
-    if (r >= 0 && !*wanted->of)
-        return ttf_err_set(&request->err, -ENOENT, request->match->path, "this slot has no image");
     return r < 0 ? r : 0;
 }
 
@@ -304,7 +302,11 @@ int thumbs_answer(struct ttf_http_request *request, struct ttf_http_answer *ret)
         wanted.stream = primary ? primary->id : "";
         r = find_file(request, folder, index, &wanted);
     }
-    if (r == 0 && !give_preview(request, index, wanted.of, ret)) {
+    if (r == 0 && !*wanted.of) { /* nothing is wrong: it was missed */
+        ret->fixed = "";
+        ret->bytes = 0;
+        ret->none = true;
+    } else if (r == 0 && !give_preview(request, index, wanted.of, ret)) {
         r = make(request, folder, manifest, &wanted, ret);
         (void)snprintf(ret->etag, sizeof ret->etag, "%.60s-t%d", wanted.file.sha256, SIDE);
     }

@@ -40,7 +40,14 @@ const called = ({ what, name, stream, bracket }) => name || [stream, bracket !==
 function place(title) {
   const drawn = h("div"), scroll = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `${title} as a table` });
   const details = h("details", { ontoggle: () => table() }, h("summary", {}, "As a table"), scroll), figure = h("figure", { class: "plot" }, h("figcaption", {}, title), drawn, details);
-  let rows = null;
+  let rows = null, plotted = null, wide = 0;
+  function plot() {
+    wide = drawn.clientWidth;
+    fill(drawn);
+    globalThis.ttfPlot.lines(drawn, plotted);
+  }
+  /* A phone that is turned: letters keep their size, and do not grow and shrink with the lines. */
+  new ResizeObserver(() => requestAnimationFrame(() => plotted && drawn.clientWidth > 0 && Math.abs(drawn.clientWidth - wide) > 8 && plot())).observe(drawn);
   function table() {
     if (!details.open || !rows)
       return;
@@ -50,8 +57,8 @@ function place(title) {
     scroll.scrollTo(left, top);
   }
   return { figure, draw(of) {
-    fill(drawn);
-    globalThis.ttfPlot.lines(drawn, of);
+    plotted = of;
+    plot();
     rows = { times_s: of.times_s, series: of.all, most: 300, text: of.text };
     table();
   } };

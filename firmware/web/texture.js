@@ -30,10 +30,10 @@ export function texture(parent, name) {
   async function picture(path) {
     for (let tries = 0; ; tries++) {
       const answer = await fetch(`/api/v1/datasets/${name}/${path}`, { credentials: "same-origin" });
+      if (answer.status === 204 || answer.status === 404)
+        return null;
       if (answer.ok)
         return answer.blob();
-      if (answer.status === 404)
-        return null;
       if (answer.status !== 503 || tries > 20)
         throw new Error(`the box answered ${answer.status}`);
       await new Promise((go) => setTimeout(go, 1000));

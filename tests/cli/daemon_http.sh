@@ -97,7 +97,7 @@ is change true
 get "$URL/session" 200
 is read false
 
-# ---- boards: those that are there, with the plans in the folder beside them; checked, and never put in place ----
+# ---- boards: those that are there, with the plans in the folder beside them; checked; sent, kept, and never put in force ----
 mkdir -p boards/another/plans
 sed 's/^board: .*/board: another/' box.yaml >boards/another/board.yaml
 plan boards/another/plans/example.yaml 'interval: 500ms' 'count: 9' 'shot: {exposure: 10ms}'
@@ -127,7 +127,38 @@ json_of wrong.yaml "$URL/boards/check" 200
 is ok false
 json findings.0.where | grep -q '^board:[0-9]*:' || fail "it does not say where: $(cat out)"
 get "$URL/boards/check" 401 -H 'Content-Type: application/yaml' --data-binary @wrong.yaml
-json_of "$SOURCE/boards/rpi4/board.yaml" "$URL/boards/rpi4" 405 -X PUT
+sed 's/^board: .*/board: mine/' box.yaml >mine.yaml
+json_of mine.yaml "$URL/boards/mine" 200 -X PUT
+is board.name mine
+get "$URL/boards/mine" 200 "${ME[@]}"
+cmp -s out mine.yaml || fail "the board that was sent is another"
+get "$URL/boards/mine/plans/example" 404 "${ME[@]}"
+get "$URL/boards" 200 "${ME[@]}"
+"$PYTHON" - out <<'END' || fail "the boards: $(cat out)"
+import json, sys
+told = json.load(open(sys.argv[1], encoding="utf-8"))
+boards = {b["name"]: b["sent"] for b in told["boards"]}
+assert told["own"] == "bench" and boards["mine"] and not boards["bench"] and not boards["another"], told
+END
+json_of mine.yaml "$URL/boards/mine" 409 -X PUT # what lies there stays what it is
+json_of mine.yaml "$URL/boards/other" 400 -X PUT
+said out "calls itself 'mine'"
+json_of wrong.yaml "$URL/boards/rpi5" 400 -X PUT
+for name in bench another; do # in place of the box's own limits, or of those that came with it
+    sed "s/^board: .*/board: $name/; s/left: {backend: sim/left: {backend: sim, max_on: 9h/" box.yaml >theirs.yaml
+    json_of theirs.yaml "$URL/boards/$name" 403 -X PUT
+    get "$URL/boards/$name" 403 "${ME[@]}" -X DELETE
+done
+json_of mine.yaml "$URL/boards/..%2f..%2fmine" 404 -X PUT --path-as-is
+get "$URL/boards/mine" 401 -X DELETE
+cp ttfboxd.yaml kept.yaml
+sed 's|^board: .*|board: data/.ttfbox/boards/mine.yaml|' kept.yaml >ttfboxd.yaml
+expect 0 "$DAEMON" --config ttfboxd.yaml --check
+get "$URL/boards/mine" 403 "${ME[@]}" -X DELETE # somebody at the box has decided for it: at the next start it holds
+cp kept.yaml ttfboxd.yaml
+get "$URL/boards/mine" 200 "${ME[@]}" -X DELETE
+get "$URL/boards/mine" 404 "${ME[@]}"
+get "$URL/boards/mine" 404 "${ME[@]}" -X DELETE
 
 # ---- plans: checked before they are in place ----
 plan first.yaml 'interval: 500ms' 'count: 900' 'lamps: {mode: continuous}' 'shot: {exposure: 10ms, lamps: {left: 100%}}' 'keep: both' 'reserve: 0B'

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# ttfboxd listens at a network interface that comes late, gets another address, and is made anew, while it captures: in a network of its own.
+# ttfboxd listens at a network interface that comes late, gets another address, and is made anew, while it captures, and answers to its name
+# there: in a network of its own, with a PC in another one at the other end.
 if [ -z "${IN_NETWORK:-}" ]; then
     if ! unshare -rn ip link add usb0 type veth peer name pc0 2>/dev/null; then
         echo "no network of its own can be made here (unshare -rn, ip, veth)"
@@ -22,15 +23,34 @@ plan grass.yaml 'interval: 500ms' 'count: 900' 'shot: {exposure: 10ms}' 'keep: r
 plug() { # ADDRESS
     ip link add usb0 type veth peer name pc0
     ip link set usb0 up
-    ip link set pc0 up
     ip addr add "$1/24" dev usb0
+    ip link set pc0 netns "$pc"
+    at_pc ip link set pc0 up
+    at_pc ip addr add 10.9.0.9/24 dev pc0
+}
+at_pc() { nsenter -t "$pc" -n "$@"; }
+named() { # ADDRESS: a PC that asks all for the box's name is told this one, from it
+    local got
+    for _ in $(seq 40); do
+        got=$(at_pc "$PYTHON" "$HERE/ask_name.py" 10.9.0.9 "ttfbox-$SERIAL.local")
+        [ "$got" = "$1 from $1" ] && return 0
+        sleep 0.25
+    done
+    fail "ttfbox-$SERIAL.local is '$got', not $1: $(cat log)"
 }
 there() { # ADDRESS
     get "http://$1:8417/api/v1/status" 200 -H "Authorization: Bearer $TOKEN"
     is state capturing
 }
 
+unshare -n sleep 600 & # the PC
+pc=$!
+for _ in $(seq 100); do
+    [ "$(readlink /proc/$pc/ns/net)" != "$(readlink /proc/$$/ns/net)" ] && break
+    sleep 0.05
+done
 ip link set lo up
+ip link del usb0
 begin_daemon
 heard 'listening at="127.0.0.1:8417"'
 heard 'unreachable at="usb0:8417"'
@@ -42,6 +62,14 @@ listener=$!
 plug 10.9.0.1
 heard 'listening at="10.9.0.1:8417" for="usb0:8417"'
 there 10.9.0.1
+SERIAL=$(json serial)
+heard "named name=\"ttfbox-$SERIAL.local\" at=\"10.9.0.1\" for=\"usb0\""
+named 10.9.0.1
+[ -z "$(at_pc "$PYTHON" "$HERE/ask_name.py" 10.9.0.9 ttfbox-nobody.local)" ] || fail "it answers to others' names"
+[ "$(at_pc "$PYTHON" "$HERE/ask_name.py" 10.9.0.9 "ttfbox-$SERIAL.local" plain)" = "10.9.0.1 from 10.9.0.1" ] || fail "plain DNS is not answered"
+at_pc "$PYTHON" "$HERE/ask_name.py" 10.9.0.9 "ttfbox-$SERIAL.local" noise || fail "it does not answer after noise"
+code=$(at_pc curl -sS -o out -w '%{http_code}' --resolve "ttfbox-$SERIAL.local:8417:10.9.0.1" -H "Authorization: Bearer $TOKEN" "http://ttfbox-$SERIAL.local:8417/api/v1/status")
+[ "$code" = 200 ] || fail "by its name it is not reached: $code"
 
 ip addr add 10.9.0.2/24 dev usb0 # the first one holds until it goes
 ip addr del 10.9.0.1/24 dev usb0
@@ -49,6 +77,7 @@ ip addr replace 10.9.0.2/24 dev usb0
 heard 'listening at="10.9.0.2:8417" for="usb0:8417"'
 heard 'left at="10.9.0.1:8417"'
 there 10.9.0.2
+named 10.9.0.2
 
 # The gadget is taken down and set up anew: another interface of the same name.
 ip link del usb0
@@ -56,6 +85,7 @@ heard 'left at="10.9.0.2:8417"'
 plug 10.9.0.1
 heard 'listening at="10.9.0.1:8417" for="usb0:8417"' log 2
 there 10.9.0.1
+named 10.9.0.1
 there 127.0.0.1
 
 # Neither the run nor who listens by another address noticed.
@@ -74,3 +104,15 @@ bad = [r for r in slots if r["result"] != "captured"]
 assert not bad, bad
 assert told and told == list(range(told[0], slots[-1]["index"] + 1)), (told, len(slots))
 END
+
+# A configuration that says nothing of it: the cable's network too, where there is one, and not a word where there is none.
+printf 'board: ./box.yaml\ndata: data\n' >ttfboxd.yaml
+: >log
+begin_daemon
+heard 'listening at="10.9.0.1:8417" for="usb0:8417"'
+named 10.9.0.1
+ip link del usb0
+heard 'left at="10.9.0.1:8417"'
+sleep 2
+grep 'unreachable at="usb0' log && fail "it complains of a cable's network that nobody asked for"
+end_daemon

@@ -130,6 +130,14 @@ spiked = next(s for s in c["series"] if s["what"] == "mean_level")
 assert max(spiked["max"]) == 0.875, max(spiked["max"])
 CHECK
 
+# A slot that was missed has no picture, which is nothing wrong; one that there is not is.
+"$PYTHON" "$HERE/many_slots.py" data/grass data/gaps 40 --files --missed 3 || fail "they cannot be made"
+get "$URL/datasets/gaps/thumbs/16" 204
+[ ! -s out ] || fail "of none something is sent"
+grep -qiE '^(Content-Type|ETag):' headers && fail "none has a type, or a tag"
+get "$URL/datasets/gaps/thumbs/19" 200
+get "$URL/datasets/gaps/thumbs/40" 404
+
 # ---- at most eight archives at once; one that ends makes room ----
 "$PYTHON" - "${URL#http://}" <<'CHECK' || fail "archives are not bounded"
 import http.client, sys, time

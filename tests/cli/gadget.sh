@@ -190,6 +190,68 @@ for wrong in network 'network streams' printer 'streams network '; do
     [ ! -e "$WORK/of/config" ] || fail "of '$wrong' something was made"
 done
 
+# --- a PC that has not heard that it is connected: the box's end goes down and up until it is heard, and is left alone then
+expect 0 "$GADGET" --into "$WORK/watched" --serial 0007 compose
+end=$WORK/watched/net/usb0
+mkdir -p "$end/statistics" net
+echo usb0 >"$WORK/watched/config/usb_gadget/ttfbox/functions/ncm.usb0/ifname"
+cat >net/ip <<'END'
+#!/bin/sh
+# Down and up: connected once more; where UP_HELPS says so, the PC has heard it, and says something.
+echo "$*" >>"$TOLD"
+[ "$5" = up ] || exit 0
+echo $(($(cat "$NET/carrier_up_count") + 1)) >"$NET/carrier_up_count"
+[ "$(grep -c up "$TOLD")" -lt "$(cat "$NET/helps")" ] || echo $(($(cat "$NET/statistics/rx_packets") + 1)) >"$NET/statistics/rx_packets"
+END
+chmod +x net/ip
+export NET=$end
+connected() { # CARRIER TIMES PACKETS HELPS: how often it was connected, which of ups it hears
+    echo "$3" >"$end/statistics/rx_packets"
+    echo "$4" >"$end/helps"
+    echo "$2" >"$end/carrier_up_count"
+    echo "$1" >"$end/carrier"
+}
+ups() { # N: within 20 s so many times, and no more
+    for _ in $(seq 400); do
+        [ "$(grep -c up "$TOLD")" -ge "$1" ] && break
+        sleep 0.05
+    done
+    sleep 1
+    [ "$(grep -c up "$TOLD")" = "$1" ] || fail "up $(grep -c up "$TOLD") times, not $1"
+    [ "$(grep -c down "$TOLD")" = "$1" ] || fail "not as often down"
+}
+: >"$TOLD"
+connected 0 0 0 9
+PATH=$WORK/net:$PATH "$GADGET" --into "$WORK/watched" --every 0.02 watch 2>watching &
+watcher=$!
+ups 0           # nobody is connected
+connected 1 1 0 2
+ups 2           # heard after the second time
+grep -qx 'link set dev usb0 down' "$TOLD" || fail "not as ip is called: $(cat "$TOLD")"
+said watching 'nothing of it is heard: usb0 down and up'
+: >"$TOLD"
+echo 900 >"$end/statistics/rx_packets"
+ups 0           # who was heard may be silent
+connected 1 9 900 99
+ups 5           # plugged in anew, and its network is turned off
+rm -r "$end" # the gadget is taken away
+sleep 0.2
+kill -0 $watcher || fail "it has ended: $(cat watching)"
+kill $watcher
+: >"$TOLD"
+mkdir -p "$end/statistics"
+connected 1 1 900 99
+for n in $(seq 901 925); do # who talks by itself
+    echo "$n" >talked
+    mv talked "$end/statistics/rx_packets"
+    sleep 0.2
+done &
+PATH=$WORK/net:$PATH "$GADGET" --into "$WORK/watched" --every 1 watch 2>watching &
+watcher=$!
+sleep 5
+kill $watcher
+[ ! -s "$TOLD" ] || fail "one that talks is taken down: $(cat "$TOLD")"
+
 # --- a serial that would be something else on the bus, or in a path
 for serial in 'a b' '../x' "$(printf 'a\nb')" 'ä' 123456789012345678901234567890123; do
     expect 2 "$GADGET" --into "$in" --serial "$serial" compose

@@ -46,6 +46,16 @@ said err "refused:2: the run ended before it was heard"
 is sealed true
 is script_lines_not_done 2
 
+# ---- until an instant, with whatever interval ----
+printf '2 until 2026-03-01T08:05:00Z\n2 interval 30s\n' >until
+expect 0 "$TTFBOX" capture p.yaml "${TINY[@]}" -o until.d --script until --json
+is slots 9
+is sealed true
+grep -q '"type":"end".*"reason":"until"' until.d/records.jsonl || fail "the end does not say what ended it"
+echo "2 until tomorrow" >wrong
+expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other --script wrong
+said err "wrong:1"
+
 # ---- a stop is for once; a plan cannot end before what there is ----
 echo "4 stop" >stop
 expect 1 "$TTFBOX" capture p.yaml "${TINY[@]}" -o stops --script stop
@@ -84,6 +94,36 @@ read -r _ < gate
 expect 1 "$TTFBOX" note grass "too long"
 said err "another note is being written"
 kill $!
+
+# ---- samples, outside the seal ----
+expect 0 "$TTFBOX" sample grass A1 --region 0,0,48x32 --title "Lolium perenne"
+expect 0 "$TTFBOX" sample grass A1 --treatment "dry since 4"
+printf '\357\273\277id,species,x,y,width,height\r\nA2,"Poa, annua",48,0,48,32\r\n\r\nA3,,0,32,96,32\r\n' >pots.csv
+expect 0 "$TTFBOX" sample grass --table pots.csv --json
+is samples 2
+expect 0 "$TTFBOX" info grass
+said out "sample A1         48 x 32 at 0, 0, Lolium perenne, dry since 4"
+said out "sample A2         48 x 32 at 48, 0, Poa, annua"
+said out "sample A3         96 x 32 at 0, 32"
+expect 0 "$TTFBOX" sample grass A3 --remove
+expect 0 "$TTFBOX" verify grass
+expect 2 "$TTFBOX" sample grass
+expect 2 "$TTFBOX" sample grass A1
+expect 2 "$TTFBOX" sample grass A4 --title "a new one without a region"
+said err "needs a region"
+expect 2 "$TTFBOX" sample grass A4 --region 90,0,48x32
+said err "outside of the picture, which has 96 x 64 pixels"
+expect 2 "$TTFBOX" sample grass A4 --region 90,0,48
+expect 2 "$TTFBOX" sample grass A1 --remove --title x
+expect 2 "$TTFBOX" sample grass A1 --table pots.csv
+expect 2 "$TTFBOX" sample grass A9 --remove
+printf 'id,x,y,width,height\nB1,0,0,8,8\nB2,0,0,8,1e1\n' >pots.csv
+expect 2 "$TTFBOX" sample grass --table pots.csv
+said err "line 3"
+printf 'id,colour\nB1,red\n' >pots.csv
+expect 2 "$TTFBOX" sample grass --table pots.csv
+said err "no column 'colour'"
+[ "$(grep -c '"id"' grass/samples.json)" = 2 ] || fail "what was refused was written all the same"
 
 # ---- the second storage ----
 expect 0 "$TTFBOX" plan check p.yaml "${TINY[@]}" -o moved

@@ -5,14 +5,16 @@
 command -v systemd-analyze >/dev/null || { echo "skipped: no systemd-analyze here"; exit 77; }
 : "${UNITS:?the folder of units}" "${BIN:?the folder of programs}"
 
-for unit in ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-preview ttfbox-alertd; do
+for unit in ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-carrier ttfbox-preview ttfbox-alertd; do
     # Where they will be installed, nothing is yet.
-    sed "s|^ExecStart=[^ ]*/|ExecStart=$BIN/|" "$UNITS/$unit.service" >"$unit.service"
-    grep -qE "^ExecStart=$BIN/$unit( |$)" "$unit.service" || fail "$unit starts something else"
+    bin=$BIN program=$unit
+    [ $unit != ttfbox-carrier ] || { bin=$SOURCE/firmware/gadget; program='ttfbox-gadget watch'; }
+    sed "s|^ExecStart=[^ ]*/|ExecStart=$bin/|" "$UNITS/$unit.service" >"$unit.service"
+    grep -qE "^ExecStart=$bin/$program( |$)" "$unit.service" || fail "$unit starts something else"
     grep -q '^Restart=always' "$unit.service" || fail "$unit is not started again"
     grep -q '^StartLimitIntervalSec=0' "$unit.service" || fail "$unit is given up"
     # The clock asks /proc/sys for the boot's id: where that is hidden the service ends at once, for ever.
-    if grep -q '^ProcSubset=pid' "$unit.service" && grep -qa 'kernel/random/boot_id' "$BIN/$unit"; then
+    if grep -q '^ProcSubset=pid' "$unit.service" && grep -qa 'kernel/random/boot_id' "$bin/${program%% *}"; then
         fail "$unit is to tell the boot and cannot see /proc/sys"
     fi
 done
@@ -23,7 +25,7 @@ sed -i "s|=[+]*[^ ]*/ttfbox-gadget |=+$SOURCE/firmware/gadget/ttfbox-gadget |" t
 SYSTEMD_UNIT_PATH=$WORK: systemd-analyze verify --man=no ./ttfbox-gadget.service >out 2>&1 || fail "systemd does not like ttfbox-gadget"
 grep -E "ttfbox-gadget\.service" out && fail "systemd has something to say of ttfbox-gadget"
 systemd-analyze security --offline=true ./ttfbox-gadget.service 2>&1 | tail -n 1
-for unit in ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-preview ttfbox-alertd; do
+for unit in ttfboxd ttfbox-lampd ttfbox-usbd ttfbox-carrier ttfbox-preview ttfbox-alertd; do
     SYSTEMD_UNIT_PATH=$WORK: systemd-analyze verify --man=no "./$unit.service" >out 2>&1 ||
         fail "systemd does not like $unit"
     grep -E "$unit\.service" out && fail "systemd has something to say of $unit"
@@ -51,7 +53,9 @@ grep -qE 'ttfbox-gadget( .*)? unbind' "$UNITS/ttfbox-usbd.service" && fail "ttfb
 
 # A box's image has each of them on, as its board says (image_services.sh); the cable's where the board's port is a PC's device.
 "$TTFBOX" board show --board "$SOURCE/boards/rpi4" >shown || fail "no board says what it runs"
+grep -qx 'Wants=ttfbox-carrier.service' "$UNITS/ttfbox-usbd.service" || fail "nothing starts ttfbox-carrier"
 for unit in "$UNITS"/*.service; do
+    [ "$(basename "$unit")" != ttfbox-carrier.service ] || continue # the cable's wants it
     sed -n 's/^units //p' shown | tr ' ' '\n' | grep -qx "$(basename "$unit" .service)" ||
         fail "images leave $(basename "$unit") off"
     # The cable's service reads no settings.

@@ -32,10 +32,10 @@ struct asked {
 
 /* Everything that a writer does. */
 static const enum run_step fixed_run[] = {
-    RUN_CREATE,   RUN_SEGMENT,   RUN_CALIBRATE, RUN_SLOT_ONE,  RUN_EVENT,   RUN_NOTE,
-    RUN_SLOT_TWO, RUN_PLAN,      RUN_SEGMENT,   RUN_SLOT_PAIR, RUN_CORRECT, RUN_NOTE,
-    RUN_REOPEN,   RUN_SLOT_NONE, RUN_SLOT_ONE,  RUN_SEAL,      RUN_NOTE,    RUN_REOPEN,
-    RUN_SEGMENT,  RUN_SLOT_TWO,  RUN_EVENT,     RUN_SEAL,
+    RUN_CREATE, RUN_SEGMENT,  RUN_CALIBRATE, RUN_SLOT_ONE, RUN_EVENT,     RUN_NOTE,
+    RUN_SAMPLE, RUN_SLOT_TWO, RUN_PLAN,      RUN_SEGMENT,  RUN_SLOT_PAIR, RUN_CORRECT,
+    RUN_NOTE,   RUN_REOPEN,   RUN_SLOT_NONE, RUN_SLOT_ONE, RUN_SEAL,      RUN_NOTE,
+    RUN_SAMPLE, RUN_REOPEN,   RUN_SEGMENT,   RUN_SLOT_TWO, RUN_EVENT,     RUN_SEAL,
 };
 
 /* What every run does, short enough to be cut twice everywhere. */

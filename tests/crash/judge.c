@@ -9,6 +9,7 @@
 #include "slot_hash.h"
 #include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
+#include "ttf/dataset/samples.h"
 #include "ttf/dataset/verify.h"
 
 static bool starts(const char *text, const char *with)
@@ -156,6 +157,31 @@ static void look_notes(struct run *run)
     }
 }
 
+static void look_samples(struct run *run)
+{
+    const struct run_promise *promise = &run->promise;
+    struct ttf_sample_region *samples;
+    const struct ttf_sample_region *all;
+    unsigned n;
+
+    if (ttf_samples_read(disk_io(run->disk), RUN_PATH, &samples, &n, NULL) != 0) {
+        run_break(run, RUN_OTHER, "samples.json cannot be read");
+        return;
+    }
+    all = ttf_samples_find(samples, n, "all");
+    for (unsigned i = 0; i < promise->n_samples; i++) {
+        char id[16];
+
+        snprintf(id, sizeof(id), "s%u", i);
+        if (promise->samples[i] &&
+            (!ttf_samples_find(samples, n, id) || !all || strtoul(all->title, NULL, 10) < i))
+            run_break(run, RUN_LOST, "sample %u was acknowledged and is lost", i);
+    }
+    if (n > promise->n_samples + 1)
+        run_break(run, RUN_SHOWN, "there are %u samples, more than anybody named", n);
+    free(samples);
+}
+
 void judge_look(struct run *run, bool clean)
 {
     struct ttf_io *io = disk_io(run->disk);
@@ -183,6 +209,7 @@ void judge_look(struct run *run, bool clean)
     ttf_reader_close(reader);
     look_events(run);
     look_notes(run);
+    look_samples(run);
 }
 
 void judge_go_on(struct run *run, unsigned looks)

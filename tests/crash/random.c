@@ -73,9 +73,10 @@ static int run_step_comes(void *ctx, struct disk *disk, const char *op, const ch
 static enum run_step draw_step(struct draw *draw)
 {
     static const enum run_step steps[] = {
-        RUN_SEGMENT,  RUN_CORRECT,  RUN_PLAN,      RUN_CALIBRATE, RUN_SLOT_ONE,  RUN_SLOT_ONE,
-        RUN_SLOT_TWO, RUN_SLOT_TWO, RUN_SLOT_PAIR, RUN_SLOT_PAIR, RUN_SLOT_NONE, RUN_EVENT,
-        RUN_EVENT,    RUN_NOTE,     RUN_NOTE,      RUN_SEAL,      RUN_REOPEN,    RUN_ABANDON,
+        RUN_SEGMENT,   RUN_CORRECT,  RUN_PLAN,     RUN_CALIBRATE, RUN_SLOT_ONE,
+        RUN_SLOT_ONE,  RUN_SLOT_TWO, RUN_SLOT_TWO, RUN_SLOT_PAIR, RUN_SLOT_PAIR,
+        RUN_SLOT_NONE, RUN_EVENT,    RUN_EVENT,    RUN_NOTE,      RUN_NOTE,
+        RUN_SAMPLE,    RUN_SEAL,     RUN_REOPEN,   RUN_ABANDON,
     };
 
     return steps[draw_below(draw, sizeof(steps) / sizeof(steps[0]))];

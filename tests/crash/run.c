@@ -11,6 +11,7 @@
 #include "slot_hash.h"
 #include "ttf/dataset/hash.h"
 #include "ttf/dataset/notes.h"
+#include "ttf/dataset/samples.h"
 
 #define BIG_BYTES   700 /* over a sector's end */
 #define SMALL_BYTES 90
@@ -230,6 +231,26 @@ static int do_note(struct run *run)
     return r;
 }
 
+static int do_sample(struct run *run)
+{
+    static const struct ttf_sample_rect dot = {.width = 1, .height = 1};
+    struct run_promise *promise = &run->promise;
+    unsigned n = promise->n_samples;
+    char id[16], title[16];
+    const struct ttf_sample_change changes[] = {{.id = "all", .title = title, .region = &dot},
+                                                {.id = id, .region = &dot}};
+    int r;
+
+    if (n == RUN_SAMPLES_MAX)
+        return 0;
+    promise->n_samples++;
+    snprintf(id, sizeof(id), "s%u", n);
+    snprintf(title, sizeof(title), "%u", n);
+    r = ttf_samples_change(disk_io(run->disk), RUN_PATH, changes, 2, NULL);
+    promise->samples[n] = r == 0;
+    return r;
+}
+
 static int do_plan(struct run *run)
 {
     int r;
@@ -292,6 +313,8 @@ static int do_step(struct run *run, enum run_step step)
         return do_event(run);
     case RUN_NOTE:
         return do_note(run);
+    case RUN_SAMPLE:
+        return do_sample(run);
     case RUN_SEAL:
         run->promise.maybe_sealed = true;
         r = ttf_writer_seal(run->writer, "count", NULL, NULL);
@@ -312,12 +335,12 @@ static int do_step(struct run *run, enum run_step step)
 bool run_do(struct run *run, enum run_step step)
 {
     static const char *const names[RUN_STEP_COUNT] = {
-        "create", "segment", "correct", "plan", "calibrate", "slot",   "slot",
-        "slot",   "slot",    "event",   "note", "seal",      "reopen", "abandon"};
+        "create", "segment", "correct", "plan",   "calibrate", "slot",   "slot",   "slot",
+        "slot",   "event",   "note",    "sample", "seal",      "reopen", "abandon"};
     int r;
 
-    if (step != RUN_NOTE && step != RUN_SEAL && step != RUN_REOPEN && step != RUN_ABANDON &&
-        step != RUN_CREATE)
+    if (step != RUN_NOTE && step != RUN_SAMPLE && step != RUN_SEAL && step != RUN_REOPEN &&
+        step != RUN_ABANDON && step != RUN_CREATE)
         run->promise.sealed = false;
     r = do_step(run, step);
     if (r && !run->may_fail)

@@ -14,6 +14,7 @@
 #define RUN_SLOTS_MAX   40
 #define RUN_EVENTS_MAX  40
 #define RUN_NOTES_MAX   40
+#define RUN_SAMPLES_MAX 8
 
 enum run_step {
     RUN_CREATE,    /* or opens what is there */
@@ -27,6 +28,7 @@ enum run_step {
     RUN_SLOT_NONE, /* missed: no image */
     RUN_EVENT,
     RUN_NOTE,
+    RUN_SAMPLE, /* a new one, and the first one changed */
     RUN_SEAL,
     RUN_REOPEN,  /* closes, and opens again */
     RUN_ABANDON, /* lets go without a word to the disk, and opens again */
@@ -51,10 +53,12 @@ struct run_promise {
     bool sealed;       /* acknowledged, and nothing begun since */
     bool maybe_sealed; /* begun */
     bool troubled;     /* the disk failed, or the program was killed: files of no record may stay */
-    unsigned n_slots, n_events, n_notes;
+    unsigned n_slots, n_events, n_notes, n_samples;
     struct run_slot slots[RUN_SLOTS_MAX];
     bool events[RUN_EVENTS_MAX]; /* acknowledged; its text is "event N." */
     bool notes[RUN_NOTES_MAX];   /* acknowledged; its text is "note N." */
+    /* acknowledged: sample "sN" is there, and the title of "all" is a number, N at least */
+    bool samples[RUN_SAMPLES_MAX];
 };
 
 enum run_fault {

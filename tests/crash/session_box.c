@@ -75,9 +75,27 @@ void session_box_go_on(struct session_box *s, int given, bool ask_again)
             s->asks |= UINT32_C(1) << i;
 }
 
+/* The slots due before an instant, on the grid that the run began with: it is not moved by plans that end so. */
+static int64_t count_until(const struct session_box *s, const struct ttf_plan *plan)
+{
+    struct ttf_reader *reader = NULL;
+    struct ttf_segment first = {.origin_utc_ns = TTF_NS_UNKNOWN};
+    int64_t length;
+
+    if (ttf_reader_open(s->io, SESSION_PATH, &reader, NULL) == 0)
+        (void)!ttf_reader_segment(reader, 0, &first);
+    ttf_reader_close(reader);
+    length = plan->until_utc_ns - first.origin_utc_ns;
+    return first.origin_utc_ns == TTF_NS_UNKNOWN || length <= 0
+               ? plan->count
+               : (length - 1) / plan->interval_ns + 1;
+}
+
 int64_t session_box_count(const struct session_box *s)
 {
-    return s->living ? s->living->plans[s->promise.plan].count : s->plan.count;
+    const struct ttf_plan *plan = s->living ? &s->living->plans[s->promise.plan] : &s->plan;
+
+    return plan->end == TTF_END_UNTIL ? count_until(s, plan) : plan->count;
 }
 
 /* ---- asking ---- */

@@ -27,10 +27,12 @@ static void change(struct ttf_plan *plan, struct ttf_ask *ask, int64_t value)
     switch (ask->kind) {
     case TTF_ASK_COUNT:
         plan->count = ask->count = value;
+        plan->end = TTF_END_COUNT;
         break;
     case TTF_ASK_UNTIL:
         plan->count = value;
-        ask->until_utc_ns = instant_after(value);
+        plan->end = TTF_END_UNTIL;
+        plan->until_utc_ns = ask->until_utc_ns = instant_after(value);
         break;
     case TTF_ASK_INTERVAL:
         plan->interval_ns = ask->interval_ns = value;
@@ -82,6 +84,8 @@ int living_longer(struct living *living, int64_t slots)
 
     living->plans[longer] = living->plans[longer - 1];
     living->plans[longer].count += slots;
+    living->plans[longer].end = TTF_END_COUNT;
+    living->plans[longer].until_utc_ns = 0;
     return longer;
 }
 

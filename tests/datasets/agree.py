@@ -117,6 +117,13 @@ def sums_as(change):
         change(read(d + "/SHA256SUMS").splitlines(keepends=True))))
 
 
+DOT = '{"id":"%s","region":{"x":%d,"y":0,"width":%d,"height":1}}'
+
+
+def samples(*texts):
+    return put("samples.json", ('{"samples":[%s]}' % ",".join(texts)).encode())
+
+
 def both(*changes):
     return lambda folder: [change(folder) for change in changes]
 
@@ -241,6 +248,17 @@ SPOILED = [  # of which dataset, name, what is done to a copy of it
     ("example", "plan-changed", flip("plans/0.yaml", 3)),
     ("example", "end-counts-wrong", edit_line("end", 0, slots=4)),
     ("example", "notes-broken", put("notes.jsonl", b"{nonsense\n")),
+    ("example", "samples-fine", samples(DOT % ("a", 0, 1), DOT % ("b", 2, 2))),
+    ("example", "samples-broken", put("samples.json", b"{nonsense\n")),
+    ("example", "samples-none", put("samples.json", b"{}")),
+    ("example", "samples-twice", samples(DOT % ("a", 0, 1), DOT % ("a", 1, 1))),
+    ("example", "samples-nameless", samples(DOT % ("", 0, 1))),
+    ("example", "samples-of-no-width", samples(DOT % ("a", 0, 0))),
+    ("example", "samples-before-the-picture", samples(DOT % ("a", -1, 1))),
+    ("example", "samples-behind-the-picture", samples(DOT % ("a", 3, 2))),
+    ("example", "samples-without-region", samples('{"id":"a"}')),
+    ("example", "samples-of-a-long-title", samples(DOT % ("a", 0, 1), '{"id":"b","title":"' + "\u00fc" * 99
+        + '","treatment":"","region":{"x":0,"y":0,"width":4,"height":3}}')),
 ]
 
 
@@ -252,7 +270,8 @@ EXIT = {name: code for code, names in ((3, (
     "calibration-line-damaged", "relative-exposure-0", "group-of-no-uuid",
     "group-without-uuid", "parent-of-no-digest",
     "camera-of-none", "rehearsal-sealed", "seal-turned-round", "seal-doubled", "seal-leads-out")),
-    (0, ("plan-in-order", "no-relative-exposure", "rehearsal")))
+    (0, ("plan-in-order", "no-relative-exposure", "rehearsal", "samples-fine", "samples-broken",
+         "samples-twice", "samples-behind-the-picture")))
     for name in names}
 
 
@@ -383,8 +402,10 @@ def by_the_box(box, folder):
          "sim.faults=[{kind: lamp-stuck, at: 150s, target: left}, "
          "{kind: power-cut, at: 200s, for: 130s}]")
     made("note", "whole", "a \"quoted\" one", "--slots", "2-3,5", "--tag", "exclude,mine")
-    write(folder + "/whole/samples.json", b'{"samples":[{"id":"a","region":'
-          b'{"x":1,"y":2,"width":30,"height":4},"title":"Lolium"}]}')
+    made("sample", "whole", "a", "--region", "1,2,30x4", "--title", "Lolium")
+    write(folder + "/pots.csv", b'id;species;x;y;width;height;treatment\r\n'
+          b'b;Poa "x";0;0;96;64;"dry; ""since"" 3"\r\na;Festuca;;;;;none\r\n')
+    made("sample", "whole", "--table", "pots.csv")
     made("export", "whole", "--to", "png", "--with-excluded", "-o", "pictures")
     made("import", *("pictures/frame.%d.png" % n for n in range(1001, 1007)), "--interval", "1min", "-o", "imported")
     made("develop", "whole", "-c", "cal", "-o", "developed")

@@ -17,6 +17,7 @@
 #include "ttf/dataset/hash.h"
 #include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
+#include "ttf/dataset/samples.h"
 #include "unit/dataset_store/rich_dataset.h"
 
 /* ---- what does not apply is absent ---- */
@@ -428,10 +429,10 @@ static json_t *samples_of(const char *path)
         text(o, "id", regions[i].id);
         text(o, "title", regions[i].title);
         text(o, "treatment", regions[i].treatment);
-        number(r, "x", regions[i].x);
-        number(r, "y", regions[i].y);
-        number(r, "width", regions[i].width);
-        number(r, "height", regions[i].height);
+        number(r, "x", regions[i].region.x);
+        number(r, "y", regions[i].region.y);
+        number(r, "width", regions[i].region.width);
+        number(r, "height", regions[i].region.height);
         json_object_set_new(o, "region", r);
         json_array_append_new(samples, o);
     }

@@ -110,6 +110,22 @@ def file_of(o):
     return {"path": path, "bytes": get(o, "bytes", "int", True, 0), "sha256": sha}
 
 
+REGION = ("x", "y", "width", "height")
+
+
+def sample_of(o):
+    """One of samples.json."""
+    if not isinstance(o, dict):
+        raise Wrong("a sample is no object")
+    region = get(o, "region", "object", True)
+    if not id_of(o, "id", 63, True):
+        raise Wrong("an id is empty")
+    return present(id=o["id"], title=text_of(o, "title", 127) or None,
+                   treatment=text_of(o, "treatment", 255) or None,
+                   region={k: get(region, k, "int", True, int(k in ("width", "height")), 2**31 - 1)
+                           for k in REGION})
+
+
 def raw_of(data):
     """Size, levels, mosaic and the crc of the samples of a DNG of 16 bits in uncompressed strips."""
     tags = tiff_tags(data)
@@ -203,6 +219,7 @@ class Reader:
         if not streams or len(primary) > 1 or len({s["id"] for s in streams}) != len(streams):
             raise Wrong("streams are wrong")
         self.streams = {s["id"]: s for s in streams}
+        self.primary = (primary or streams)[0]
         group, parent = get(o, "group", "object"), get(o, "derived_from", "object")
         if group is not None:
             get(group, "uuid", "text", True)
@@ -630,10 +647,19 @@ class Reader:
     def samples(self):
         data = self.bytes_of("samples.json")
         try:
-            return [] if data is None else get(parse(data), "samples", "list", True)
+            samples = [] if data is None else [
+                sample_of(o) for o in get(parse(data), "samples", "list", True)]
+            if len({s["id"] for s in samples}) != len(samples):
+                raise Wrong("an id stands there twice")
         except Wrong as e:
             self.find("note", "samples.json", str(e))
             return []
+        primary = self.primary
+        for s in samples:
+            x, y, width, height = (s["region"][k] for k in REGION)
+            if primary and (x + width > primary["width"] or y + height > primary["height"]):
+                self.find("note", "samples.json", "%s lies outside of the picture" % s["id"])
+        return samples
 
     def summary(self):
         listed, tail = self.sums()

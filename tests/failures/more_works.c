@@ -19,6 +19,7 @@
 #include "ttf/dataset/import.h"
 #include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
+#include "ttf/dataset/samples.h"
 #include "ttf/dataset/sequence.h"
 #include "ttf/dataset/thumbnail.h"
 #include "ttf/dataset/tiff.h"
@@ -100,6 +101,14 @@ int more_note(struct ttf_err *err)
     static const struct ttf_note note = {.utc_ns = 1, .text = "a fly"};
 
     return ttf_note_append(format_io(), format_in("floats"), &note, err);
+}
+
+int more_sample(struct ttf_err *err)
+{
+    static const struct ttf_sample_rect corner = {.width = 4, .height = 4};
+    static const struct ttf_sample_change change = {.id = "A2", .region = &corner};
+
+    return ttf_samples_change(format_io(), format_in("floats"), &change, 1, err);
 }
 
 /* ---- measured on frames ---- */
@@ -214,9 +223,13 @@ static void make_float_dataset(void)
 
 void more_works_files(void)
 {
+    static const struct ttf_sample_rect corner = {.width = 2, .height = 2};
+    static const struct ttf_sample_change change = {.id = "A1", .region = &corner};
+
     format_keep("20260101_000000.png", format_write_png);
     format_keep("20260101_000100.png", format_write_png);
     make_float_dataset();
+    assert_int_equal(ttf_samples_change(format_io(), format_in("floats"), &change, 1, NULL), 0);
 }
 
 void more_works_end(void)

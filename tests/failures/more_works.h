@@ -17,6 +17,7 @@ int more_show_small(struct ttf_err *err);
 int more_read_float_dataset(struct ttf_err *err);
 int more_import_by_time(struct ttf_err *err); /* into "out" */
 int more_note(struct ttf_err *err);           /* onto "floats" */
+int more_sample(struct ttf_err *err);         /* of "floats", which has one */
 int more_measure_grid(struct ttf_err *err);
 int more_measure_flicker(struct ttf_err *err);
 

@@ -15,6 +15,7 @@
 #include "ttf/dataset/hash.h"
 #include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
+#include "ttf/dataset/samples.h"
 #include "ttf/dataset/verify.h"
 
 #define FILE_BYTES 300
@@ -168,6 +169,15 @@ static int do_note(struct small_run *run, int64_t n, struct ttf_err *err)
     return ttf_note_append(run->io, SMALL_PATH, &note, err);
 }
 
+static int do_sample(struct small_run *run, int64_t n, struct ttf_err *err)
+{
+    static const struct ttf_sample_rect dot = {.width = 1, .height = 1};
+    const char id[] = {(char)('0' + n), '\0'};
+    const struct ttf_sample_change change = {.id = id, .title = "grass", .region = &dot};
+
+    return ttf_samples_change(run->io, SMALL_PATH, &change, 1, err);
+}
+
 static int do_seal(struct small_run *run, int64_t arg, struct ttf_err *err)
 {
     char digest[65];
@@ -251,6 +261,12 @@ static void note(struct small_run *run, int64_t n)
         run->noted[n] = true;
 }
 
+static void sample(struct small_run *run, int64_t n)
+{
+    if (step(run, "sample", do_sample, n) == 0)
+        run->named[n] = true;
+}
+
 /* What is added takes the seal away, if only for as long as it takes to fail. */
 static void seal(struct small_run *run)
 {
@@ -271,6 +287,8 @@ void small_run(struct small_run *run)
     (void)step(run, "event", do_event, 0);
     note(run, 0);
     note(run, 1);
+    sample(run, 0);
+    sample(run, 1);
     (void)step(run, "calibration", do_calibration, 0);
     (void)step(run, "plan", do_plan, 0);
     (void)step(run, "correction", do_segment, 1000);
@@ -287,6 +305,7 @@ void small_run(struct small_run *run)
     slot(run, 4);
     seal(run);
     note(run, 2);
+    sample(run, 2);
     ttf_writer_close(run->writer);
     run->writer = NULL;
 }
@@ -415,6 +434,28 @@ static bool notes_hold(const struct small_run *run, struct ttf_io *io, char ret[
     return true;
 }
 
+static bool samples_hold(const struct small_run *run, struct ttf_io *io, char ret[SMALL_TEXT])
+{
+    struct ttf_sample_region *samples;
+    struct ttf_err err = {0};
+    bool there[SMALL_SAMPLES];
+    unsigned n;
+
+    if (ttf_samples_read(io, SMALL_PATH, &samples, &n, &err) != 0)
+        WRONG("%s: %s", err.where, err.what);
+    for (int i = 0; i < SMALL_SAMPLES; i++) {
+        const char id[] = {(char)('0' + i), '\0'};
+        const struct ttf_sample_region *sample = ttf_samples_find(samples, n, id);
+
+        there[i] = sample && strcmp(sample->title, "grass") == 0;
+    }
+    free(samples);
+    for (int i = 0; i < SMALL_SAMPLES; i++)
+        if (run->named[i] && !there[i])
+            WRONG("sample %d was acknowledged and is lost", i);
+    return true;
+}
+
 /* Another caller comes, on a disk that works. */
 static bool goes_on(struct small_run *after, struct model_disk *disk, char ret[SMALL_TEXT])
 {
@@ -428,6 +469,7 @@ static bool goes_on(struct small_run *after, struct model_disk *disk, char ret[S
     (void)step(after, "slot", do_slot, SMALL_SLOTS - 1);
     (void)step(after, "event", do_event, 0);
     note(after, SMALL_NOTES - 1);
+    sample(after, SMALL_SAMPLES - 1);
     (void)step(after, "calibration", do_calibration, 0);
     (void)step(after, "seal", do_seal, 0);
     ttf_writer_close(after->writer);
@@ -446,7 +488,7 @@ bool small_check(const struct small_run *run, struct model_disk *disk, bool ghos
     if (run->created && !there)
         WRONG("the dataset was created and is gone");
     if (there && (!whole(&disk->io, run->sealed, ret) || !slots_hold(run, &disk->io, ghosts, ret) ||
-                  !notes_hold(run, &disk->io, ret)))
+                  !notes_hold(run, &disk->io, ret) || !samples_hold(run, &disk->io, ret)))
         return false;
     if (!goes_on(&after, disk, ret))
         return false;
@@ -454,8 +496,11 @@ bool small_check(const struct small_run *run, struct model_disk *disk, bool ghos
     memcpy(after.tried, run->tried, sizeof(after.tried));
     for (int i = 0; i < SMALL_NOTES; i++)
         after.noted[i] = after.noted[i] || run->noted[i];
+    for (int i = 0; i < SMALL_SAMPLES; i++)
+        after.named[i] = after.named[i] || run->named[i];
     after.tried[SMALL_SLOTS - 1] = true;
-    if (!slots_hold(&after, &disk->io, true, ret) || !notes_hold(&after, &disk->io, ret))
+    if (!slots_hold(&after, &disk->io, true, ret) || !notes_hold(&after, &disk->io, ret) ||
+        !samples_hold(&after, &disk->io, ret))
         return false;
     if (model_disk_open_handles(disk) != 0)
         WRONG("a handle was left open");

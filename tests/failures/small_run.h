@@ -9,9 +9,10 @@
 #include "model_disk.h"
 #include "ttf/dataset/writer.h"
 
-#define SMALL_PATH  "/m/d"
-#define SMALL_NOTES 4 /* the last by who goes on with it */
-#define SMALL_SLOTS 5 /* 0 to 3 captured, 4 missed */
+#define SMALL_PATH    "/m/d"
+#define SMALL_NOTES   4 /* the last by who goes on with it */
+#define SMALL_SAMPLES 4 /* likewise */
+#define SMALL_SLOTS   5 /* 0 to 3 captured, 4 missed */
 
 /* What the caller does when a call fails. */
 enum small_temper {
@@ -29,10 +30,11 @@ struct small_run {
     bool over;            /* it gave up, or the dataset cannot be had */
     bool created, sealed; /* for sure; sealed: and nothing was added since */
     bool tried[SMALL_SLOTS], committed[SMALL_SLOTS];
-    bool noted[SMALL_NOTES]; /* acknowledged */
-    unsigned events;         /* acknowledged */
-    unsigned refusals;       /* calls that returned an error */
-    int first_code;          /* of the first of them */
+    bool noted[SMALL_NOTES];   /* acknowledged */
+    bool named[SMALL_SAMPLES]; /* likewise: sample "N" */
+    unsigned events;           /* acknowledged */
+    unsigned refusals;         /* calls that returned an error */
+    int first_code;            /* of the first of them */
     int silent; /* the first error without a message, or whose message has another code */
     const char *silent_in;
     char refused[640]; /* the last error, in words */
@@ -41,8 +43,8 @@ struct small_run {
 /* A disk with a calibration in /m/cal, all of it kept. */
 void small_disk_init(struct model_disk *disk);
 
-/* Creates, commits, adds events and notes, copies a calibration, changes the plan, corrects a segment, seals, opens
- * again, goes on, seals again, adds a note to what is sealed. */
+/* Creates, commits, adds events, notes and samples, copies a calibration, changes the plan, corrects a segment, seals, opens
+ * again, goes on, seals again, adds a note and a sample to what is sealed. */
 void small_run(struct small_run *run);
 
 #define SMALL_TEXT 1024

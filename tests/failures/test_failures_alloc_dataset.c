@@ -16,6 +16,7 @@
 #include "ttf/dataset/json_parse.h"
 #include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
+#include "ttf/dataset/samples.h"
 #include "ttf/dataset/sequence.h"
 #include "ttf/dataset/verify.h"
 #include "unit/dataset_store/rich_dataset.h"
@@ -215,6 +216,22 @@ static int work_note(struct ttf_err *err)
     return ttf_note_append(&disk.io, PLACE, &note, err);
 }
 
+/* The second of two that are asked for, so that what is there is read. */
+static int work_sample(struct ttf_err *err)
+{
+    static const struct ttf_sample_rect dot = {.width = 1, .height = 1};
+    static const struct ttf_sample_change changes[] = {
+        {.id = "one", .title = "grass", .region = &dot}, {.id = "two", .region = &dot}};
+
+    for (unsigned i = 0; i < 2; i++) {
+        int r = ttf_samples_change(&disk.io, PLACE, &changes[i], 1, err);
+
+        if (r)
+            return r;
+    }
+    return 0;
+}
+
 static void what_could_not_be_done_without_memory_leaves_all_as_it_was(void **state)
 {
     /* What closing cannot do, the next opening does. */
@@ -255,6 +272,7 @@ static void what_could_not_be_done_without_memory_leaves_all_as_it_was(void **st
          .share = 7,
          .share_of_all = 797},
         {.name = "a note", .begin = begin_sealed, .work = work_note, .end = end_whole},
+        {.name = "samples", .begin = begin_sealed, .work = work_sample, .end = end_whole},
     };
 
     for (unsigned i = 0; i < sizeof(pieces) / sizeof(pieces[0]); i++)

@@ -164,6 +164,7 @@ static void pictures_say_what_failed(void **state)
         {"small pictures", more_show_small, false},
         {"floats of a dataset", more_read_float_dataset, false},
         {"a note", more_note, false},
+        {"samples", more_sample, false},
     };
 
     EACH(pieces);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the seeds of sums, events, store, usb, pull, lampd, conditions, orders and preview anew, into the folder given (tests/fuzz/seeds).
+"""Makes the seeds of sums, events, store, usb, pull, lampd, conditions, orders, preview and mdns anew, into the folder given (tests/fuzz/seeds).
 
 They speak of the small dataset of store.c: three slots of one file each. Lines have neither seq nor
 crc of their own; the targets frame them (framing.h). The first byte is the mode of store.h.
@@ -221,9 +221,25 @@ PREVIEW_SEEDS = {
 }
 
 
+def asks(kind, top=0, name=b"\x0bttfbox-0007\x05local\0", counts=(1, 0), behind=b""):
+    """Of fuzz_mdns.c: a question."""
+    return struct.pack(">HHHHHH", 7, 0, *counts, 0, 0) + name + struct.pack(">HH", kind, top | 1) + behind
+
+
+MDNS_SEEDS = {
+    "address": b"\0" + asks(1),
+    "alone": b"\0" + asks(255, 0x8000),
+    "six": b"\0" + asks(28),
+    "plain": b"\1" + asks(1),
+    "known": b"\0" + asks(1, counts=(1, 1), behind=b"\xc0\x0c" + struct.pack(">HHIHBBBB", 1, 1, 60, 4, 10, 60, 7, 1)),
+    "pointer": b"\0" + asks(12, name=b"\5other\5local\0", counts=(2, 0), behind=b"\x0bttfbox-0007\xc0\x12" + struct.pack(">HH", 1, 1)),
+    "itself": b"\0" + asks(1, name=b"\xc0\x0c"),
+}
+
+
 def main():
     for target, seeds in (("usb", USB_SEEDS), ("pull", PULL_SEEDS), ("lampd", LAMPD_SEEDS), ("conditions", CONDITION_SEEDS),
-                          ("orders", ORDER_SEEDS), ("preview", PREVIEW_SEEDS)):
+                          ("orders", ORDER_SEEDS), ("preview", PREVIEW_SEEDS), ("mdns", MDNS_SEEDS)):
         folder = os.path.join(sys.argv[1], target)
         os.makedirs(folder, exist_ok=True)
         for name, data in seeds.items():

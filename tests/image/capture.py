@@ -30,6 +30,7 @@ RECORDS = "/var/lib/ttfbox/plan/records.jsonl"
 LOOPBACK = ("0100007F", "00000000000000000000000001000000")  # as /proc/net has them
 LISTENING = ("0A", "07")  # states of TCP and of UDP there
 DHCP = "00000000:0043"  # networkd's, of the cable's network alone
+NAME = "00000000:14E9"  # ttfboxd's, of that as well: the box's name (multicast DNS)
 SERVICES = ("ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "ttfbox-preview", "ttfbox-alertd")
 RESTARTS = "systemctl show -P NRestarts %s | grep -v '^$'" % " ".join(SERVICES)
 STATUS = "systemctl show -P StatusText ttfboxd"
@@ -44,13 +45,13 @@ def card(board, image, plan, programs=(), mib=1024):
 
 
 def listens_on_the_cable(m):
-    """What may, as /proc/net has it: DHCP and the page; nothing on a machine whose port is no device, which has no such network."""
+    """What may, as /proc/net has it: DHCP, the page, and the box's name; nothing on a machine whose port is no device, which has no such network."""
     code, out = m.run("! [ -e /sys/class/net/usb0 ] || sed -n 's|^Address=\\(.*\\)/.*|\\1|p' /run/systemd/network/70-ttfbox-usb.network")
     assert code == 0, out
     if not out.strip():
         return ()
     address = "".join("%02X" % int(part) for part in reversed(out.strip().split(".")))
-    return (DHCP, "%s:%04X" % (address, 8417))
+    return (DHCP, NAME, "%s:%04X" % (address, 8417))
 
 
 def expect_sealed_off(m):
@@ -58,7 +59,7 @@ def expect_sealed_off(m):
     code, out = m.run("touch /x /etc/x /usr/x; grep ' / ' /proc/mounts")
     assert out.count("Read-only file system") == 3 and " / ext4 ro," in out, out
     code, out = m.run("cat /proc/net/tcp /proc/net/tcp6 /proc/net/udp /proc/net/udp6 2>/dev/null | grep -v local_address")
-    # On the cable's network its page; elsewhere nothing. (A connection that was, or is, listens to nobody.)
+    # On the cable's network its page and its name; elsewhere nothing. (A connection that was, or is, listens to nobody.)
     cable = listens_on_the_cable(m)
     beyond = [line for line in out.splitlines() if line.split()[3] in LISTENING and
               line.split()[1].split(":")[0] not in LOOPBACK and line.split()[1] not in cable]
@@ -76,7 +77,7 @@ def expect_sealed_off(m):
 
 def exposure(m):
     """Of each service at most 2.0; of the one that is root's and ends, told."""
-    for unit in SERVICES + ("ttfbox-gadget",):
+    for unit in SERVICES + ("ttfbox-carrier", "ttfbox-gadget"):
         code, out = m.run("systemd-analyze security --no-pager %s.service | tail -n 1" % unit, 120)
         print("    " + out.strip().lstrip("→ "))
         level = re.search(r": ([0-9.]+) ", out)

@@ -26,7 +26,7 @@ CONDITIONS = {
     "a disk that can only be read": r"read-only|only be read",
 }
 OPERATIONS = ["creating a dataset", "an image file", "committing a slot", "a segment", "adding a calibration", "an event",
-              "a note", "a change of plan", "sealing"]
+              "a note", "a sample", "a change of plan", "sealing"]
 WITHOUT = {("an image file", "a cut after it has returned")}
 
 

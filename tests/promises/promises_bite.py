@@ -12,7 +12,7 @@ from pathlib import Path
 HEAD = "## The promises\n\n| operation | when | what holds | test |\n|---|---|---|---|\n"
 GOOD = "| opening | cut | nothing is lost | `a_test_of_old`, `a_test_of_a_long_name` |\n"
 MATRIX = ["creating a dataset", "an image file", "committing a slot", "a segment, or its correction", "adding a calibration",
-          "an event", "a note", "a change of plan", "sealing"]
+          "an event", "a note", "a sample", "a change of plan", "sealing"]
 
 
 def matrix(without=None, but=""):
@@ -35,6 +35,7 @@ WRONG = [
     (HEAD + GOOD + "| opening | rot | | `a_test_of_old` |\n", "only the operation may be as above"),
     (HEAD + GOOD + "| opening | rot | it is found | `never_called` |\n", "there is no test `never_called`"),
     (HEAD + GOOD + matrix("a note"), "nothing is promised of a note"),
+    (HEAD + GOOD + matrix("a sample"), "nothing is promised of a sample"),
     (HEAD + GOOD + matrix("an event", "read-only"), "nothing is promised of an event and a disk that can only be read"),
     (HEAD + GOOD + matrix("sealing", "I/O error"), "nothing is promised of sealing and an I/O error"),
     (HEAD + GOOD + matrix("adding a calibration", "full disk"), "nothing is promised of adding a calibration and a full disk"),

@@ -451,6 +451,28 @@ static void a_second_part_without_its_first_is_watched(void **state)
     free(f);
 }
 
+/* A dataset from elsewhere, or rot: its times are whatever they are, and none of them is in the past for being too large. */
+static void times_beyond_all_time_are_no_alarm(void **state)
+{
+    static const struct {
+        int64_t origin_ns, interval_ns;
+    } ODD[] = {
+        {INT64_MAX - 1, SECOND}, {5 * SECOND, INT64_MAX - 1}, {INT64_MAX - 1, INT64_MAX - 1}};
+
+    for (size_t i = 0; i < sizeof ODD / sizeof *ODD; i++) {
+        struct fixture *f = begin(*state);
+        struct ttf_writer *writer =
+            create(in(*state, "data/grass"), ODD[i].origin_ns, ODD[i].interval_ns);
+
+        pass(f, 600);
+        assert_int_equal(f->n, 0);
+        ttf_writer_abandon(writer);
+        assert_int_equal(run("rm -r %s/data %s/state", (const char *)*state, (const char *)*state),
+                         0);
+        free(f);
+    }
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, folder_setup, folder_teardown)
 
 int main(void)
@@ -470,6 +492,7 @@ int main(void)
         TEST(the_second_part_of_a_run_that_ended_hides_no_alarm),
         TEST(the_second_part_of_another_run_is_not_watched),
         TEST(a_second_part_without_its_first_is_watched),
+        TEST(times_beyond_all_time_are_no_alarm),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -230,6 +230,65 @@ static void the_zone_s_offset_and_a_local_day_s_phase_are_no_difference(void **s
     assert_false(ttf_plan_same(&a, &b));
 }
 
+/* As it was stored before: without what ends it. */
+static void a_plan_that_does_not_tell_what_ends_it_is_the_one_of_as_many_slots(void **state)
+{
+    struct ttf_plan until, old, other;
+    char *text = NULL;
+
+    (void)state;
+    full_plan(&until);
+    until.end = TTF_END_LENGTH;
+    until.length_ns = 7 * TTF_NS_PER_DAY;
+    other = until;
+    other.end = TTF_END_UNTOLD;
+    assert_int_equal(ttf_plan_json(&other, &text, NULL), 0);
+    assert_null(strstr(text, "\"end\""));
+    assert_int_equal(ttf_plan_read(text, strlen(text), "plan", &old, NULL), 0);
+    free(text);
+    assert_int_equal(old.end, TTF_END_UNTOLD);
+    assert_true(ttf_plan_same(&old, &until));
+    assert_true(ttf_plan_same(&until, &old));
+    until.count++;
+    assert_false(ttf_plan_same(&old, &until));
+    until.count--;
+    until.end = TTF_END_COUNT;
+    until.length_ns = 0;
+    assert_true(ttf_plan_same(&old, &until));
+}
+
+/* How many slots it comes to is reckoned anew by each run. */
+static void plans_that_end_in_time_are_the_same_if_they_end_then(void **state)
+{
+    static const enum ttf_plan_end ends[] = {TTF_END_COUNT, TTF_END_UNTIL, TTF_END_LENGTH};
+
+    (void)state;
+    for (unsigned i = 0; i < 3; i++) {
+        struct ttf_plan a, b;
+        char *text = NULL;
+
+        full_plan(&a);
+        a.end = ends[i];
+        a.until_utc_ns = i == 1 ? INT64_C(1700000000000000001) : 0;
+        a.length_ns = i == 2 ? INT64_C(604800000000001) : 0;
+        assert_int_equal(ttf_plan_json(&a, &text, NULL), 0);
+        assert_int_equal(ttf_plan_read(text, strlen(text), "plan", &b, NULL), 0);
+        free(text);
+        assert_int_equal(b.end, a.end);
+        assert_int_equal(b.until_utc_ns, a.until_utc_ns);
+        assert_int_equal(b.length_ns, a.length_ns);
+        b.count++;
+        assert_int_equal(ttf_plan_same(&a, &b), i > 0);
+        b = a;
+        b.until_utc_ns += i == 1;
+        b.length_ns += i == 2;
+        assert_int_equal(ttf_plan_same(&a, &b), i == 0);
+        b = a;
+        b.end = TTF_END_COUNT;
+        assert_int_equal(ttf_plan_same(&a, &b), i == 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -238,6 +297,8 @@ int main(void)
         cmocka_unit_test(what_is_no_object_is_no_plan),
         cmocka_unit_test(the_first_wrong_field_is_the_one_that_is_named),
         cmocka_unit_test(fields_that_came_later_may_be_absent),
+        cmocka_unit_test(a_plan_that_does_not_tell_what_ends_it_is_the_one_of_as_many_slots),
+        cmocka_unit_test(plans_that_end_in_time_are_the_same_if_they_end_then),
         cmocka_unit_test(the_zone_s_offset_and_a_local_day_s_phase_are_no_difference),
     };
 

@@ -23,7 +23,9 @@ static struct ttf_writer_state ten_slots_done(void)
     return s;
 }
 
-/* A new boot, 5 s old, when UTC is utc_ns. */
+static const struct ttf_plan BY_COUNT = {.interval_ns = TTF_NS_PER_MIN, .count = 1000};
+
+/* A new boot, 5 s old, when UTC is utc_ns; of a run as ten_slots_done. */
 static struct ttf_resume_input boot(const struct ttf_writer_state *state, int64_t utc_ns,
                                     enum ttf_trust trust)
 {
@@ -33,9 +35,15 @@ static struct ttf_resume_input boot(const struct ttf_writer_state *state, int64_
         .utc = {.boot_ns = 5 * TTF_NS_PER_S, .utc_ns = utc_ns, .trust = trust},
         .now_ns = 5 * TTF_NS_PER_S,
         .ready_ns = 8 * TTF_NS_PER_S,
-        .interval_ns = TTF_NS_PER_MIN,
-        .count = 1000,
+        .plan = &BY_COUNT,
+        .same_plan = true,
+        .past = {.slot0_utc_ns = TTF_NS_UNKNOWN, .sure_slot0_utc_ns = TTF_NS_UNKNOWN},
     };
+
+    if (state->n_segments > 0) {
+        in.elapsed_ns = state->next_index * TTF_NS_PER_MIN;
+        in.past.slot0_utc_ns = in.past.sure_slot0_utc_ns = UTC0;
+    }
 
     return in;
 }
@@ -68,7 +76,7 @@ static void a_pcs_word_alone_gives_up_no_run(void **state)
     in.utc.trust = TTF_TRUST_NTP; /* a synchronised clock is believed */
     assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
     assert_false(r.clock_implausible);
-    assert_int_equal(r.lost_until, in.count);
+    assert_int_equal(r.lost_until, BY_COUNT.count);
 }
 
 static void a_start_time_lies_where_utc_says(void **state)
@@ -273,7 +281,84 @@ static void an_outage_past_the_end_leaves_no_slot_unnamed(void **state)
 
     (void)state;
     assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
-    assert_int_equal(r.lost_until, in.count);
+    assert_int_equal(r.lost_until, BY_COUNT.count);
+}
+
+/* Ten slots of the fifteen before UTC0 + 14:30. */
+static const struct ttf_plan FIFTEEN = {.interval_ns = TTF_NS_PER_MIN,
+                                        .count = 15,
+                                        .end = TTF_END_UNTIL,
+                                        .until_utc_ns = UTC0 + INT64_C(870) * TTF_NS_PER_S};
+
+static void a_plan_that_ends_in_time_comes_to_what_the_clock_says(void **state)
+{
+    static const struct {
+        enum ttf_trust trust, before;
+        int64_t minutes, count;
+    } cases[] = {
+        {TTF_TRUST_NTP, TTF_TRUST_RTC, 12, 15},   /* on the same grid: the outage has slots */
+        {TTF_TRUST_NONE, TTF_TRUST_RTC, 12, 15},  /* nobody knows: as if there had been none */
+        {TTF_TRUST_NTP, TTF_TRUST_NONE, 12, 13},  /* at once, at 12:03 */
+        {TTF_TRUST_NTP, TTF_TRUST_NONE, 20, 10},  /* over */
+        {TTF_TRUST_HOST, TTF_TRUST_NONE, 12, 13}, /* a PC's clock that leaves slots counts, */
+        {TTF_TRUST_HOST, TTF_TRUST_NONE, 20, 15}, /* and ends nothing */
+        {TTF_TRUST_NTP, TTF_TRUST_RTC, 5, 15},    /* behind the last slot: not believed */
+    };
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct ttf_writer_state done = ten_slots_done();
+        struct ttf_resume_input in =
+            boot(&done, UTC0 + cases[i].minutes * TTF_NS_PER_MIN, cases[i].trust);
+        struct ttf_resume r;
+
+        in.plan = &FIFTEEN;
+        snprintf(done.last_segment.trust, sizeof(done.last_segment.trust), "%s",
+                 ttf_trust_name(cases[i].before));
+        if (cases[i].before == TTF_TRUST_NONE)
+            in.past.slot0_utc_ns = in.past.sure_slot0_utc_ns = TTF_NS_UNKNOWN;
+        assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+        assert_int_equal(r.count, cases[i].count);
+        assert_true(r.lost_until <= r.count);
+        assert_int_equal(r.end_passed, cases[i].count == 10);
+    }
+}
+
+/* What it said in an earlier boot is remembered, and counts no more than it did then. */
+static void what_a_pc_said_before_ends_nothing_either(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in = boot(&done, 0, TTF_TRUST_NONE);
+    struct ttf_resume r;
+
+    (void)state;
+    in.plan = &FIFTEEN;
+    in.past.slot0_utc_ns = UTC0 + TTF_NS_PER_DAY;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 15);
+    in.past.slot0_utc_ns = UTC0 + 3 * TTF_NS_PER_MIN; /* nor is that beyond belief */
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 12);
+    in.past.sure_slot0_utc_ns = in.past.slot0_utc_ns =
+        UTC0 + TTF_NS_PER_DAY; /* of a better clock */
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 10);
+}
+
+static void a_run_that_had_ended_in_time_gains_nothing_by_another_clock(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in = boot(&done, UTC0 + 12 * TTF_NS_PER_MIN, TTF_TRUST_NTP);
+    struct ttf_resume r;
+
+    (void)state;
+    done.sealed = true;
+    in.plan = &FIFTEEN;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 10);
+    in.same_plan = false; /* a later instant was given */
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 15);
 }
 
 static void the_gap_is_known_once_utc_is(void **state)
@@ -304,6 +389,9 @@ int main(void)
         cmocka_unit_test(
             slots_that_pass_while_the_box_gets_ready_are_told_from_those_of_the_outage),
         cmocka_unit_test(an_outage_past_the_end_leaves_no_slot_unnamed),
+        cmocka_unit_test(a_plan_that_ends_in_time_comes_to_what_the_clock_says),
+        cmocka_unit_test(what_a_pc_said_before_ends_nothing_either),
+        cmocka_unit_test(a_run_that_had_ended_in_time_gains_nothing_by_another_clock),
         cmocka_unit_test(the_gap_is_known_once_utc_is),
     };
 

@@ -66,6 +66,32 @@ static void slot_0_is_where_the_last_segment_with_utc_says(void **state)
     assert_int_equal(ttf_timeline_slot0_utc_ns(s, 2), 1005 * TTF_NS_PER_S);
 }
 
+static void what_a_pc_alone_says_of_the_past_is_told_apart(void **state)
+{
+    struct ttf_segment s[3] = {segment("a", 0, 100), segment("b", 10, 20), segment("c", 12, 20)};
+    struct ttf_run_past past = ttf_timeline_past(s, 3);
+
+    (void)state;
+    assert_int_equal(past.gaps_ns, 0);
+    assert_int_equal(past.slot0_utc_ns, TTF_NS_UNKNOWN);
+    assert_int_equal(past.sure_slot0_utc_ns, TTF_NS_UNKNOWN);
+    s[0].origin_utc_ns = 1000 * TTF_NS_PER_S;
+    s[1].gap_ns = 7 * TTF_NS_PER_S;
+    s[1].origin_utc_ns = 1607 * TTF_NS_PER_S;
+    s[2].gap_ns = 5 * TTF_NS_PER_S;
+    s[2].origin_utc_ns = 1732 * TTF_NS_PER_S;
+    snprintf(s[0].trust, sizeof(s[0].trust), "rtc");
+    snprintf(s[1].trust, sizeof(s[1].trust), "ntp");
+    snprintf(s[2].trust, sizeof(s[2].trust), "host");
+    past = ttf_timeline_past(s, 3);
+    assert_int_equal(past.gaps_ns, 12 * TTF_NS_PER_S);
+    assert_int_equal(past.slot0_utc_ns, 1012 * TTF_NS_PER_S);
+    assert_int_equal(past.sure_gaps_ns, 7 * TTF_NS_PER_S);
+    assert_int_equal(past.sure_slot0_utc_ns, 1007 * TTF_NS_PER_S);
+    s[2].gap_ns = TTF_NS_UNKNOWN;
+    assert_int_equal(ttf_timeline_past(s, 3).gaps_ns, 7 * TTF_NS_PER_S);
+}
+
 static void a_due_time_beyond_all_time_is_never(void **state)
 {
     struct ttf_grid grid = {0, INT64_MAX - 10, TTF_NS_PER_DAY};
@@ -98,6 +124,7 @@ int main(void)
         cmocka_unit_test(a_dataset_that_a_run_moved_to_knows_what_came_before),
         cmocka_unit_test(a_run_s_time_is_only_said_where_the_grid_does_not_say_it),
         cmocka_unit_test(slot_0_is_where_the_last_segment_with_utc_says),
+        cmocka_unit_test(what_a_pc_alone_says_of_the_past_is_told_apart),
         cmocka_unit_test(a_due_time_beyond_all_time_is_never),
         cmocka_unit_test(quantiles_of_errors_hold_at_both_ends),
     };

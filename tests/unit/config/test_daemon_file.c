@@ -91,11 +91,14 @@ static void without_a_plan_runs_are_asked_for(void **state)
     assert_string_equal(c.dataset, "");
     assert_string_equal(c.state, "/d/.ttfbox");
     assert_string_equal(c.token_file, "/d/.ttfbox/token");
-    assert_int_equal(c.n_listen, 2); /* this machine, and the cable */
+    assert_int_equal(c.n_listen, 3); /* this machine, and the cable: its streams, its network */
+    assert_true(c.listen_as_ever);
     assert_string_equal(c.listen[0], "127.0.0.1:8417");
     assert_string_equal(c.listen[1], "unix:/run/ttfbox/http.sock");
+    assert_string_equal(c.listen[2], "usb0:8417");
     assert_int_equal(parse("board: rpi4\ndata: /d\nlisten: []\n", &c, &err), 0);
     assert_int_equal(c.n_listen, 0);
+    assert_false(c.listen_as_ever);
 }
 
 static const struct {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Notes: what was acknowledged stays, whoever else writes, and whatever failed before (DESIGN.md, "Notes"). */
+/* Notes: what was acknowledged stays, whoever else writes, and whatever failed before (DESIGN.md, "Notes and samples"). */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -206,10 +206,11 @@ static void what_a_tool_writes_meanwhile_is_not_lost(void **state)
         "printf 'B\\n' >> notes.jsonl",
         "printf 'A\\nB\\n' > .saved && mv .saved notes.jsonl", /* an editor's way */
         "printf 'B\\n' > .saved && mv .saved notes.jsonl",     /* and as long as before */
+        "printf 'B\\n' > .saved && touch -r notes.jsonl .saved && mv .saved notes.jsonl",
         "printf 'B\\n' > notes.jsonl && touch -d 2001-01-01 notes.jsonl",
         "rm notes.jsonl",
     };
-    static const char *const left[] = {"A\nB\n", "A\nB\n", "B\n", "B\n", ""};
+    static const char *const left[] = {"A\nB\n", "A\nB\n", "B\n", "B\n", "B\n", ""};
 
     for (unsigned i = 0; i < sizeof meddling / sizeof *meddling; i++) {
         char wanted[64];

@@ -20,6 +20,7 @@
 #include "ttf/dataset/json_writer.h"
 #include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
+#include "ttf/dataset/samples.h"
 
 /* ---- records ---- */
 

@@ -10,6 +10,7 @@
 #include "trade_test.h"
 #include "ttf/dataset/export.h"
 #include "ttf/dataset/notes.h"
+#include "ttf/dataset/samples.h"
 #include "ttf/dataset/sequence.h"
 #include "ttf/dataset/verify.h"
 
@@ -391,7 +392,7 @@ static void samples_are_read_or_refused_by_what_is_wrong(void **state)
     assert_int_equal(n, 1);
     assert_string_equal(regions[0].title, "Lolium");
     assert_string_equal(regions[0].treatment, "dry");
-    assert_int_equal(regions[0].height, 4);
+    assert_int_equal(regions[0].region.height, 4);
     free(regions);
     for (unsigned i = 0; i < sizeof(bad) / sizeof(*bad); i++) {
         write_bytes(in_folder(state, "data/samples.json"), bad[i], strlen(bad[i]));

@@ -238,6 +238,8 @@ static void statuses_are_those_that_are_given(void **state)
         struct words text = {0}, table = {0};
 
         add(&table, "%u", gives->status);
+        if (gives->none)
+            add(&table, "204");
         if (gives->tagged)
             add(&table, "304");
         if (gives->ranges)

@@ -28,6 +28,14 @@ enum ttf_lamp_mode {
     TTF_LAMPS_PHOTOPERIOD /* day: growth light; each shot sets its own levels settle_ns before it */
 };
 
+/* What ends a run. */
+enum ttf_plan_end {
+    TTF_END_COUNT = 0, /* so many slots */
+    TTF_END_UNTIL,     /* an instant: the slots due before it */
+    TTF_END_LENGTH,    /* a time since slot 0 was due: the slots due before it is over */
+    TTF_END_UNTOLD /* of a dataset of before this was kept: count stands for whatever was meant, and ends it */
+};
+
 enum ttf_keep {
     TTF_KEEP_DEFAULT = 0, /* raw above 4 megapixels, both below */
     TTF_KEEP_RAW,
@@ -56,7 +64,11 @@ struct ttf_plan_shot {
 struct ttf_plan {
     char title[128];
     int64_t interval_ns; /* >= 100 ms */
-    int64_t count;       /* slots; > 0 */
+    /* slots; > 0. Of a plan that ends otherwise: what that came to when it was made; a run counts anew (README.md, "Until") */
+    int64_t count;
+    enum ttf_plan_end end;
+    int64_t until_utc_ns; /* UNTIL; else 0 */
+    int64_t length_ns;    /* LENGTH; else 0 */
     /* start: 0 = as soon as ready, else UTC of slot 0 */
     int64_t start_utc_ns;
     enum ttf_lamp_mode lamps;
@@ -127,7 +139,8 @@ TTF_MUST_USE int ttf_plan_read(const char *text, size_t bytes, const char *where
 
 /*
  * 1 if both ask for the same, else 0: by all fields but those that a run resolves when it begins (the zone's
- * offset; the phase of a day that begins at a local time). -ENOMEM.
+ * offset; the phase of a day that begins at a local time; how many slots there are until an instant). Where one
+ * does not tell what ends it, their counts are compared. -ENOMEM.
  */
 TTF_MUST_USE int ttf_plan_same(const struct ttf_plan *a, const struct ttf_plan *b);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * notes.h: what people add to a dataset, during or after: notes.jsonl and samples.json (FORMAT.md). Outside
- * the seal, and written without the dataset's lock, so that a note can be made while a capture runs.
+ * notes.h: what people say of a dataset, during or after: notes.jsonl (FORMAT.md). Outside the seal, and
+ * written without the dataset's lock, so that a note can be made while a capture runs.
  */
 #ifndef TTF_DATASET_NOTES_H
 #define TTF_DATASET_NOTES_H
@@ -56,21 +56,5 @@ struct ttf_note_visitor {
  */
 TTF_MUST_USE int ttf_notes_read(struct ttf_io *io, const char *path,
                                 const struct ttf_note_visitor *visitor, struct ttf_err *err);
-
-/* A region of the picture with a name: what of it is which sample. */
-struct ttf_sample_region {
-    char id[64];
-    char title[128];             /* species or material; empty: absent */
-    char treatment[256];         /* empty: absent */
-    int64_t x, y, width, height; /* pixels of the primary stream */
-};
-
-/*
- * samples.json; *ret has *ret_n of them, to be freed. 0 and none if there is no such file; -EINVAL naming what is
- * wrong with it; -ENOMEM, errors of the disk.
- */
-TTF_MUST_USE int ttf_samples_read(struct ttf_io *io, const char *path,
-                                  struct ttf_sample_region **ret, unsigned *ret_n,
-                                  struct ttf_err *err);
 
 #endif

@@ -3,6 +3,7 @@
 #ifndef TTF_CONFIG_DAEMON_FILE_H
 #define TTF_CONFIG_DAEMON_FILE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "ttf/base/attr.h"
@@ -16,6 +17,8 @@
 /* Where it listens unless its configuration says otherwise. */
 #define TTF_DAEMON_LISTEN_TCP  "127.0.0.1:8417"
 #define TTF_DAEMON_LISTEN_UNIX "unix:/run/ttfbox/http.sock"
+#define TTF_DAEMON_LISTEN_USB \
+    "usb0:8417" /* the network over the USB cable; where there is none, nothing */
 
 struct ttf_daemon_config {
     char board[512];   /* a board's name, or the path of its file */
@@ -29,6 +32,7 @@ struct ttf_daemon_config {
     uint32_t threads;      /* 0: all */
     int64_t retry_ns;  /* what failed is tried again after this, doubled each time up to 12 times */
     unsigned n_listen; /* 0: nowhere */
+    bool listen_as_ever; /* its configuration says nothing of it */
     char listen[TTF_DAEMON_LISTEN_MAX][128];
     unsigned
         n_names; /* of the box, beside its addresses, its name in the network and its serial's */

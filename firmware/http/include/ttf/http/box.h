@@ -85,6 +85,10 @@ struct ttf_http_box_ops {
     /* yaml has a zero behind it */
     int (*board_check)(struct ttf_http_box *box, const char *yaml, size_t bytes, char **ret_json,
                        struct ttf_err *err);
+    /* Kept and listed, never put in force. put: -EINVAL, and nothing has changed, where it would not do */
+    int (*board_put)(struct ttf_http_box *box, const char *name, const char *yaml, size_t bytes,
+                     char **ret_json, struct ttf_err *err);
+    int (*board_delete)(struct ttf_http_box *box, const char *name, struct ttf_err *err);
     int (*plans)(struct ttf_http_box *box, char **ret_json, struct ttf_err *err);
     int (*plan)(struct ttf_http_box *box, const char *name, char **ret_yaml, struct ttf_err *err);
     /* slow; yaml has a zero behind it. put: -EINVAL, and nothing has changed, where it would not do */

@@ -49,6 +49,7 @@ struct ttf_http_type {
 struct ttf_http_gives {
     const struct ttf_http_type *types; /* the first that fits; ended by one of NULL */
     unsigned status;
+    bool none;                /* 204: it is known, and has nothing to give */
     bool tagged;              /* with an ETag: 304 by If-None-Match */
     bool ranges;              /* parts by Range: 206, 416 */
     bool resumes;             /* goes on behind Last-Event-ID */

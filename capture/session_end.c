@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How many slots a living run comes to, as its clock becomes better known, and why it has ended. Loop thread. */
+#include <string.h>
+
+#include "session_private.h"
+
+static void tell(struct ttf_session *s, int64_t before, int64_t index)
+{
+    if (s->plan.count != before)
+        ttf_events_emit(&s->events, "plan", "%lld slots instead of %lld%s: the clock was corrected",
+                        (long long)s->plan.count, (long long)before,
+                        s->plan.count == index ? ", the plan's end has come" : "");
+}
+
+static void count_anew(struct ttf_session *s, int64_t index)
+{
+    const struct ttf_segment *segment = &s->pulse.segment;
+    struct ttf_run_clock clock = s->run;
+    int64_t before = s->plan.count;
+
+    clock.gaps_ns = s->gaps_before_ns + s->pulse.gap_ns;
+    clock.utc_offset_ns = segment->origin_utc_ns - segment->origin_ns;
+    if (!ttf_run_clock_believed(&s->plan, &s->grid, index, &clock,
+                                strcmp(segment->trust, "host") == 0)) {
+        ttf_events_emit(&s->events, "plan",
+                        "a PC's clock says that the plan's end has passed: not believed alone");
+        return;
+    }
+    s->run = clock;
+    s->plan.count = ttf_plan_slots(&s->plan, &s->grid, &s->run);
+    if (s->plan.count < index) /* they have their records, whatever the clock says now */
+        s->plan.count = index;
+    tell(s, before, index);
+}
+
+bool ttf_session_has_slot(struct ttf_session *s, int64_t index)
+{
+    if (s->pulse.corrected && ttf_plan_ends_in_time(&s->plan))
+        count_anew(s, index);
+    s->pulse.corrected = false;
+    return index < s->plan.count;
+}
+
+/* A change of plan was the end of it: no slot came after it. */
+static bool ended_at_once(const struct ttf_session *s)
+{
+    const struct ttf_writer_state *state = ttf_writer_state(s->committer.writer);
+    bool is_new = s->known_plan < 0 && !s->pulse.has_segment; /* and not even stored */
+
+    return state->n_segments > 0 && (is_new || state->last_segment.first_index >= s->plan.count);
+}
+
+const char *ttf_session_end_reason(const struct ttf_session *s)
+{
+    if (ttf_plan_ends_in_time(&s->plan))
+        return "until";
+    return ended_at_once(s) ? "stopped" : "count";
+}
