@@ -13,8 +13,9 @@
 
 /* A run's time on this boot's clock, as far as it is known. */
 struct ttf_run_clock {
-    int64_t slot0_ns; /* where slot 0 was, or would have been, due: what a photoperiod counts from */
-    int64_t gaps_ns;  /* outages that no slot stands for, as far as their lengths are known */
+    int64_t
+        slot0_ns;    /* where slot 0 was, or would have been, due: what a photoperiod counts from */
+    int64_t gaps_ns; /* outages that no slot stands for, as far as their lengths are known */
     int64_t utc_offset_ns; /* UTC - boot clock; TTF_NS_UNKNOWN */
 };
 

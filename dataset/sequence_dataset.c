@@ -286,6 +286,38 @@ static int check_stream(const struct ttf_stream *stream, const char *path, struc
     return 0;
 }
 
+/* A stream as it would be that had the files of another role for its own. */
+static int as_beside(struct ttf_io *io, const char *role, const char *first,
+                     struct ttf_stream *stream, struct ttf_err *err)
+{
+    struct ttf_tiff_reader *tiff;
+    const struct ttf_tiff_info *info;
+    int code = ttf_tiff_reader_open(io, first, &tiff, err);
+
+    if (code)
+        return code;
+    info = ttf_tiff_reader_info(tiff);
+    stream->samples = info->samples;
+    stream->format = info->format;
+    stream->encoding.pedestal = 0;
+    if (info->format == TTF_SAMPLE_F32)
+        stream->encoding.scale = 1;
+    else if (strcmp(role, "mask") == 0)
+        stream->encoding.scale = info->format == TTF_SAMPLE_U8 ? 255 : 65535;
+    ttf_tiff_reader_close(tiff);
+    return 0;
+}
+
+/* That this can read; what is no picture of the stream's geometry has no role here. */
+static int check_role(const char *role, struct ttf_err *err)
+{
+    if (!role || strcmp(role, "uncertainty") == 0 || strcmp(role, "mask") == 0)
+        return 0;
+    ttf_err_set(err, -EINVAL, "role", "'%.40s' is none that can be read as a sequence", role);
+    ttf_err_hint(err, "developed, uncertainty or mask");
+    return -EINVAL;
+}
+
 static struct dataset_sequence *make(struct ttf_reader *reader, const struct ttf_stream *stream,
                                      struct sequence_frames *frames)
 {
@@ -319,6 +351,9 @@ int ttf_sequence_of_dataset(struct ttf_reader *reader, const struct ttf_sequence
                             struct ttf_sequence **ret, struct ttf_err *err)
 {
     static const struct ttf_sequence_choice plain = {0};
+    const char *role =
+        choice && choice->role && strcmp(choice->role, "developed") != 0 ? choice->role : NULL;
+    struct ttf_stream beside;
     const struct ttf_manifest *manifest = ttf_reader_manifest(reader);
     const struct ttf_stream *stream = choice && choice->stream
                                           ? ttf_manifest_stream(manifest, choice->stream)
@@ -331,11 +366,23 @@ int ttf_sequence_of_dataset(struct ttf_reader *reader, const struct ttf_sequence
     if (!stream)
         return ttf_err_set(err, -ENODATA, path, "there is no stream '%s'",
                            choice && choice->stream ? choice->stream : "primary");
-    code = check_stream(stream, path, err);
+    code = check_role(role, err);
+    if (!code && !role)
+        code = check_stream(stream, path, err);
     if (!code)
         code = sequence_frames_collect(reader, stream, choice ? choice : &plain, &frames, err);
     if (code)
         return code;
+    if (role) {
+        beside = *stream;
+        code = as_beside(ttf_reader_io(reader), role, frames.path[0], &beside, err);
+        code = code ? code : check_stream(&beside, path, err);
+        stream = &beside;
+    }
+    if (code) {
+        sequence_frames_free(&frames);
+        return code;
+    }
     dataset = make(reader, stream, &frames);
     if (!dataset) {
         sequence_frames_free(&frames);

@@ -45,10 +45,15 @@ static int grow(struct sequence_frames *frames)
     return 0;
 }
 
-static const struct ttf_file_ref *developed_of(const struct ttf_image *image)
+static const char *role_of(const struct ttf_sequence_choice *choice)
+{
+    return choice->role ? choice->role : "developed";
+}
+
+static const struct ttf_file_ref *file_of(const struct ttf_image *image, const char *role)
 {
     for (unsigned i = 0; i < image->n_files; i++) {
-        if (strcmp(image->files[i].role, "developed") == 0)
+        if (strcmp(image->files[i].role, role) == 0)
             return &image->files[i];
     }
     return NULL;
@@ -71,7 +76,7 @@ static const struct ttf_file_ref *chosen_image(const struct ttf_slot_record *rec
 
     for (unsigned i = 0; i < record->n_images; i++) {
         const struct ttf_image *image = &record->images[i];
-        const struct ttf_file_ref *file = developed_of(image);
+        const struct ttf_file_ref *file = file_of(image, role_of(choice));
 
         if (!file || image->lacking[0] || strcmp(image->stream, stream) != 0)
             continue;
@@ -228,8 +233,10 @@ static int no_image(const struct sequence_frames *frames, const char *path,
                     frames->n_excluded, stream->id);
         ttf_err_hint(err, "ask for them with the excluded ones");
     } else if (choice->one_bracket) {
-        ttf_err_set(err, -ENODATA, path, "stream '%s' has no developed image of bracket %d",
-                    stream->id, choice->bracket);
+        ttf_err_set(err, -ENODATA, path, "stream '%s' has no %s image of bracket %d", stream->id,
+                    role_of(choice), choice->bracket);
+    } else if (choice->role && strcmp(choice->role, "developed") != 0) {
+        ttf_err_set(err, -ENODATA, path, "stream '%s' has no %s image", stream->id, choice->role);
     } else {
         ttf_err_set(err, -ENODATA, path, "stream '%s' has no developed image", stream->id);
         ttf_err_hint(err, "if only raw frames were kept, develop the dataset first");

@@ -118,11 +118,14 @@ int cmd_export(struct cli *cli)
         r = ttf_reader_open(cli->io, cli->opt.args[0], &reader, &cli->err);
     if (r == 0)
         r = ttf_sequence_of_dataset(reader, &choice, &sequence, &cli->err);
+    if (r < 0 && strcmp(cli->err.where, "role") == 0)
+        (void)cli_by_option(cli, r, "--role", cli->opt.args[0]);
     if (r == 0) {
         const struct ttf_stream *stream = stream_of(cli, reader);
 
         config.simulated = ttf_reader_manifest(reader)->simulated;
-        config.camera_colours = strcmp(stream->colour_space, "linear-srgb") != 0;
+        config.camera_colours = strcmp(stream->colour_space, "linear-srgb") != 0 ||
+                                (choice.role && strcmp(choice.role, "developed") != 0);
         cli_stop_catch();
         cli_progress_begin(&bar, cli, "exporting");
         r = ttf_export(sequence, cli->io, &config, &result, &cli->err);

@@ -224,6 +224,7 @@ static const struct cli_command ROWS[] = {
                     {OPT_WHITE, NULL},
                     {OPT_NAME, NULL},
                     {OPT_STREAM, NULL},
+                    {OPT_ROLE, NULL},
                     {OPT_BRACKET, NULL},
                     {OPT_WITH_EXCLUDED, NULL},
                     {OPT_JSON, NULL},

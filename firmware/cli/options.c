@@ -108,6 +108,8 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
                   "name of numbered files (default: frame)"},
     [OPT_STREAM] = {"stream", 0, "ID", CLI_TEXT, O(stream), 0, 0,
                     "the stream to read (default: the primary one)"},
+    [OPT_ROLE] = {"role", 0, "ROLE", CLI_TEXT, O(role), 0, 0,
+                  "of each image the file of this role: developed (default), uncertainty or mask"},
     [OPT_BRACKET] = {"bracket", 0, "N", CLI_WHOLE, O(bracket), 0, 99,
                      "of each bracket the image of this number, from 0 (default: the reference)"},
     [OPT_WITH_EXCLUDED] = {"with-excluded", 0, NULL, CLI_FLAG, O(with_excluded), 0, 0,

@@ -59,6 +59,7 @@ enum cli_option {
     OPT_WHITE,
     OPT_NAME,
     OPT_STREAM,
+    OPT_ROLE,
     OPT_BRACKET,
     OPT_WITH_EXCLUDED,
     OPT_CORNERS,
@@ -133,7 +134,7 @@ struct cli_options {
     const char *listen, *token_file, *box, *only, *beside;
     bool follow, list, usb;
     const char *bundle, *root, *script, *slots, *tag, *author;
-    const char *region, *treatment, *table;
+    const char *region, *treatment, *table, *role;
     const char *compress, *sink, *stream, *title, *name, *metric;
     bool json, quiet, per_frame, no_speed_check, as_given, with_excluded, check, man, remove;
     int64_t threads, rehearse, frames, every, start, fps, feather, columns, width_max;

@@ -92,6 +92,7 @@ struct ttf_sequence_choice cli_choice(const struct cli *cli)
 {
     return (struct ttf_sequence_choice){
         .stream = cli->opt.stream,
+        .role = cli->opt.role,
         .one_bracket = cli->opt.bracket >= 0,
         .bracket = (int)cli->opt.bracket,
         .with_excluded = cli->opt.with_excluded,

@@ -53,7 +53,6 @@ int seal_ask(struct wire *wire, const char *name, struct seal_state *ret, struct
     return r;
 }
 
-/* A list without the records seals nothing. */
 /* Does a list of hashes name this file of the dataset's root? */
 static bool lists(const char *text, const char *name)
 {
@@ -75,7 +74,7 @@ int seal_look(struct ttf_io *io, const char *folder, struct seal_state *state, s
     if (r < 0)
         return r == -ENOENT ? 0
                             : ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
-    sealed = lists(text, "records.jsonl");
+    sealed = lists(text, "records.jsonl"); /* without these it seals nothing */
     free(text);
     if (!sealed)
         return 0;

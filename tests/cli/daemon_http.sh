@@ -1,12 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # ttfboxd asked by HTTP, on a simulated camera in real time: started, watched, paused, noted on, stopped, started again; who may not; crowds.
+# In a session of its own: what else this machine has to do gives way to all of it (bench.bash).
+[ -n "${OWN_SESSION:-}" ] || OWN_SESSION=1 exec setsid -w bash "$0"
 . "$(dirname "$0")/cli.bash"
 . "$(dirname "$0")/bench.bash"
 . "$(dirname "$0")/server.bash"
 . "$(dirname "$0")/daemon.bash"
 [ -n "${DAEMON:-}" ] || exit 77 # built without a box
 
+bench_first
 bench_box 'lamps: {left: {backend: sim}}' 'sensors: {box-temp: {backend: sim, kind: temperature}}'
 data_in_memory
 printf 'board: ./box.yaml\ndata: data\nretry: 300ms\nlisten: ["127.0.0.1:0", "unix:cable"]\nnames: [one, two, three, four, five, greenhouse]\n' >ttfboxd.yaml

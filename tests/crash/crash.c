@@ -27,6 +27,7 @@ enum campaign {
 struct asked {
     bool campaigns[CAMPAIGN_COUNT], quick;
     unsigned depth, parts;
+    int fresh_kinds;
     uint64_t seed, states;
 };
 
@@ -91,6 +92,7 @@ static void work(void *ctx, unsigned part, void *ret)
         .seen = shares->seen,
         .steps = fixed_run,
         .n_steps = COUNT_OF(fixed_run),
+        .fresh_kinds = asked->fresh_kinds,
         .part = part,
         .parts = asked->parts,
         .stop_at_first = asked->quick,
@@ -195,9 +197,13 @@ static bool ask_campaign(struct asked *asked, const char *name)
 static bool options(int argc, char **argv, struct asked *asked)
 {
     static const struct option known[] = {
-        {"quick", no_argument, NULL, 'q'},           {"depth", required_argument, NULL, 'd'},
-        {"seed", required_argument, NULL, 's'},      {"states", required_argument, NULL, 'n'},
-        {"processes", required_argument, NULL, 'p'}, {NULL, 0, NULL, 0},
+        {"quick", no_argument, NULL, 'q'},
+        {"depth", required_argument, NULL, 'd'},
+        {"seed", required_argument, NULL, 's'},
+        {"states", required_argument, NULL, 'n'},
+        {"processes", required_argument, NULL, 'p'},
+        {"fresh", required_argument, NULL, 'f'},
+        {NULL, 0, NULL, 0},
     };
     int c;
 
@@ -216,6 +222,9 @@ static bool options(int argc, char **argv, struct asked *asked)
         case 'n':
             asked->states = strtoull(optarg, NULL, 10);
             break;
+        case 'f':
+            asked->fresh_kinds = (int)strtol(optarg, NULL, 10);
+            break;
         case 'p':
             asked->parts = (unsigned)strtoul(optarg, NULL, 10);
             break;
@@ -227,12 +236,13 @@ static bool options(int argc, char **argv, struct asked *asked)
         if (!ask_campaign(asked, argv[optind]))
             return false;
     }
-    return asked->depth >= 1 && asked->depth <= 2 && asked->parts >= 1 && asked->parts <= PARTS_MAX;
+    return asked->fresh_kinds >= 1 && asked->fresh_kinds <= DISK_FRESH_COUNT && asked->depth >= 1 &&
+           asked->depth <= 2 && asked->parts >= 1 && asked->parts <= PARTS_MAX;
 }
 
 int main(int argc, char **argv)
 {
-    struct asked asked = {.depth = 2, .seed = 1, .states = STATES_DEFAULT};
+    struct asked asked = {.depth = 2, .fresh_kinds = 2, .seed = 1, .states = STATES_DEFAULT};
     unsigned i;
     bool any;
 

@@ -29,6 +29,7 @@ struct cuts {
     unsigned depth;               /* how many cuts on end: 1 or 2 */
     const enum run_step *steps;   /* the run that is cut everywhere, or troubled */
     unsigned n_steps;
+    int fresh_kinds; /* what unwritten blocks read as: zeros; 2: noise, too; 3: old logs, too */
     unsigned part, parts; /* troubled, random: this process takes each parts-th of them */
     bool stop_at_first;
     unsigned between_of;   /* one in so many states is looked at between repair and going on */

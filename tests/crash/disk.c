@@ -9,6 +9,9 @@
 
 #include "disk_private.h"
 
+/* Whose lines hold no crc: README.md, "The disk". */
+#define ZEROED "SHA256SUMS"
+
 static struct disk *of(struct ttf_io *io)
 {
     return (struct disk *)io;
@@ -98,6 +101,7 @@ static int op_open(struct ttf_io *io, const char *path, enum ttf_io_mode mode)
         if (r)
             return r;
         node = disk_node_add(disk, false, strcmp(name, disk->hollow) == 0);
+        disk->nodes[node]->zeroed = strncmp(name, ZEROED, strlen(ZEROED)) == 0;
         disk_names_set(&disk->nodes[folder]->names[0], name, node);
         disk_effect_name(disk, DISK_LINK, folder, name, NULL, node);
     }
@@ -149,6 +153,8 @@ static int64_t write_at(struct disk *disk, int i, const void *buf, size_t n, siz
 
     if (n == 0)
         return 0;
+    if (offset > node->bytes[0]->n)
+        disk_effect_hole(disk, i, offset);
     if (offset + n > node->bytes[0]->n) {
         set_length(node, offset + n);
         disk_effect_length(disk, i, offset + n, true);
@@ -208,7 +214,10 @@ static int op_truncate(struct ttf_io *io, int file, int64_t bytes)
     if ((size_t)bytes == now)
         return 0;
     set_length(disk->nodes[node], (size_t)bytes);
-    disk_effect_length(disk, node, (size_t)bytes, (size_t)bytes > now);
+    if ((size_t)bytes > now)
+        disk_effect_hole(disk, node, (size_t)bytes);
+    else
+        disk_effect_length(disk, node, (size_t)bytes, false);
     return 0;
 }
 
@@ -388,6 +397,11 @@ const struct ttf_io_ops disk_ops = {
 struct ttf_io *disk_io(struct disk *disk)
 {
     return &disk->io;
+}
+
+void disk_fresh_blocks(struct disk *disk, enum disk_fresh fresh)
+{
+    disk->fresh = fresh;
 }
 
 void disk_on_step(struct disk *disk, disk_step_fn *fn, void *ctx)

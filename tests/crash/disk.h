@@ -44,6 +44,15 @@ void disk_put(struct disk *disk, const char *path, const void *bytes, size_t n);
 /* Files whose last name component is this hold no bytes, only a length: they read as zeros. */
 void disk_hollow(struct disk *disk, const char *name);
 
+/* What bytes read as whose length reached the disk, and they did not: the block was another file's before. */
+enum disk_fresh {
+    DISK_ZEROS,
+    DISK_NOISE, /* any bytes but the end of a line */
+    DISK_LINES, /* ends of lines, too: an old log */
+    DISK_FRESH_COUNT
+};
+void disk_fresh_blocks(struct disk *disk, enum disk_fresh fresh); /* and of those that cuts leave */
+
 /* What a power cut may take or leave. Numbered from 0, in the order it was done. */
 unsigned disk_effects(const struct disk *disk);
 /* Bytes that effect i consists of: 0 of names and lengths, which cannot be torn. */

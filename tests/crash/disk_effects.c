@@ -21,7 +21,7 @@ static struct disk_effect *add(struct disk *disk, enum disk_effect_kind kind, in
     effect->kind = kind;
     effect->node = node;
     effect->target = -1;
-    effect->lost = false;
+    effect->lost = effect->hole = false;
     effect->name[0] = effect->to[0] = '\0';
     effect->offset = effect->n = 0;
     effect->data = NULL;
@@ -41,6 +41,14 @@ void disk_effect_name(struct disk *disk, enum disk_effect_kind kind, int folder,
 void disk_effect_length(struct disk *disk, int node, size_t bytes, bool longer)
 {
     add(disk, longer ? DISK_LONGER : DISK_SHORTER, node)->offset = bytes;
+}
+
+void disk_effect_hole(struct disk *disk, int node, size_t bytes)
+{
+    struct disk_effect *effect = add(disk, DISK_LONGER, node);
+
+    effect->offset = bytes;
+    effect->hole = true;
 }
 
 void disk_effect_data(struct disk *disk, int node, size_t offset, const void *data, size_t n)
@@ -74,13 +82,32 @@ static void apply_name(struct disk_names *names, const struct disk_effect *effec
     disk_names_set(names, effect->to, effect->target);
 }
 
-static void apply_length(struct disk_bytes **bytes, size_t length, bool longer)
+/* What was in a block before it was this file's. */
+static void put_old(unsigned char *at, size_t from, size_t to, enum disk_fresh fresh)
+{
+    static const char log[] =
+        "00,\"ok\":true}],\"crc\":\"4b825dc6\"}\n{\"type\":\"slot\",\"seq\":7,\"in";
+
+    for (size_t i = from; i < to; i++) {
+        unsigned char noise = (unsigned char)(i * 2654435761u >> 13 ^ i * 97);
+
+        at[i] = fresh == DISK_LINES ? (unsigned char)log[i % (sizeof(log) - 1)]
+                : noise == '\n'     ? 0xff
+                                    : noise;
+    }
+}
+
+static void apply_length(struct disk_bytes **bytes, size_t length, bool longer,
+                         enum disk_fresh fresh)
 {
     struct disk_bytes *own;
+    size_t was = (*bytes)->n;
 
-    if (longer && (*bytes)->n >= length)
+    if (longer && was >= length)
         return;
-    own = disk_bytes_own(bytes, length > (*bytes)->n ? length : (*bytes)->n);
+    own = disk_bytes_own(bytes, length > was ? length : was);
+    if (fresh != DISK_ZEROS && length > was)
+        put_old(own->at, was, length, fresh);
     if (length < own->n) /* bytes that are written behind the end are seen if it is moved later */
         memset(own->at + length, 0, own->room - length);
     own->n = length;
@@ -108,7 +135,8 @@ static void apply_hollow(struct disk_bytes **bytes, size_t length, bool longer)
     *bytes = own;
 }
 
-static void apply(struct disk_node *node, const struct disk_effect *effect, struct disk_kept kept)
+static void apply(struct disk_node *node, const struct disk_effect *effect, struct disk_kept kept,
+                  enum disk_fresh fresh)
 {
     if (kept.to <= kept.from)
         return;
@@ -119,7 +147,8 @@ static void apply(struct disk_node *node, const struct disk_effect *effect, stru
     else if (effect->kind != DISK_DATA && node->hollow)
         apply_hollow(&node->bytes[1], effect->offset, effect->kind == DISK_LONGER);
     else if (effect->kind != DISK_DATA)
-        apply_length(&node->bytes[1], effect->offset, effect->kind == DISK_LONGER);
+        apply_length(&node->bytes[1], effect->offset, effect->kind == DISK_LONGER,
+                     effect->hole || node->zeroed ? DISK_ZEROS : fresh);
 }
 
 static struct disk_kept all_of(const struct disk_effect *effect)
@@ -142,7 +171,7 @@ void disk_make_durable(struct disk *disk, int i, bool data_only)
             continue;
         }
         if (effect->kind != DISK_SHORTER || !data_only)
-            apply(node, effect, all_of(effect));
+            apply(node, effect, all_of(effect), disk->fresh);
         free(effect->data);
     }
     disk->n_effects = n;
@@ -225,6 +254,7 @@ static int copy_reached(struct disk *to, const struct disk *from, struct disk_no
         return map[i];
     map[i] = made = disk_node_add(to, node->is_dir, node->hollow);
     copy = to->nodes[made];
+    copy->zeroed = node->zeroed;
     if (!node->is_dir) {
         disk_bytes_release(copy->bytes[0]);
         disk_bytes_release(copy->bytes[1]);
@@ -263,8 +293,9 @@ struct disk *disk_cut(const struct disk *disk, const struct disk_kept *kept)
             else
                 disk_bytes_share(after[i].bytes[1]);
         }
-        apply(nodes[i], &disk->effects[k], kept[k]);
+        apply(nodes[i], &disk->effects[k], kept[k], disk->fresh);
     }
+    to->fresh = disk->fresh;
     copy_reached(to, disk, nodes, map, 0);
     for (i = 0; i < disk->n_nodes; i++)
         if (nodes[i] == &after[i]) {

@@ -27,6 +27,7 @@ struct disk *disk_alloc(const char *hollow)
     disk->n_effects = disk->effects_room = 0;
     memcpy(disk->hollow, hollow, sizeof(disk->hollow));
     disk->dead = false;
+    disk->fresh = DISK_ZEROS;
     disk->step = NULL;
     disk->step_ctx = NULL;
     return disk;

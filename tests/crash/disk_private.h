@@ -30,6 +30,7 @@ struct disk_names {
 /* [0] as seen, [1] as it would be found after a cut. */
 struct disk_node {
     bool is_dir, hollow;
+    bool zeroed; /* what is not written reads as zeros on any disk */
     struct disk_bytes *bytes[2];
     struct disk_names names[2];
 };
@@ -48,6 +49,7 @@ struct disk_effect {
     int node;   /* the folder or file it is done to */
     int target; /* of names: the node that gets the name */
     bool lost;  /* data: a sync failed, they will not be written */
+    bool hole;  /* a length: nobody writes there, so it reads as zeros whatever was there */
     char name[DISK_NAME_BYTES], to[DISK_NAME_BYTES];
     size_t offset, n; /* of data; offset: the new length */
     unsigned char *data;
@@ -62,6 +64,7 @@ struct disk {
     unsigned n_effects, effects_room;
     char hollow[DISK_NAME_BYTES];
     bool dead;
+    enum disk_fresh fresh;
     disk_step_fn *step;
     void *step_ctx;
 };
@@ -95,6 +98,7 @@ int disk_find_folder(const struct disk *disk, const char *path, const char **ret
 void disk_effect_name(struct disk *disk, enum disk_effect_kind kind, int folder, const char *name,
                       const char *to, int target);
 void disk_effect_length(struct disk *disk, int node, size_t bytes, bool longer);
+void disk_effect_hole(struct disk *disk, int node, size_t bytes);
 void disk_effect_data(struct disk *disk, int node, size_t offset, const void *data, size_t n);
 
 /* Does to state [1] what effects of node i say; data_only leaves a shorter length out. */

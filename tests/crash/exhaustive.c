@@ -12,7 +12,7 @@ struct watch {
     struct run *run;
     unsigned level; /* 0: the run; 1: a recovery */
     const struct cuts_moment *before;
-    uint64_t step;
+    uint64_t step; /* counted through all kinds of old blocks */
 };
 
 static int watch_step(void *ctx, struct disk *disk, const char *op, const char *path);
@@ -154,15 +154,16 @@ static int watch_step(void *ctx, struct disk *disk, const char *op, const char *
     return 0;
 }
 
-void cuts_exhaustive(struct cuts *cuts)
+static void one_run(struct cuts *cuts, enum disk_fresh fresh, uint64_t *step)
 {
-    struct watch watch = {.cuts = cuts};
+    struct watch watch = {.cuts = cuts, .step = *step};
     struct disk *disk = run_fresh_disk();
     struct run run;
     size_t i;
 
     run_init(&run, disk);
     watch.run = &run;
+    disk_fresh_blocks(disk, fresh);
     disk_on_step(disk, watch_step, &watch);
     for (i = 0; i < cuts->n_steps && run_do(&run, cuts->steps[i]); i++)
         ;
@@ -170,6 +171,15 @@ void cuts_exhaustive(struct cuts *cuts)
         cuts_broken_uncut(cuts, &run);
     else
         (void)watch_step(&watch, disk, "the end", "");
+    *step = watch.step;
     run_end(&run);
     disk_destroy(disk);
+}
+
+void cuts_exhaustive(struct cuts *cuts)
+{
+    uint64_t step = 0;
+
+    for (int fresh = 0; fresh < cuts->fresh_kinds; fresh++)
+        one_run(cuts, (enum disk_fresh)fresh, &step);
 }

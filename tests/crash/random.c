@@ -103,6 +103,8 @@ static void one_run(struct cuts *cuts)
     d->cut_percent = (unsigned)draw_below(&d->draw, 50);
     n = 5 + (unsigned)draw_below(&d->draw, 20);
     run_init(&d->run, run_fresh_disk());
+    disk_fresh_blocks(d->run.disk,
+                      (enum disk_fresh)draw_below(&d->draw, (uint64_t)cuts->fresh_kinds));
     disk_on_step(d->run.disk, run_step_comes, d);
     well = run_do(&d->run, RUN_CREATE);
     for (i = 0; i < n && d->states_left > 0 && !d->run.broken[0] && (well || d->trouble.over);

@@ -292,6 +292,9 @@ def comparable(o):
     for slot in o["slots"]:
         for image in slot.get("images", []):
             image.pop("pixel_mean", None)  # compared with mean_level, below
+            for role in ROLES:
+                if role in image:
+                    image[role].pop("exposure_ns", None)  # likewise
             image["files"] = [f for f in image.get("files", []) if f["role"] in ROLES]
     for counts in (o["counts"], o.get("end", {})):
         for key in [k for k, v in counts.items() if v == 0 and k != "slots"]:
@@ -312,6 +315,29 @@ def different(at, a, b):
     return [] if a == b else ["%s: %r is ours, %r theirs" % (at, a, b)]
 
 
+def near(a, b):
+    """Exposure times, which our reader has from libtiff in single precision."""
+    return a == b or None not in (a, b) and abs(a - b) <= b * 1e-7
+
+
+def tags_of_files(ours, theirs, of_its_record):
+    """Exposure times in the tags of developed images, as both read them; start and exposure as the record has them, where it is told."""
+    said = []
+    for slot, o in zip(theirs["slots"], ours["slots"]):
+        for image, other in zip(slot.get("images", []), o.get("images", [])):
+            tags, at = image.get("developed") or {}, "slot %d, %s" % (slot["index"], image["stream"])
+            if not near(other.get("developed", {}).get("exposure_ns"), tags.get("exposure_ns")):
+                said.append("%s: exposure %r, %r" % (at, other["developed"], tags))
+            shots = [s for s in image.get("shots", []) if "refused" not in s and "start_ns" in s]
+            if not of_its_record or not shots:
+                continue
+            start = slot["due_utc_ns"] + shots[0]["start_ns"] - slot["due_ns"]
+            if tags.get("start_utc_ns") != start or not near(
+                    tags.get("exposure_ns"), shots[0].get("granted", {}).get("exposure_ns")):
+                said.append("%s: the file's tags are not of its record: %r" % (at, tags))
+    return said
+
+
 def compare(box, dump, dataset):
     """What the two readers say differently."""
     r, ours = run(box, "verify", dataset, "--json")
@@ -329,6 +355,8 @@ def compare(box, dump, dataset):
         said += contents(run(box, "info", dataset, "--json")[1], theirs)
         read_by_us = run(dump, dataset)[1]
         said += different("", comparable(read_by_us), comparable(theirs)) if read_by_us else ["no dump"]
+        said += tags_of_files(read_by_us, theirs, os.path.basename(
+            os.path.dirname(dataset)) == "box" or dataset.endswith("average-of-8")) if read_by_us else []
     return said
 
 
@@ -407,6 +435,8 @@ def by_the_box(box, folder):
           b'b;Poa "x";0;0;96;64;"dry; ""since"" 3"\r\na;Festuca;;;;;none\r\n')
     made("sample", "whole", "--table", "pots.csv")
     made("export", "whole", "--to", "png", "--with-excluded", "-o", "pictures")
+    made("export", "../made/rich", "--stream", "top", "--bracket", "1", "--role", "mask", "--to", "png", "-o", "masks")
+    made("export", "../made/rich", "--stream", "top", "--role", "nonsense", "--to", "png", "-o", "none", code=2)
     made("import", *("pictures/frame.%d.png" % n for n in range(1001, 1007)), "--interval", "1min", "-o", "imported")
     made("develop", "whole", "-c", "cal", "-o", "developed")
     made("synth", "quilt", "imported", "--size", "80x70", "--block", "24x24", "-o", "grown")

@@ -18,6 +18,7 @@
 #include "ttf/dataset/notes.h"
 #include "ttf/dataset/reader.h"
 #include "ttf/dataset/samples.h"
+#include "ttf/dataset/tiff.h"
 #include "unit/dataset_store/rich_dataset.h"
 
 /* ---- what does not apply is absent ---- */
@@ -273,6 +274,34 @@ static void put_raw(json_t *o, const char *dataset, const char *file)
     ttf_raw_sum_free(&sum);
 }
 
+/* What an image says of itself, one developed or beside it: its geometry, its colours, when it was taken. */
+static void put_picture(json_t *o, const char *dataset, const struct ttf_file_ref *file)
+{
+    struct ttf_tiff_reader *reader = NULL;
+    json_t *picture = json_object();
+    char path[4096];
+
+    snprintf(path, sizeof path, "%s/%s", dataset, file->path);
+    if (ttf_tiff_reader_open(ttf_io_posix(), path, &reader, NULL) == 0) {
+        const struct ttf_tiff_info *info = ttf_tiff_reader_info(reader);
+
+        number(picture, "width", info->width);
+        number(picture, "height", info->height);
+        number(picture, "samples", info->samples);
+        text(picture, "sample_format", ttf_sample_name(info->format));
+        number(picture, "orientation", info->orientation);
+        json_object_set_new(picture, "icc", json_boolean(info->has_icc));
+        json_object_set_new(picture, "linear", json_boolean(!info->display_encoded));
+        instant(picture, "start_utc_ns", info->times.start_utc_ns);
+        if (info->zone_known)
+            number(picture, "zone_offset_s", info->times.zone_offset_s);
+        not_0(picture, "exposure_ns", info->times.exposure_ns);
+        json_object_set(o, file->role, picture);
+        ttf_tiff_reader_close(reader);
+    }
+    json_decref(picture);
+}
+
 static json_t *image_of(const char *dataset, const struct ttf_image *image)
 {
     json_t *o = json_object(), *shots = json_array();
@@ -296,6 +325,8 @@ static json_t *image_of(const char *dataset, const struct ttf_image *image)
     for (unsigned i = 0; i < image->n_files; i++)
         if (strcmp(image->files[i].role, "raw") == 0)
             put_raw(o, dataset, image->files[i].path);
+        else
+            put_picture(o, dataset, &image->files[i]);
     real(o, "mean_level", image->mean_level);
     real(o, "reference_level", image->reference_level);
     real(o, "sharpness", image->sharpness);

@@ -7,6 +7,7 @@
 Its output is the same every time. It shares no code with the project, so that a
 mistake of the writer in C and one of the reader cannot cancel out.
 """
+import datetime
 import hashlib
 import json
 import os
@@ -19,8 +20,43 @@ UTC0 = 1_790_000_000 * SECOND
 BOOT = ["0a0b0c0d-0000-4000-8000-00000000000%d" % i for i in range(4)]
 
 
-def tiff(width, height, samples, codes):
-    """A 16-bit linear TIFF of one strip; codes is a flat list."""
+def linear_profile():
+    """An ICC profile of straight tone curves (ICC.1:2010), with the little that its readers need."""
+    xyz = [(0.4360, 0.2225, 0.0139), (0.3851, 0.7169, 0.0971), (0.1431, 0.0606, 0.7141)]
+    white = (0.9642, 1.0, 0.8249)
+    straight = b"curv" + bytes(8)
+    tags = [(n + b"TRC", straight) for n in (b"r", b"g", b"b")]
+    tags += [(n, b"XYZ " + bytes(4) + struct.pack(">3i", *(round(v * 65536) for v in value)))
+             for n, value in zip((b"rXYZ", b"gXYZ", b"bXYZ", b"wtpt"), (*xyz, white))]
+    at, table, data = 128 + 4 + 12 * len(tags), struct.pack(">I", len(tags)), b""
+    for name, value in tags:
+        table += struct.pack(">4sII", name, at + len(data), len(value))
+        data += value
+    head = struct.pack(">I4sI4s4s4s", at + len(data), bytes(4), 0x04300000, b"mntr", b"RGB ", b"XYZ ")
+    head += struct.pack(">6H", 2026, 1, 1, 0, 0, 0) + b"acsp" + bytes(28)
+    head += struct.pack(">3i", *(round(v * 65536) for v in white))
+    return head.ljust(128, b"\0") + table + data
+
+
+def exif(at, start_utc_ns, exposure_ns, zone_s):
+    """An Exif folder that lies at `at`: the start in local time, and how long it was exposed."""
+    local = datetime.datetime(1970, 1, 1) + datetime.timedelta(
+        seconds=start_utc_ns // SECOND + zone_s)
+    zone = "%s%02d:%02d" % ("-" if zone_s < 0 else "+", abs(zone_s) // 3600, abs(zone_s) // 60 % 60)
+    values = [(33434, 5, 1, struct.pack("<II", exposure_ns, SECOND)),
+              (36867, 2, 20, local.strftime("%Y:%m:%d %H:%M:%S").encode() + b"\0"),
+              (36881, 2, 7, zone.encode() + b"\0"),
+              (37521, 2, 10, b"%09d\0" % (start_utc_ns % SECOND))]
+    out, data = struct.pack("<H", len(values)), b""
+    behind = at + 2 + 12 * len(values) + 4
+    for tag, kind, count, value in values:
+        out += struct.pack("<HHII", tag, kind, count, behind + len(data))
+        data += value + bytes(len(value) % 2)
+    return out + struct.pack("<I", 0) + data
+
+
+def tiff(width, height, samples, codes, taken=None):
+    """A 16-bit linear TIFF of one strip; codes is a flat list. taken: start, exposure and zone, and then a profile, too."""
     data = struct.pack("<%dH" % len(codes), *codes)
     bits = struct.pack("<%dH" % samples, *[16] * samples)
     entries = [
@@ -28,18 +64,26 @@ def tiff(width, height, samples, codes):
         (262, 3, 1, 2 if samples == 3 else 1), (273, 4, 1, None), (274, 3, 1, 1),
         (277, 3, 1, samples), (278, 3, 1, height), (279, 4, 1, len(data)), (284, 3, 1, 1),
     ]
+    profile = linear_profile() if taken else b""
+    if taken:
+        entries += [(34665, 4, 1, None), (34675, 7, len(profile), None)]
     bits_at = 8 + 2 + 12 * len(entries) + 4
-    data_at = bits_at + len(bits)
+    profile_at = bits_at + len(bits)
+    exif_at = profile_at + len(profile)
+    behind = profile + (exif(exif_at, *taken) if taken else b"")
+    data_at = profile_at + len(behind)
     out = struct.pack("<2sHIH", b"II", 42, 8, len(entries))
     for tag, kind, count, value in entries:
         if tag == 258:
             value = bits_at if samples > 2 else 16
         if tag == 273:
             value = data_at
+        if tag in (34665, 34675):
+            value = exif_at if tag == 34665 else profile_at
         out += struct.pack("<HHI", tag, kind, count)
         out += struct.pack("<HH" if kind == 3 and count == 1 else "<I",
                            *((value, 0) if kind == 3 and count == 1 else (value,)))
-    return out + struct.pack("<I", 0) + bits + data
+    return out + struct.pack("<I", 0) + bits + behind + data
 
 
 class Dataset:
@@ -96,13 +140,13 @@ class Dataset:
             self.put("calibration/%s/calibration.json" % name,
                      ('{"id":"%s"}\n' % name).encode())])
 
-    def image(self, stream, index, suffix="", level=0, **more):
+    def image(self, stream, index, suffix="", level=0, taken=None, **more):
         s = next(s for s in self.streams if s["id"] == stream)
         n = s["width"] * s["height"] * s["samples"]
         codes = [2047 + 100 * index + level + i for i in range(n)]
         file = {"role": "developed"}
         file.update(self.put("frames/%s/%06d%s.tif" % (stream, index, suffix),
-                             tiff(s["width"], s["height"], s["samples"], codes)))
+                             tiff(s["width"], s["height"], s["samples"], codes, taken)))
         image = {"stream": stream}
         image.update(more)
         image.setdefault("n_averaged", 1)
@@ -215,7 +259,8 @@ def average(folder):
             shots.append({"asked": asked, "granted": asked, "start_ns": at,
                           "end_ns": at + 10_000_000})
         shots[4]["refused"] = "corrupt"
-        d.slot(i, [d.image("main", i, shots=shots, n_averaged=8)])
+        taken = UTC0 + 10 * i * SECOND, 10_000_000, (7200, -12600)[i]
+        d.slot(i, [d.image("main", i, shots=shots, n_averaged=8, taken=taken)])
     d.end()
     d.seal()
 

@@ -7,6 +7,7 @@
 Exit: 0, 3 if something is damaged, 1 if it is no dataset that this reader may read.
 It shares no code with the project, so that two readers must agree on what the document says.
 """
+import datetime
 import hashlib
 import json
 import os
@@ -14,6 +15,7 @@ import re
 import struct
 import sys
 import zlib
+from fractions import Fraction
 
 NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,63}")
 HEX64 = re.compile(r"[0-9a-f]{64}")
@@ -24,6 +26,7 @@ RESULTS = ("captured", "partial", "missed", "failed", "paused", "power")
 FORMATS = {"u8": "B", "u16": "H", "f16": "e", "f32": "f"}
 SAMPLE_BITS = {"u8": 8, "u16": 16, "f16": 16, "f32": 32}
 HOLE = "bytes that did not reach the disk"
+PICTURES = ("developed", "uncertainty", "mask")  # roles
 UNSEALED = ("SHA256SUMS", "notes.jsonl", "samples.json", "report.json")
 
 
@@ -138,23 +141,111 @@ def raw_of(data):
             "cfa": "".join("RGB"[c] for c in cfa) if cfa else "none", "crc": zlib.crc32(samples)}
 
 
+SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 7: 1, 13: 4}  # of the kinds of values that are read
+
+
+def tiff_folder(data, at):
+    """The tags of one folder of a little-endian TIFF: what kind of values, and their bytes."""
+    tags = {}
+    for i in range(struct.unpack_from("<H", data, at)[0]):
+        tag, kind, count, where = struct.unpack_from("<HHII", data, at + 2 + 12 * i)
+        if kind in SIZES:
+            n = count * SIZES[kind]
+            start = at + 10 + 12 * i if n <= 4 else where
+            tags[tag] = kind, data[start:start + n]
+    return tags
+
+
+def numbers(kind, value):
+    """Integers; unsigned fractions exact."""
+    if kind == 5:
+        pairs = struct.unpack("<%dI" % (len(value) // 4), value)
+        return tuple(Fraction(n, d) if d else 0 for n, d in zip(pairs[::2], pairs[1::2]))
+    return struct.unpack("<%d%s" % (len(value) // SIZES[kind], {1: "B", 3: "H", 4: "I", 13: "I"}[kind]), value)
+
+
+def first_folder(data):
+    return tiff_folder(data, struct.unpack_from("<I", data, 4)[0]) if data[:4] == b"II*\0" else None
+
+
 def tiff_tags(data):
     """The first page's tags of bytes, integers and unsigned fractions that are whole."""
-    if data[:4] != b"II*\0":
+    folder = first_folder(data)
+    return folder and {tag: tuple(int(n) for n in numbers(kind, value))
+                       for tag, (kind, value) in folder.items() if kind not in (2, 7)}
+
+
+# What an image says of itself, one developed or beside it: its colours (ICC.1:2010) and when it was taken (Exif 2.31)
+
+def curve_is_straight(data):
+    """A tone curve, as ICC.1 has it in `curv` (10.5) and `para` (10.15), that changes nothing."""
+    kind, n = data[:4], struct.unpack_from(">I", data, 8)[0]
+    if kind == b"curv" and n <= 1:
+        return n == 0 or struct.unpack_from(">H", data, 12)[0] == 256
+    if kind == b"curv":
+        values = struct.unpack_from(">%dH" % n, data, 12)
+        return all(abs(v - 65535 * i / (n - 1)) < 16 for i, v in enumerate(values))
+    if kind == b"para":
+        function = n >> 16
+        gamma, *more = (v / 65536 for v in struct.unpack_from(
+            ">%di" % (1, 3, 4, 5, 7)[function], data, 12))
+        return gamma == 1 and function == 0 or function > 0 and gamma == 1 and more[:2] == [1, 0] and (
+            function != 3 or more[2] == 1)
+    return False
+
+
+def profile_is_linear(data):
+    """None: it is no profile, or says nothing of tone."""
+    if len(data) < 132 or data[36:40] != b"acsp":
         return None
-    at, tags = struct.unpack_from("<I", data, 4)[0], {}
-    for i in range(struct.unpack_from("<H", data, at)[0]):
-        entry = at + 2 + 12 * i
-        tag, kind, count = struct.unpack_from("<HHI", data, entry)
-        if kind not in (1, 3, 4, 5):
-            continue
-        code = "<%d%s" % (count * (2 if kind == 5 else 1), {1: "B", 3: "H", 4: "I", 5: "I"}[kind])
-        inside = struct.calcsize(code) <= 4
-        values = struct.unpack_from(code, data, entry + 8 if inside else struct.unpack_from(
-            "<I", data, entry + 8)[0])
-        tags[tag] = tuple(n // d if d else 0 for n, d in zip(values[::2], values[1::2])) \
-            if kind == 5 else values
-    return tags
+    tags = {}
+    for i in range(struct.unpack_from(">I", data, 128)[0]):
+        name, at, n = struct.unpack_from(">4sII", data, 132 + 12 * i)
+        tags[name] = data[at:at + n]
+    wanted = [b"kTRC"] if data[16:20] == b"GRAY" else [b"rTRC", b"gTRC", b"bTRC"]
+    if any(w not in tags for w in wanted):
+        return None
+    return all(curve_is_straight(tags[w]) for w in wanted)
+
+
+def text_in(folder, *tags):
+    for tag in tags:
+        if tag in folder and folder[tag][0] == 2:
+            return folder[tag][1].split(b"\0")[0].decode("ascii", "replace")
+    return None
+
+
+def times_of(data, folder):
+    """The start of the exposure and how long it was."""
+    exif = tiff_folder(data, numbers(*folder[34665])[0]) if 34665 in folder else {}
+    date = text_in(exif, 36867) or text_in(folder, 306)
+    start = zone = exposure = None
+    if date and (m := re.fullmatch(r"(\d{4}):(\d\d):(\d\d) (\d\d):(\d\d):(\d\d)", date)):
+        year, month, day, h, minute, s = map(int, m.groups())
+        days = datetime.date(year, month, day).toordinal() - datetime.date(1970, 1, 1).toordinal()
+        start = (days * 86400 + h * 3600 + minute * 60 + s) * 10**9
+        start += int((text_in(exif, 37521) or "").ljust(9, "0")[:9])
+        offset = re.fullmatch(r"([+-])(\d\d):(\d\d)", text_in(exif, 36881, 36880) or "")
+        if offset:
+            zone = (int(offset[2]) * 3600 + int(offset[3]) * 60) * (-1 if offset[1] == "-" else 1)
+            start -= zone * 10**9
+    if 33434 in exif:
+        exposure = round(numbers(*exif[33434])[0] * 10**9)
+    return present(start_utc_ns=start, zone_offset_s=zone, exposure_ns=exposure)
+
+
+def picture_of(data):
+    """None of what is no little-endian TIFF."""
+    folder = first_folder(data)
+    if not folder:
+        return None
+    tags = tiff_tags(data)
+    linear = profile_is_linear(folder[34675][1]) if 34675 in folder else None
+    bits, kind = tags.get(258, (1,))[0], tags.get(339, (1,))[0]
+    return {"width": tags[256][0], "height": tags[257][0], "samples": tags.get(277, (1,))[0],
+            "sample_format": "f32" if kind == 3 else "u%d" % bits,
+            "orientation": tags.get(274, (1,))[0], "icc": 34675 in folder,
+            "linear": bits != 8 if linear is None else linear, **times_of(data, folder)}
 
 
 def tiff_mean(data, stream):
@@ -622,10 +713,11 @@ class Reader:
                         image["raw"] = raw_of(self.bytes_of(f["path"]) or b"")
                 stream = self.streams.get(image["stream"])
                 for f in image.get("files", []) if stream else []:
-                    data = self.bytes_of(f["path"]) if f["role"] == "developed" else None
+                    data = self.bytes_of(f["path"]) if f["role"] in PICTURES else None
                     if data is None or hashlib.sha256(data).hexdigest() != f["sha256"]:
                         continue
-                    mean = tiff_mean(data, stream)
+                    image.update(present(**{f["role"]: picture_of(data)}))
+                    mean = tiff_mean(data, stream) if f["role"] == "developed" else None
                     if mean is not None:
                         image["pixel_mean"] = (mean - stream["pedestal"]) / stream["scale"]
 

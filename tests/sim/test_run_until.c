@@ -168,9 +168,8 @@ static void another_interval_ends_at_the_same_instant(void **state)
         int64_t n;
 
         until_init(&run, ends[i], 6); /* the end at 6:00 or 5:42 */
-        n = living_ask(&run, &(struct ttf_ask){.kind = TTF_ASK_INTERVAL,
-                                               .from_index = 3,
-                                               .interval_ns = 25 * S});
+        n = living_ask(&run, &(struct ttf_ask){
+                                 .kind = TTF_ASK_INTERVAL, .from_index = 3, .interval_ns = 25 * S});
         assert_int_equal(sim_run_boot(&run), 0);
         living_expect_done(&run, n);
         /* 0:12, 1:12, 2:12, then 2:37, 3:02, ..., 5:32 (and 5:57 before 6:00) */
@@ -187,13 +186,11 @@ static void asked_for_while_it_runs_it_holds_over_all_of_that(void **state)
 
     (void)state;
     until_init(&run, TTF_END_COUNT, 4);
-    until = living_ask(
-        &run, &(struct ttf_ask){.kind = TTF_ASK_UNTIL,
-                                .from_index = 1,
-                                .until_utc_ns = run.config.start_utc_ns + 10 * MIN});
-    interval = living_ask(&run, &(struct ttf_ask){.kind = TTF_ASK_INTERVAL,
-                                                  .from_index = 3,
-                                                  .interval_ns = 30 * S});
+    until = living_ask(&run, &(struct ttf_ask){.kind = TTF_ASK_UNTIL,
+                                               .from_index = 1,
+                                               .until_utc_ns = run.config.start_utc_ns + 10 * MIN});
+    interval = living_ask(
+        &run, &(struct ttf_ask){.kind = TTF_ASK_INTERVAL, .from_index = 3, .interval_ns = 30 * S});
     dark(&run, 180, 90 * S);
     assert_int_equal(sim_run_through_cuts(&run), 0);
     living_expect_done(&run, until);

@@ -15,10 +15,8 @@ static const struct ttf_plan UNTIL = {.interval_ns = TTF_NS_PER_MIN,
                                       .count = 60,
                                       .end = TTF_END_UNTIL,
                                       .until_utc_ns = UTC0 + TTF_NS_PER_H};
-static const struct ttf_plan LENGTH = {.interval_ns = TTF_NS_PER_MIN,
-                                       .count = 60,
-                                       .end = TTF_END_LENGTH,
-                                       .length_ns = TTF_NS_PER_H};
+static const struct ttf_plan LENGTH = {
+    .interval_ns = TTF_NS_PER_MIN, .count = 60, .end = TTF_END_LENGTH, .length_ns = TTF_NS_PER_H};
 
 static void the_slots_due_before_the_end_are_counted(void **state)
 {
@@ -63,7 +61,8 @@ static void a_correction_of_less_than_a_second_leaves_the_count(void **state)
 {
     static const struct {
         int64_t utc_behind_ns, slots;
-    } cases[] = {{S - 1, 60}, {1 - S, 60}, {S + 1, 61}, {-S - 1, 60}, {-TTF_NS_PER_MIN - S - 1, 59}};
+    } cases[] = {
+        {S - 1, 60}, {1 - S, 60}, {S + 1, 61}, {-S - 1, 60}, {-TTF_NS_PER_MIN - S - 1, 59}};
 
     (void)state;
     for (unsigned i = 0; i < 5; i++) {

@@ -69,6 +69,16 @@ static int produce(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
     return ttf_tiff_write(io, file, ctx, &spec, err);
 }
 
+static void add_file(struct ttf_writer *writer, struct ttf_image *image, int64_t index,
+                     const char *role, struct ttf_pixbuf *pixels)
+{
+    struct ttf_err err = {0};
+
+    if (pixels && ttf_writer_file(writer, role, image->stream, index, image->bracket, "tif",
+                                  produce, pixels, &image->files[image->n_files++], &err))
+        fail_msg("%s: %s", err.where, err.what);
+}
+
 void add_slot(struct ttf_writer *writer, int64_t index, int segment, int64_t due_ns,
               const struct shot *shots, unsigned n)
 {
@@ -93,11 +103,31 @@ void add_slot(struct ttf_writer *writer, int64_t index, int segment, int64_t due
             continue;
         }
         image->n_averaged = 1;
-        image->n_files = 1;
-        if (ttf_writer_file(writer, "developed", image->stream, index, image->bracket, "tif",
-                            produce, shots[i].pixels, &image->files[0], &err))
-            fail_msg("%s: %s", err.where, err.what);
+        add_file(writer, image, index, "developed", shots[i].pixels);
     }
+    if (ttf_writer_commit(writer, &record, &err))
+        fail_msg("%s: %s", err.where, err.what);
+    ttf_slot_record_free(&record);
+}
+
+void add_slot_beside(struct ttf_writer *writer, int64_t index, int64_t due_ns,
+                     struct ttf_pixbuf *pixels, struct ttf_pixbuf *uncertainty,
+                     struct ttf_pixbuf *mask)
+{
+    struct ttf_slot_record record;
+    struct ttf_image *image;
+    struct ttf_err err = {0};
+
+    ttf_slot_record_init(&record);
+    record.index = index;
+    record.due_ns = due_ns;
+    assert_int_equal(ttf_slot_record_images(&record, 1), 0);
+    image = &record.images[0];
+    snprintf(image->stream, sizeof(image->stream), "main");
+    image->n_averaged = 1;
+    add_file(writer, image, index, "developed", pixels);
+    add_file(writer, image, index, "uncertainty", uncertainty);
+    add_file(writer, image, index, "mask", mask);
     if (ttf_writer_commit(writer, &record, &err))
         fail_msg("%s: %s", err.where, err.what);
     ttf_slot_record_free(&record);

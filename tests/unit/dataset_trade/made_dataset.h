@@ -30,6 +30,10 @@ struct shot {
 
 void add_slot(struct ttf_writer *writer, int64_t index, int segment, int64_t due_ns,
               const struct shot *shots, unsigned n);
+/* Of segment 0 and stream "main", one image; uncertainty and mask may be NULL. */
+void add_slot_beside(struct ttf_writer *writer, int64_t index, int64_t due_ns,
+                     struct ttf_pixbuf *pixels, struct ttf_pixbuf *uncertainty,
+                     struct ttf_pixbuf *mask);
 struct ttf_reader *open_reader(const char *path);
 
 #endif

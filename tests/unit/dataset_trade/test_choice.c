@@ -106,6 +106,78 @@ static void a_bracket_of_ones_choice_is_read(void **state)
     ttf_reader_close(reader);
 }
 
+/* Grey, of floats, and of bytes, beside 16-bit colours. */
+static void what_lies_beside_an_image_is_read_by_its_role(void **state)
+{
+    const char *path = in_folder(state, "data");
+    struct ttf_pixbuf picture = make_picture(W, H, 3, TTF_SAMPLE_U16, 1), sigma, mask;
+    struct ttf_manifest manifest;
+    struct ttf_sequence *sequence;
+    struct ttf_reader *reader;
+    struct ttf_writer *writer;
+    struct ttf_err err = {0};
+    uint16_t row[W * 3];
+    float values[W * 3];
+
+    assert_int_equal(ttf_manifest_init(&manifest, NULL), 0);
+    add_stream(&manifest, "main", 3, TTF_SAMPLE_U16);
+    writer = create(path, &manifest);
+    add_segment(writer, 0, 0, TTF_NS_UNKNOWN);
+    assert_int_equal(ttf_pixbuf_alloc(&sigma, W, H, 1, TTF_SAMPLE_F32), 0);
+    assert_int_equal(ttf_pixbuf_alloc(&mask, W, H, 1, TTF_SAMPLE_U8), 0);
+    for (uint32_t y = 0; y < H; y++)
+        for (uint32_t x = 0; x < W; x++) {
+            ((float *)ttf_pixbuf_row(&sigma, y))[x] = 0.25f * (float)x;
+            ((uint8_t *)ttf_pixbuf_row(&mask, y))[x] = x < 5 ? 255 : 0;
+        }
+    for (int64_t i = 0; i < 3; i++) /* the second has nothing beside it */
+        add_slot_beside(writer, i, TTF_NS_PER_H + i * TTF_NS_PER_MIN, &picture,
+                        i == 1 ? NULL : &sigma, i == 1 ? NULL : &mask);
+    ttf_writer_close(writer);
+    reader = open_reader(path);
+
+    sequence = chosen(reader, (struct ttf_sequence_choice){.role = "uncertainty"});
+    assert_int_equal(sequence->n, 2);
+    assert_int_equal(sequence->index[1], 2);
+    assert_int_equal(ttf_sequence_read_values(sequence, 1, 7, 1, values, NULL), 0);
+    for (uint32_t x = 0; x < W; x++)
+        assert_true(values[x * 3] == 0.25f * (float)x && values[x * 3 + 2] == values[x * 3]);
+    ttf_sequence_destroy(sequence);
+
+    sequence = chosen(reader, (struct ttf_sequence_choice){.role = "mask"});
+    assert_int_equal(sequence->n, 2);
+    assert_true(sequence->encoding.pedestal == 0 && sequence->encoding.scale == 65535);
+    assert_int_equal(ttf_sequence_read_rows(sequence, 0, 7, 1, row, NULL), 0);
+    for (uint32_t x = 0; x < W; x++)
+        assert_int_equal(row[x * 3 + 1], x < 5 ? 65535 : 0);
+    ttf_sequence_destroy(sequence);
+
+    sequence = chosen(reader, (struct ttf_sequence_choice){.role = "developed"});
+    assert_int_equal(sequence->n, 3);
+    ttf_sequence_destroy(sequence);
+    assert_int_equal(ttf_sequence_of_dataset(reader, &(struct ttf_sequence_choice){.role = "raw"},
+                                             &sequence, &err),
+                     -EINVAL);
+    ttf_reader_close(reader);
+    ttf_pixbuf_free(&picture);
+    ttf_pixbuf_free(&sigma);
+    ttf_pixbuf_free(&mask);
+}
+
+static void no_uncertainty_is_no_developed_image(void **state)
+{
+    struct ttf_reader *reader = open_reader(bracketed(state, 2));
+    struct ttf_sequence *sequence;
+    struct ttf_err err = {0};
+
+    assert_int_equal(ttf_sequence_of_dataset(reader,
+                                             &(struct ttf_sequence_choice){.role = "uncertainty"},
+                                             &sequence, &err),
+                     -ENODATA);
+    assert_non_null(strstr(err.what, "no uncertainty image"));
+    ttf_reader_close(reader);
+}
+
 static void note(const char *path, const char *tag, int64_t first, int64_t last)
 {
     struct ttf_note note = {.utc_ns = TTF_NS_UNKNOWN, .n_tags = 1};
@@ -407,6 +479,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
 #define IN_FOLDER(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
         IN_FOLDER(a_bracket_of_ones_choice_is_read),
+        IN_FOLDER(what_lies_beside_an_image_is_read_by_its_role),
+        IN_FOLDER(no_uncertainty_is_no_developed_image),
         IN_FOLDER(what_a_note_excludes_is_left_out_unless_asked_for),
         IN_FOLDER(an_export_fills_excluded_slots_and_names_them),
         IN_FOLDER(floats_are_spread_over_sixteen_bits_and_read_back_as_values),

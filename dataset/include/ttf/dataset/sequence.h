@@ -50,6 +50,7 @@ struct ttf_sequence {
 /* Which images. Zero-initialised: the reference images of the primary stream, without those that notes exclude. */
 struct ttf_sequence_choice {
     const char *stream; /* NULL: the primary one */
+    const char *role;   /* NULL: "developed"; "uncertainty", "mask": what lies beside it */
     bool one_bracket;   /* those of `bracket` alone, instead of the reference ones */
     int bracket;        /* its number, from 0 */
     bool with_excluded; /* also slots that a note tags "exclude" */
@@ -60,7 +61,8 @@ struct ttf_sequence_choice {
  * stream with several images per slot, the reference one. Grey streams are read as three equal samples,
  * u8 as u16 through the encoding. Floats are spread over the 16 bits from their least finite value to their
  * greatest, which all files are read for at once; what is no number reads as the least.
- * -ENODATA if there is no such stream or image. The reader must outlive it.
+ * Of another role the first file says how many samples of which format; of an uncertainty's integers the values are code / scale of the stream, of a
+ * mask's code / (greatest code). -ENODATA if there is no such stream or image; -EINVAL of a role that is no picture of a stream. The reader must outlive it.
  */
 TTF_MUST_USE int ttf_sequence_of_dataset(struct ttf_reader *reader,
                                          const struct ttf_sequence_choice *choice,
