@@ -16,7 +16,8 @@ static struct ttf_io io = {&ops};
 static int64_t free_bytes;
 static const char *stays; /* a name that cannot be removed; NULL */
 static char folder[64];
-static unsigned asked; /* how often room was asked for */
+static unsigned asked;  /* how often room was asked for */
+static unsigned listed; /* how often a folder was read */
 
 static int say_space(struct ttf_io *self, const char *path, struct ttf_io_space *ret)
 {
@@ -25,6 +26,13 @@ static int say_space(struct ttf_io *self, const char *path, struct ttf_io_space 
     asked++;
     *ret = (struct ttf_io_space){.free_bytes = free_bytes, .total_bytes = INT64_C(1) << 40};
     return 0;
+}
+
+static int list_one(struct ttf_io *self, const char *path, ttf_io_entry_fn *found, void *ctx)
+{
+    (void)self;
+    listed++;
+    return ttf_io_posix()->ops->list(ttf_io_posix(), path, found, ctx);
 }
 
 static int unlink_one(struct ttf_io *self, const char *path)
@@ -45,9 +53,10 @@ static int set_up(void **state)
     ops = *ttf_io_posix()->ops;
     ops.space = say_space;
     ops.unlink = unlink_one;
+    ops.list = list_one;
     free_bytes = 0;
     stays = NULL;
-    asked = 0;
+    asked = listed = 0;
     strcpy(folder, "/tmp/ttf-previews-XXXXXX");
     return mkdtemp(folder) ? 0 : -1;
 }
@@ -149,6 +158,7 @@ static void with_room_nothing_is_removed(void **state)
     assert_int_equal(ttf_previews_remove(&io, folder, 100), 0);
     assert_true(there("side/000001.jpg"));
     assert_true(there("000003.jpg"));
+    assert_int_equal(listed, 0); /* weeks of them are not read for nothing, slot after slot */
 }
 
 static void without_previews_there_is_nothing_to_remove(void **state)
