@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "alert.h"
+#include "ttf/base/checked.h"
 
 #define LEAST_NS   (500 * TTF_NS_PER_MS) /* that a record may be late, however short the interval */
 /* A button's stop is written down once its run has ended: until then nobody knows who wanted it. */
@@ -15,8 +16,7 @@ static int64_t later_ns(int64_t at_ns, int64_t by_ns)
 {
     int64_t sum_ns;
 
-    return at_ns == TTF_NS_NEVER || __builtin_add_overflow(at_ns, by_ns, &sum_ns) ? TTF_NS_NEVER
-                                                                                  : sum_ns;
+    return at_ns != TTF_NS_NEVER && ttf_add_i64(at_ns, by_ns, &sum_ns) ? sum_ns : TTF_NS_NEVER;
 }
 
 /* When the next slot is due; UNKNOWN: its segment is of another boot, or there is none. */
@@ -29,7 +29,7 @@ static int64_t due_ns(const struct watch *w)
     if (s->segment < 0 || strcmp(s->boot_id, ttf_clock_boot_id(w->clock)) != 0)
         return TTF_NS_UNKNOWN;
     if (__builtin_sub_overflow(next, s->first_index, &slots) ||
-        __builtin_mul_overflow(slots, s->interval_ns, &since_ns))
+        !ttf_mul_i64(slots, s->interval_ns, &since_ns))
         return TTF_NS_NEVER;
     return later_ns(s->origin_ns, since_ns);
 }

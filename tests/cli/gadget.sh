@@ -170,6 +170,21 @@ said out 'network 10.'
 functions_of "$WORK/nowhere.yaml"
 said out 'network 10.'
 said err 'not known'
+
+# --- where it is not wanted the services are left out; where nobody can say, it is, as a box is mended by its cable
+wanted_of() { # CODE BOARD SET
+    printf 'board: %s\nset: {%s}\n' "$2" "$3" >"$WORK/of/etc/ttfbox/ttfboxd.yaml"
+    expect "$1" "$GADGET" --into "$WORK/of" --ttfbox "$TTFBOX" wanted
+}
+wanted_of 0 "$SOURCE/boards/rpi4/board.yaml" ''
+wanted_of 1 "$SOURCE/boards/rpi4/board.yaml" 'machine.usb_role: host'
+said err 'usb_role: host'
+wanted_of 1 "$SOURCE/boards/sim/board.yaml" ''
+said err 'usb_role: none'
+wanted_of 0 "$WORK/nowhere.yaml" ''
+rm "$WORK/of/etc/ttfbox/ttfboxd.yaml"
+expect 0 "$GADGET" --into "$WORK/of" --ttfbox "$TTFBOX" wanted
+
 for wrong in network 'network streams' printer 'streams network '; do
     expect 2 "$GADGET" --into "$WORK/of" --serial 0007 --functions "$wrong" compose
     [ ! -e "$WORK/of/config" ] || fail "of '$wrong' something was made"

@@ -44,6 +44,8 @@ OTHER = {
     # Heads of frames: stream 1, each type, the usual lengths.
     "usb": [b"\x01\0" + bytes([t]) + b"\0" + bytes([n]) + b"\0\0\0" for t in range(2, 6) for n in (0, 4, 16)] +
            [b"\0\0\x01\0\x10\0\0\0\x01\0\x20\0\0\0\x04\0", b"\0\0\x06\0\0\0\0\0", b"\x4d\0\0\0\0\0\0\0"],
+    "mdns": [b"\x0bttfbox-0007\x05local\0", b"\xc0\x0c", b"\0\x01\0\x01", b"\0\x01\x80\x01", b"\0\x1c\0\x01", b"\0\xff\0\x01",
+             b"\0\0\0\x78\0\x04\x0a\x3c\x07\x01"],
     "store": [b"frames/main/", b".tmp", b"\0"], "records": [b"frames/main/"],
 }
 EXIF = [0x0112, 0x0132, 0x8769, 0x9003, 0x9004, 0x9011, 0x9291, 0x882a]

@@ -4,8 +4,10 @@ import json
 import os
 import re
 import subprocess
+import tempfile
 import time
 
+import beside
 import booted
 import camera
 import lamps
@@ -119,11 +121,13 @@ def expect_a_restart_to_be_no_unplugging(m):
 
 
 def a_first_boot_takes_the_settings_and_captures_as_seen_from_outside(board, image):
-    card(board, image, PLAN % (SLOTS, "capture-only"))
+    with tempfile.TemporaryDirectory(prefix="ttfbox-rt.") as folder:
+        card(board, image, PLAN % (SLOTS, "capture-only"), beside.programs(board, folder))
     since = time.time()
     with booted.Booted(image) as m:
         print("    its agent answered %.0f s after the kernel's start" % m.booted_s)
         m.wait("systemctl is-active %s ttfbox-gadget && %s | grep -q -e capturing -e done" % (" ".join(SERVICES), STATUS), 300)
+        beside.begin(m, 1, SLOTS)
         exposure(m)
         code, out = m.run("df --output=size -BM /data | tail -n 1; cat /etc/ttfbox/ttfboxd.yaml; ls /boot/box; "
                           "stat -c %U:%G /var/lib/ttfbox/plan; systemctl is-system-running")
@@ -136,10 +140,10 @@ def a_first_boot_takes_the_settings_and_captures_as_seen_from_outside(board, ima
         records = [json.loads(text) for text in out.splitlines() if text.startswith('{"type":"slot"')]
         assert [r["index"] for r in records] == list(range(SLOTS)), out[-1500:]
         lit = camera.lamps_as_recorded(records, m.changes(since), zero)
-        late = camera.lateness_ms(records)
+        late, machine_late = camera.lateness_ms(records), beside.end(m, SLOTS)
         lost = camera.tell_lost(records)
-        print("    %d of %d slots captured, lamps as recorded in each; slot error p99 %.1f ms, %.1f at most" %
-              (len(late), SLOTS, late[len(late) * 99 // 100], late[-1]))
+        print("    %d of %d slots captured, lamps as recorded in each; slot error p99 %.1f ms, %.1f at most; cyclictest of the same minutes %.1f, %.1f" %
+              (len(late), SLOTS, late[len(late) * 99 // 100], late[-1], *machine_late))
         assert all(r.get("reason") for r in lost) and len(lost) <= 1 + SLOTS // 100 and lit >= len(late), (len(lost), lit)
         assert m.lines() == {lamps.LEFT: 0, lamps.RIGHT: 1}, m.lines()
         code, out = m.run("grep -o '\"zone\":\"[^\"]*\"' %s" % RECORDS)

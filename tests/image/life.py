@@ -108,6 +108,21 @@ def a_card_that_is_too_small_is_told(board, image):
     assert "too small" in said and "nothing is captured" in said, said
 
 
+def a_port_that_the_settings_make_a_host_is_no_device(board, image):
+    """The services that are on for the board as it is shipped are left out; nothing has failed, and the box captures."""
+    capture.card(board, image, capture.PLAN % (1500, "capture-only"))
+    booted.put(image, "settings/ttfbox.yaml", capture.SETTINGS.replace("set: {", "set: {machine.usb_role: host, "))
+    with booted.Booted(image) as m:
+        state_of(m)
+        m.wait("! systemctl list-jobs --no-legend --plain | grep -q .", 300)
+        out = m.run("systemctl show -P ActiveState ttfbox-gadget ttfbox-usbd | xargs; cat /sys/class/udc/*/function; ls /sys/kernel/config/usb_gadget")[1]
+        assert out.split("\n")[0] == "inactive inactive" and "ttfbox" not in out.split("\n", 1)[1], out + m.journal()
+        assert m.run("systemctl --failed --no-legend --plain")[1].strip() == "", m.journal()
+        m.off()
+    assert booted.get(image, "ttfbox-problem.txt") is None
+
+
 SCENARIOS = [a_box_that_loses_its_power_goes_on_by_itself_on_the_grid,
              wrong_settings_are_told_and_the_former_stay_and_datasets_outlive_the_image,
-             a_card_that_is_too_small_is_told]
+             a_card_that_is_too_small_is_told,
+             a_port_that_the_settings_make_a_host_is_no_device]

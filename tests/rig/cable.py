@@ -36,8 +36,8 @@ class Board(Machine):
     the programs do there, and not what else this machine has to do. When the guest waits for the host, its clock leaps to the next timer; so
     programs and libraries are in its memory before anything is timed."""
 
-    def __init__(self, system, share, devices=()):
-        super().__init__(system, share, 1800, ["-icount", "shift=0,sleep=off", "-m", "1024"] + list(devices))
+    def __init__(self, system, share, devices=(), seconds=1800):
+        super().__init__(system, share, seconds, ["-icount", "shift=0,sleep=off", "-m", "1024"] + list(devices))
 
     def meet(self):
         super().meet()

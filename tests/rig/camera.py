@@ -43,7 +43,7 @@ def a_raw_and_a_yuv_stream_pass_the_camera_suite(m):
 def the_camera_suite_passes_on_vivid_in_each_format(m, formats=None):
     load(m)
     for pixels in formats or FORMATS:
-        code, out = m.run("rig_camera info %s; rig_camera conformance %s" % (pixels, pixels), 300)
+        code, out = m.run("rig_camera info %s; rig_camera conformance %s 2>&1" % (pixels, pixels), 300)
         print("    " + out.splitlines()[0])
         assert code == 0, out[-2500:]
 

@@ -9,7 +9,9 @@ import camera
 import lamps
 from cable import Board, must
 
-DISK_MIB = 640
+DISK_MIB = 4096  # as far as it is written: 100 slots of 12 megapixels would have room
+SECONDS = 5400  # of the host's, for all
+ANSWER_S = 1200  # a slot of 12 megapixels, the simulator's drawing of it included, is 5,000 million instructions
 PLAN = "interval: %ds\ncount: 100\nlamps: {mode: capture-only, settle: 150ms}\nshots: [{lamps: {left: 100%%}}]\nkeep: %s\nreserve: 1MB\n"
 CONFIG = "board: %s\nplan: /disk/plan.yaml\ndata: /disk/data\ndataset: %s\nset: {%s}\n"
 WIDTH = int(os.environ.get("TTFBOX_RIG_WIDTH", "1014"))  # of the simulated camera; 4056 is that of 12 megapixels, and takes so many times longer
@@ -27,9 +29,16 @@ def spent(m, name):
     return sum(int(line.split()[0]) for line in out.splitlines()), len(out.splitlines())
 
 
+def captured(m, name):
+    must(m, "kill -0 $(cat /run/daemon.pid) || { cat /run/daemon; false; }", ANSWER_S)
+    out = m.run("grep -c '\"result\":\"captured\"' /disk/data/%s/records.jsonl 2>/dev/null" % name, ANSWER_S)[1]
+    return int(out or 0)
+
+
 def until(m, name, slots, interval_s):
-    must(m, "until [ $(grep -c '\"result\":\"captured\"' /disk/data/%s/records.jsonl) -ge %d ]; do kill -0 $(cat /run/daemon.pid) || exit 1; sleep %d; done 2>/dev/null; cat /run/daemon" %
-         (name, slots, interval_s), 900)
+    """Asked again and again: many megapixels are many minutes of the host's, of which a single command is not to take all."""
+    while (had := captured(m, name)) < slots:
+        must(m, "sleep %d; ! grep retry /run/daemon" % interval_s, ANSWER_S)  # a start that is refused is tried again for ever
 
 
 def count(m, i, run):
@@ -56,7 +65,7 @@ def a_slot_costs_so_many_instructions(system, share):
         subprocess.run(["truncate", "-s", "%dM" % DISK_MIB, disk], check=True)
         subprocess.run(["mkfs.ext4", "-q", disk], check=True)
         devices = ["-drive", "file=%s,format=raw,if=none,id=d,cache=unsafe" % disk, "-device", "virtio-blk-pci,drive=d"]
-        with Board(system, share, devices) as m:
+        with Board(system, share, devices, SECONDS) as m:
             must(m, "cp /share/ttfboxd /share/ttfbox-lampd /run/bin/ && mkdir /disk && mount /dev/vda /disk")
             camera.load(m)
             lamps.guard(m, camera.BOARD)

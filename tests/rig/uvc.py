@@ -117,7 +117,7 @@ def level(records):
 def the_camera_suite_passes_on_a_webcam_with_exposure(m):
     compose(m)
     plug(m)
-    code, out = m.run("rig_camera uvc info YUYV; rig_camera uvc conformance YUYV", 300)
+    code, out = m.run("rig_camera uvc info YUYV; rig_camera uvc conformance YUYV 2>&1", 300)
     print("    " + out.splitlines()[0])
     assert code == 0 and "has 0x3b mapped 0x23 automatics off 4 exposure up to 100000000 ns" in out, out[-2500:]
 

@@ -19,7 +19,7 @@
 #define LAMPS "lamps: {left: {backend: sim}, right: {backend: sim}}\n"
 
 static inline int board_text(const char *text, const struct ttf_board_set *sets, unsigned n,
-                 struct ttf_board *ret, struct ttf_err *err)
+                             struct ttf_board *ret, struct ttf_err *err)
 {
     memset(err, 0, sizeof *err);
     return ttf_board_parse("dir/b.yaml", text, strlen(text), sets, n, ret, err);
