@@ -149,7 +149,8 @@ int ttf_manifest_takes_plan(const struct ttf_manifest *manifest, const struct tt
                         "quantity %s",
                         w->id, w->width, w->height, w->camera, w->quantity);
             ttf_err_hint(err, "resume with the plan and calibration it was begun with, or "
-                              "begin a new dataset");
+                              "begin a new dataset beside it, with 'group: NAME-OF-THIS-ONE' in "
+                              "its plan");
             return -EINVAL;
         }
     }

@@ -54,7 +54,8 @@ static int check_whole(const struct ttf_plan *plan, const struct ttf_plan *wante
         ttf_err_set(err, -EINVAL, "shots",
                     "stream '%s' is new: it needs a new dataset of the group",
                     wanted->shots[i].stream);
-        ttf_err_hint(err, "stop this run, and begin one with the new plan in another folder");
+        ttf_err_hint(err, "stop this run, and begin another dataset beside this one, with 'group: "
+                          "NAME-OF-THIS-ONE' in the new plan");
         return -EINVAL;
     }
     memcpy(as.title, plan->title, sizeof(as.title));

@@ -10,6 +10,7 @@
 #include "plan_figures.h"
 #include "ttf/base/checked.h"
 #include "ttf/base/time.h"
+#include "ttf/dataset/copy.h"
 
 #define INTERVAL_MIN_NS (100 * TTF_NS_PER_MS)
 #define INTERVAL_MAX_NS (366 * TTF_NS_PER_DAY)
@@ -185,6 +186,8 @@ static int check_rest(const struct ttf_plan *plan, struct ttf_err *err)
     if (plan->second_storage[0] && plan->second_storage[0] != '/')
         return bad(err, "storage.second",
                    "the second storage must be an absolute path, as /mnt/usb");
+    if (plan->group[0] && !ttf_name_ok(plan->group))
+        return bad(err, "group", "the group is told by the name of a dataset beside this one");
     if (plan->keep < TTF_KEEP_DEFAULT || plan->keep > TTF_KEEP_BOTH)
         return bad(err, "keep", "keep is raw, developed or both");
     return 0;

@@ -125,6 +125,8 @@ int ttf_plan_json(const struct ttf_plan *plan, char **ret_text, struct ttf_err *
         ttf_json_kstring(&j, "second", plan->second_storage);
         ttf_json_object_end(&j);
     }
+    if (plan->group[0])
+        ttf_json_kstring(&j, "group", plan->group);
     ttf_json_object_end(&j);
     r = ttf_json_finish(&j, &text, &bytes);
     if (r == 0) {

@@ -209,6 +209,8 @@ int ttf_plan_read(const char *text, size_t bytes, const char *where, struct ttf_
                          : 0;
     plan.reserve_bytes = get_int(&in, root, "reserve_bytes", 0, INT64_MAX);
     get_storage(&in, root, &plan);
+    if (json_object_get(root, "group"))
+        get_text(&in, root, "group", plan.group, sizeof(plan.group));
     json_decref(root);
     if (in.wrong)
         return ttf_err_set(err, -EINVAL, where, "field '%s' of the plan is not as it must be",

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "group.h"
 #include "ttf/base/time.h"
 #include "ttf/capture/session.h"
 #include "ttf/dataset/reader.h"
@@ -95,7 +96,7 @@ int ttf_second_find(struct ttf_io *io, const char *first, const char *second, st
     }
     alone = ttf_manifest_load(io, first, &of_first, NULL) < 0;
     if (strcmp(of_second.group_member, TTF_MEMBER_SECOND) != 0 ||
-        (!alone && strcmp(of_second.group_uuid, of_first.uuid) != 0))
+        (!alone && strcmp(of_second.group_uuid, ttf_group_uuid(&of_first)) != 0))
         return foreign(second, err);
     r = ttf_reader_open(io, second, &reader, err);
     if (r < 0)
@@ -133,7 +134,8 @@ int ttf_second_manifest(const struct ttf_manifest *first, struct ttf_manifest *r
     if (r < 0)
         return r;
     *ret = *first;
-    memcpy(ret->group_uuid, ret->uuid, sizeof(ret->group_uuid)); /* ret may be first */
+    if (ret->group_uuid[0] == '\0') /* ret may be first */
+        memcpy(ret->group_uuid, ret->uuid, sizeof(ret->group_uuid));
     memcpy(ret->uuid, fresh.uuid, sizeof(ret->uuid));
     snprintf(ret->group_member, sizeof(ret->group_member), "%s", TTF_MEMBER_SECOND);
     return 0;

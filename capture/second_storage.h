@@ -2,7 +2,7 @@
 /*
  * second_storage.h: where a run goes on when its dataset's storage has failed for good: in a dataset of the
  * same name in the plan's second storage, of the same group (README.md, "When the storage fails"). The
- * group's uuid is the first dataset's own, so that either finds the other.
+ * group's uuid is the first dataset's own, or that of the group it was begun in, so that either finds the other.
  */
 #ifndef TTF_CAPTURE_PRIVATE_SECOND_STORAGE_H
 #define TTF_CAPTURE_PRIVATE_SECOND_STORAGE_H

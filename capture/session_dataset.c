@@ -27,11 +27,38 @@ static bool dataset_exists(const struct ttf_session *s)
     return s->config->io->ops->stat(s->config->io, path, &st) == 0;
 }
 
+/*
+ * A run is of a group from its beginning, as dataset.json is written once. Gone on with by a plan that it knows it
+ * needs the other dataset no more; a plan that is new to it may name no other group.
+ */
+static int expect_group(struct ttf_session *s, struct ttf_err *err)
+{
+    const bool is_there = dataset_exists(s);
+    struct ttf_manifest manifest;
+    int r;
+
+    if (s->config->rehearse > 0 || (is_there && s->known_plan >= 0))
+        return 0;
+    r = ttf_group_of_plan(s->config->io, s->path, &s->plan, s->box->simulated, &s->group, err);
+    if (r < 0 || !is_there || s->group.uuid[0] == '\0')
+        return r;
+    r = ttf_manifest_load(s->config->io, s->path, &manifest, err);
+    if (r < 0 || strcmp(ttf_group_uuid(&manifest), s->group.uuid) == 0)
+        return r;
+    ttf_err_set(err, -EINVAL, "group", "the dataset was begun, and not in the group of '%s'",
+                s->plan.group);
+    ttf_err_hint(err, "begin another dataset with this plan");
+    return -EINVAL;
+}
+
 int ttf_session_check_disk(struct ttf_session *s, struct ttf_err *err)
 {
     struct ttf_clock *clock = s->config->skip_speed_check ? NULL : s->box->clock;
     int r;
 
+    r = expect_group(s, err);
+    if (r < 0)
+        return r;
     /* An unattended run that goes on after a power cut is not refused for a disk that became tight. */
     if (dataset_exists(s))
         return s->config->rehearse > 0
@@ -248,12 +275,15 @@ static int open_there(struct ttf_session *s, struct found *found, struct ttf_err
     return 0;
 }
 
-/* A run with a second storage is of a group from the beginning; the group's uuid is the first dataset's. */
+/* A run with a second storage is of a group from the beginning: that of its plan, or its own, by the first dataset's uuid. */
 static void begin_group(struct ttf_session *s, struct ttf_manifest *manifest)
 {
+    snprintf(manifest->group_uuid, sizeof(manifest->group_uuid), "%s", s->group.uuid);
+    snprintf(manifest->group_member, sizeof(manifest->group_member), "%s", s->group.member);
     if (s->committer.second_path[0] == '\0')
         return;
-    memcpy(manifest->group_uuid, manifest->uuid, sizeof(manifest->group_uuid));
+    if (s->group.uuid[0] == '\0')
+        memcpy(manifest->group_uuid, manifest->uuid, sizeof(manifest->group_uuid));
     snprintf(manifest->group_member, sizeof(manifest->group_member), "%s", TTF_MEMBER_FIRST);
 }
 

@@ -5,6 +5,7 @@
 
 #include "climate_watch.h"
 #include "commit.h"
+#include "group.h"
 #include "lamp_programme.h"
 #include "plan_end.h"
 #include "resume.h"
@@ -45,10 +46,11 @@ struct ttf_session {
     int known_plan;    /* the dataset has this plan already, by this number; -1: it is new to it */
     int moved_on_from; /* the plan that was given is this one, but another has come since; -1: no */
     int next_plan;     /* number of the next one that changes it */
-    char path[4096];   /* of the dataset: as configured, or in the second storage */
-    int first_code;    /* why, if from_first */
-    bool from_first;   /* the second dataset is begun by reading the first */
-    char *given_yaml;  /* of the plan in force, as given; owned; NULL: not known */
+    struct ttf_group group; /* that the plan names; empty: none, or the dataset is there already */
+    char path[4096];        /* of the dataset: as configured, or in the second storage */
+    int first_code;         /* why, if from_first */
+    bool from_first;        /* the second dataset is begun by reading the first */
+    char *given_yaml;       /* of the plan in force, as given; owned; NULL: not known */
     bool paused;
     char pause_reason[120];
     int segment;              /* number of the current one */
@@ -65,7 +67,7 @@ struct ttf_session {
 /* Opens or makes the dataset, resolves the grid, and writes the new segment's line. */
 TTF_MUST_USE int ttf_session_open_dataset(struct ttf_session *s, struct ttf_err *err);
 
-/* Refuses a new run that its disk cannot hold. */
+/* Refuses a new run that its disk cannot hold, or whose group is not there. */
 TTF_MUST_USE int ttf_session_check_disk(struct ttf_session *s, struct ttf_err *err);
 
 /* ---- session_tell.c: what a run says of itself ---- */

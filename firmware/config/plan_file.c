@@ -10,6 +10,7 @@
 #include "decode.h"
 #include "lamp_levels.h"
 #include "ttf/base/time.h"
+#include "ttf/dataset/copy.h"
 
 struct ttf_plan_file {
     struct yaml_tree tree;
@@ -115,6 +116,21 @@ static int read_day_levels(const struct cfg_field *field, struct yaml_node *node
     return cfg_lamp_levels(field, node, plan->day_levels, &plan->n_day_levels, err);
 }
 
+/* A dataset's name. */
+static int read_group(const struct cfg_field *field, struct yaml_node *node, void *at,
+                      struct ttf_err *err)
+{
+    struct ttf_plan *plan = at;
+    const char *text = cfg_scalar(node, field->meant, err);
+
+    if (!text)
+        return -EINVAL;
+    if (!ttf_name_ok(text))
+        return cfg_error(node, err, field->meant, "'%.40s' is no name of a dataset", text);
+    (void)snprintf(plan->group, sizeof plan->group, "%s", text);
+    return 0;
+}
+
 static const struct cfg_field STORAGE[] = {{"second", cfg_path512,
                                             offsetof(struct ttf_plan, second_storage), 0, 0,
                                             "a folder on another disk, as /mnt/usb", 0, 0},
@@ -211,6 +227,7 @@ static const struct cfg_field PLAN[] = {
     {"keep", cfg_enum, P(keep), 0, 0, "raw, developed, both or default", KEEPS, 0},
     {"mm_per_px", cfg_double, P(mm_per_px), 1e-6, 1e3, "millimetres per pixel, as 0.05", 0, 0},
     {"storage", cfg_section, 0, 0, 0, "where it goes on, as {second: /mnt/usb}", STORAGE, 0},
+    {"group", read_group, 0, 0, 0, "the name of a dataset beside this one, as 'grass'", 0, 0},
     {"reserve", cfg_i64_bytes, P(reserve_bytes), 0, 1e15, "disk kept free, as 256MiB", 0, 0},
     {0}};
 

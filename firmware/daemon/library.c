@@ -117,6 +117,27 @@ static bool is_of_plan(struct daemon *d, const char *folder, const char *yaml)
     return same;
 }
 
+/* One of a group goes on from a dataset that is there; the run itself looks what that is. */
+static int check_group(struct daemon *d, const char *yaml, struct ttf_err *err)
+{
+    struct ttf_plan_file *file = NULL;
+    const struct ttf_plan *plan;
+    struct ttf_io_stat st;
+    char path[700];
+    int r = ttf_plan_file_parse("plan", yaml, strlen(yaml), &file, err);
+
+    if (r < 0)
+        return r;
+    plan = ttf_plan_file_plan(file);
+    (void)snprintf(path, sizeof path, "%s/%s/dataset.json", d->config.data, plan->group);
+    if (*plan->group && !*plan->second_storage && d->io->ops->stat(d->io, path, &st) < 0) {
+        r = ttf_err_set(err, -EINVAL, "group", "there is no dataset '%s' on this box", plan->group);
+        ttf_err_hint(err, "group names the dataset that the run goes on from");
+    }
+    ttf_plan_file_free(file);
+    return r;
+}
+
 int library_may_start(struct daemon *d, const char *dataset, const char *yaml, struct ttf_err *err)
 {
     struct ttf_reader *reader = NULL;
@@ -126,8 +147,10 @@ int library_may_start(struct daemon *d, const char *dataset, const char *yaml, s
 
     (void)snprintf(folder, sizeof folder, "%s/%s", d->config.data, dataset);
     (void)snprintf(path, sizeof path, "%s/dataset.json", folder);
-    if (d->io->ops->stat(d->io, path, &st) < 0)
-        return check_clock(d, "plan", yaml, err);
+    if (d->io->ops->stat(d->io, path, &st) < 0) {
+        r = check_clock(d, "plan", yaml, err);
+        return r < 0 ? r : check_group(d, yaml, err);
+    }
     r = ttf_reader_open(d->io, folder, &reader, err);
     if (r < 0)
         return r;

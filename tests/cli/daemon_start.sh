@@ -92,5 +92,19 @@ asked 200 status
 is state waiting
 state capturing
 heard '<5>done slots=3 captured=3'
+
+# ---- with another stream it begins another dataset, of the same group ----
+plan infrared.yaml 'interval: 1s' 'count: 2' 'shot: {stream: infrared, exposure: 10ms}' 'keep: raw' 'reserve: 0B' 'group: nowhere'
+asked 200 plans/infrared -X PUT -H 'Content-Type: application/yaml' --data-binary @infrared.yaml
+asked 400 run "${AS_JSON[@]}" '{"plan":"infrared"}'
+said out "there is no dataset 'nowhere' on this box"
+sed -i 's/nowhere/soon/' infrared.yaml
+asked 200 plans/infrared -X PUT -H 'Content-Type: application/yaml' --data-binary @infrared.yaml
+asked 202 run "${AS_JSON[@]}" '{"plan":"infrared"}'
+heard '<5>done slots=2 captured=2'
+expect 0 "$TTFBOX" info data/soon --json
+OF=$(json uuid)
+expect 0 "$TTFBOX" info data/infrared --json
+is group_uuid "$OF"
 end_daemon
 expect 0 "$TTFBOX" verify data/soon

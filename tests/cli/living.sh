@@ -56,6 +56,24 @@ echo "2 until tomorrow" >wrong
 expect 2 "$TTFBOX" capture p.yaml "${TINY[@]}" -o other --script wrong
 said err "wrong:1"
 
+# ---- another stream: a dataset of its own, in the group ----
+plan infrared.yaml "interval: 1min" "count: 2" "lamps: {mode: capture-only, settle: 5s}" \
+    "shot: {stream: infrared, lamps: {left: 100%}}"
+expect 2 "$TTFBOX" capture infrared.yaml "${TINY[@]}" -o until.d
+said err "group: NAME-OF-THIS-ONE"
+echo "group: nowhere" >>infrared.yaml
+expect 2 "$TTFBOX" capture infrared.yaml "${TINY[@]}" -o infrared.d
+said err "infrared.yaml:5:8: group: there is no dataset 'nowhere' beside infrared.d"
+[ ! -e infrared.d ] || fail "a refused capture left something"
+sed -i 's/nowhere/until.d/' infrared.yaml
+expect 0 "$TTFBOX" capture infrared.yaml "${TINY[@]}" -o infrared.d
+expect 0 "$TTFBOX" info until.d --json
+OF=$(json uuid)
+expect 0 "$TTFBOX" info infrared.d --json
+is group_uuid "$OF"
+is group_member 2
+expect 0 "$TTFBOX" verify infrared.d
+
 # ---- a stop is for once; a plan cannot end before what there is ----
 echo "4 stop" >stop
 expect 1 "$TTFBOX" capture p.yaml "${TINY[@]}" -o stops --script stop

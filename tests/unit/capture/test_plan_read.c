@@ -42,6 +42,7 @@ static void full_plan(struct ttf_plan *plan)
     plan->reference = (struct ttf_region){1, 2, 3, 4};
     plan->mm_per_px = 0.05;
     strcpy(plan->second_storage, "/media/second");
+    strcpy(plan->group, "grass");
 }
 
 static void a_plan_with_everything_comes_back_as_it_was(void **state)
@@ -58,6 +59,7 @@ static void a_plan_with_everything_comes_back_as_it_was(void **state)
     assert_int_equal(back.day_start_s, 6 * 3600);
     assert_int_equal(back.day_levels[0].permille, 700);
     assert_string_equal(back.second_storage, "/media/second");
+    assert_string_equal(back.group, "grass");
     assert_true(back.shots[0].brackets[0] == 0.5);
     free(text);
 }

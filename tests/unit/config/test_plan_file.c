@@ -52,7 +52,8 @@ static const char WHOLE[] = "title: Grass\n"
                             "keep: both\n"
                             "mm_per_px: 0.05\n"
                             "reserve: 2GiB\n"
-                            "storage: {second: /mnt/usb}\n";
+                            "storage: {second: /mnt/usb}\n"
+                            "group: grass.1\n";
 
 static void every_key_reaches_its_field(void **state)
 {
@@ -94,6 +95,7 @@ static void every_key_reaches_its_field(void **state)
     assert_true(p->mm_per_px == 0.05);
     assert_true(p->reserve_bytes == INT64_C(2147483648));
     assert_string_equal(p->second_storage, "/mnt/usb");
+    assert_string_equal(p->group, "grass.1");
     assert_string_equal(ttf_plan_file_text(file), WHOLE);
     ttf_plan_file_free(file);
 }

@@ -92,6 +92,8 @@ struct ttf_plan {
     int64_t reserve_bytes; /* disk kept free; capture stops before it */
     /* Absolute path of a folder on another disk, where the run goes on when the dataset's own fails; empty: none. */
     char second_storage[512];
+    char group
+        [65]; /* a dataset beside the run's own: it begins in the group of that one; empty: in none */
 };
 
 /* One shot "main" of 20 ms at unity gain, lamps none, 50 Hz, reserve 256 MiB; interval and count 0. */

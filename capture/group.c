@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "group.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MEMBER_MAX 1000000
+
+const char *ttf_group_uuid(const struct ttf_manifest *manifest)
+{
+    return manifest->group_uuid[0] ? manifest->group_uuid : manifest->uuid;
+}
+
+/* The one after it. "first" and "second" are one run, which may have been the group's first. */
+static void next_member(const struct ttf_manifest *of, char ret[32])
+{
+    long n = strtol(of->group_member, NULL, 10);
+
+    snprintf(ret, 32, "%ld", n >= 2 && n < MEMBER_MAX ? n + 1 : 2);
+}
+
+/* The folder that it lies in with its slash; empty: the present one. */
+static int folder_length(const char *path, size_t *ret_name)
+{
+    size_t n = strlen(path);
+    size_t at;
+
+    while (n > 1 && path[n - 1] == '/')
+        n--;
+    for (at = n; at > 0 && path[at - 1] != '/'; at--)
+        ;
+    *ret_name = n - at;
+    return (int)at;
+}
+
+static int load(struct ttf_io *io, const char *path, const struct ttf_plan *plan,
+                struct ttf_manifest *ret, struct ttf_err *err)
+{
+    char beside[4096 + 80];
+    size_t name;
+    int at = folder_length(path, &name);
+    int r;
+
+    if (strlen(plan->group) == name && strncmp(path + at, plan->group, name) == 0)
+        return ttf_err_set(err, -EINVAL, "group", "this is the run's own dataset");
+    snprintf(beside, sizeof(beside), "%.*s%s", at, path, plan->group);
+    r = ttf_manifest_load(io, beside, ret, err);
+    if (r == -ENOENT && plan->second_storage[0]) {
+        snprintf(beside, sizeof(beside), "%s/%s", plan->second_storage, plan->group);
+        r = ttf_manifest_load(io, beside, ret, err);
+    }
+    if (r != -ENOENT)
+        return r;
+    ttf_err_set(err, -EINVAL, "group", "there is no dataset '%s' beside %s", plan->group, path);
+    ttf_err_hint(err, "group names a dataset in the same folder, whose group the run is to be of");
+    return -EINVAL;
+}
+
+int ttf_group_of_plan(struct ttf_io *io, const char *path, const struct ttf_plan *plan,
+                      bool simulated, struct ttf_group *ret, struct ttf_err *err)
+{
+    struct ttf_manifest of;
+    int r;
+
+    memset(ret, 0, sizeof(*ret));
+    if (plan->group[0] == '\0')
+        return 0;
+    r = load(io, path, plan, &of, err);
+    if (r < 0)
+        return r;
+    if (of.rehearsal)
+        return ttf_err_set(err, -EINVAL, "group", "'%s' is a rehearsal, which is of no group",
+                           plan->group);
+    if (of.simulated != simulated)
+        return ttf_err_set(err, -EINVAL, "group",
+                           "a simulated and a real capture cannot be of one group");
+    snprintf(ret->uuid, sizeof(ret->uuid), "%s", ttf_group_uuid(&of));
+    next_member(&of, ret->member);
+    return 0;
+}
