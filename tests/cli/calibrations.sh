@@ -45,6 +45,31 @@ expect 0 "$TTFBOX" develop grass -c cal-2 -o one
 [ "$(of_slots one)" = 222222 ] || fail "the pictures developed with one are of $(of_slots one)"
 said out "calibration       $(id cal-2)"
 
+# ---- what fails half-way leaves nothing; what was killed is never taken for whole ----
+cp -r grass torn
+printf x | dd of=torn/raw/main/000004.dng bs=1 seek=3000 conv=notrunc 2>/dev/null
+truncate -s 3001 torn/raw/main/000004.dng
+expect 3 "$TTFBOX" develop torn -o never
+said err "000004.dng"
+[ -e never ] && fail "a development that failed in its fifth slot left its output"
+# No file may be as long as a picture is: to a program that is a limit of its user's, not a full disk, hence 2.
+(ulimit -f 32; trap '' XFSZ; expect 2 "$TTFBOX" develop grass -o never) || exit 1
+said err "too large"
+[ -e never ] && fail "a development that found no room left its output"
+mkfifo torn/pipe
+mv torn/pipe torn/raw/main/000004.dng
+"$TTFBOX" develop torn -o never >out 2>err &
+for _ in $(seq 500); do # until it waits in its fifth slot
+    [ -e never/frames/main/000003.tif ] && break
+    sleep 0.02
+done
+kill -KILL $!
+wait $! && fail "it was not killed"
+expect 0 "$TTFBOX" verify never --json
+is sealed false
+expect 2 "$TTFBOX" develop grass -o never
+rm -r torn never
+
 # ---- what is found in one says which slots it concerns ----
 printf x | dd of="grass/calibration/$(id cal-1)/flat.tif" bs=1 seek=700 conv=notrunc 2>/dev/null
 expect 3 "$TTFBOX" verify grass
