@@ -9,7 +9,7 @@
 
 static bool vouched(const struct ttf_segment *s)
 {
-    return s->origin_utc_ns != TTF_NS_UNKNOWN && strcmp(s->trust, "none") != 0;
+    return s->origin_utc_ns != TTF_NS_UNKNOWN && ttf_segment_trust(s) != TTF_TRUST_NONE;
 }
 
 static struct ttf_grid grid_of(const struct ttf_segment *s)
@@ -48,12 +48,27 @@ static int resolve_new(const struct ttf_resume_input *in, struct ttf_resume *r, 
 static struct ttf_run_clock clock_of(const struct ttf_resume_input *in, const struct ttf_grid *grid,
                                      int64_t gaps_ns, int64_t utc_offset_ns)
 {
-    return (struct ttf_run_clock){grid->origin_ns - in->elapsed_ns, gaps_ns, utc_offset_ns};
+    return (struct ttf_run_clock){grid->origin_ns - in->elapsed_ns, gaps_ns, utc_offset_ns,
+                                  TTF_TRUST_NONE};
 }
 
 static int64_t offset_of(const struct ttf_resume_input *in)
 {
     return in->utc.trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : in->utc.utc_ns - in->utc.boot_ns;
+}
+
+/* By what this boot knows of UTC: the present, or a better clock that a run before this one in it knew. */
+static struct ttf_run_clock clock_of_boot(const struct ttf_resume_input *in,
+                                          const struct ttf_grid *grid)
+{
+    struct ttf_run_clock clock = clock_of(in, grid, in->past.gaps_ns, offset_of(in));
+
+    clock.trust = in->utc.trust;
+    if (in->past.boot_trust > in->utc.trust) {
+        clock.trust = in->past.boot_trust;
+        clock.utc_offset_ns = in->past.boot_offset_ns;
+    }
+    return clock;
 }
 
 /* With the run gone on with on this grid, by the UTC that slot 0 is said to have been due at: nothing of the present. */
@@ -76,13 +91,15 @@ static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
 {
     const struct ttf_run_past *past = &in->past;
     const int64_t index = r->grid.first_index;
-    bool host = in->utc.trust == TTF_TRUST_HOST;
 
-    r->clock = clock_of(in, &r->grid, past->gaps_ns, offset_of(in));
-    if (r->clock_implausible || in->utc.trust == TTF_TRUST_NONE ||
-        !ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock, host)) {
+    r->clock = clock_of_boot(in, &r->grid);
+    if (r->clock_implausible || r->clock.trust == TTF_TRUST_NONE ||
+        !ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock,
+                                r->clock.trust == TTF_TRUST_HOST)) {
+        bool host =
+            past->sure_slot0_utc_ns != past->slot0_utc_ns || past->sure_gaps_ns != past->gaps_ns;
+
         r->clock = clock_of_past(in, &r->grid, past->gaps_ns, past->slot0_utc_ns);
-        host = past->sure_slot0_utc_ns != past->slot0_utc_ns || past->sure_gaps_ns != past->gaps_ns;
         if (!ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock, host))
             r->clock = clock_of_past(in, &r->grid, past->sure_gaps_ns, past->sure_slot0_utc_ns);
     }

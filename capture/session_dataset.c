@@ -102,7 +102,7 @@ static int read_past(const struct ttf_session *s, struct ttf_resume_input *in, s
         in->elapsed_ns = ttf_timeline_elapsed_ns(segments, n) +
                          (in->state->next_index - last->first_index) * last->interval_ns;
     }
-    in->past = ttf_timeline_past(segments, n);
+    in->past = ttf_timeline_past(segments, n, ttf_clock_boot_id(s->box->clock));
     free(segments);
     return 0;
 }

@@ -43,12 +43,32 @@ int64_t ttf_timeline_slot0_utc_ns(const struct ttf_segment *segments, int n)
     return TTF_NS_UNKNOWN;
 }
 
-static bool by_host(const struct ttf_segment *segment)
+enum ttf_trust ttf_segment_trust(const struct ttf_segment *segment)
 {
-    return strcmp(segment->trust, "host") == 0;
+    for (int trust = TTF_TRUST_NONE + 1; trust < TTF_TRUST_COUNT; trust++)
+        if (strcmp(segment->trust, ttf_trust_name((enum ttf_trust)trust)) == 0)
+            return (enum ttf_trust)trust;
+    return TTF_TRUST_NONE;
 }
 
-struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n)
+static bool by_host(const struct ttf_segment *segment)
+{
+    return ttf_segment_trust(segment) == TTF_TRUST_HOST;
+}
+
+/* One of this boot. */
+static void learn_of_boot(struct ttf_run_past *past, const struct ttf_segment *segment)
+{
+    enum ttf_trust trust = ttf_segment_trust(segment);
+
+    if (segment->origin_utc_ns == TTF_NS_UNKNOWN || trust < past->boot_trust)
+        return;
+    past->boot_trust = trust;
+    past->boot_offset_ns = segment->origin_utc_ns - segment->origin_ns;
+}
+
+struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
+                                      const char *boot_id)
 {
     struct ttf_run_past past = {.slot0_utc_ns = ttf_timeline_slot0_utc_ns(segments, n),
                                 .sure_slot0_utc_ns = TTF_NS_UNKNOWN};
@@ -62,6 +82,8 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n)
             past.sure_gaps_ns += s->gap_ns;
         if (s->origin_utc_ns != TTF_NS_UNKNOWN && !by_host(s))
             past.sure_slot0_utc_ns = s->origin_utc_ns - ttf_timeline_elapsed_ns(segments, i + 1);
+        if (strcmp(s->boot_id, boot_id) == 0)
+            learn_of_boot(&past, s);
     }
     return past;
 }

@@ -345,6 +345,32 @@ static void what_a_pc_said_before_ends_nothing_either(void **state)
     assert_int_equal(r.count, 10);
 }
 
+/* NTP was there, the network went, the program began anew, and a PC offers its time. */
+static void what_a_better_clock_said_in_this_boot_holds_against_a_pc(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in =
+        boot(&done, UTC0 + 12 * TTF_NS_PER_MIN + 30 * TTF_NS_PER_S, TTF_TRUST_HOST);
+    struct ttf_resume r;
+
+    (void)state;
+    in.plan = &FIFTEEN;
+    in.boot_id = "first-boot";
+    in.now_ns = in.utc.boot_ns = 700 * TTF_NS_PER_S; /* it is UTC0 + 10 min */
+    in.ready_ns = in.now_ns;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 12);
+    assert_int_equal(r.clock.trust, TTF_TRUST_HOST);
+    in.past.boot_trust = TTF_TRUST_NTP;
+    in.past.boot_offset_ns = UTC0 - 100 * TTF_NS_PER_S;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 15);
+    assert_int_equal(r.clock.trust, TTF_TRUST_NTP);
+    in.utc.trust = TTF_TRUST_NTP; /* its own again, and set */
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 12);
+}
+
 static void a_run_that_had_ended_in_time_gains_nothing_by_another_clock(void **state)
 {
     struct ttf_writer_state done = ten_slots_done();
@@ -391,6 +417,7 @@ int main(void)
         cmocka_unit_test(an_outage_past_the_end_leaves_no_slot_unnamed),
         cmocka_unit_test(a_plan_that_ends_in_time_comes_to_what_the_clock_says),
         cmocka_unit_test(what_a_pc_said_before_ends_nothing_either),
+        cmocka_unit_test(what_a_better_clock_said_in_this_boot_holds_against_a_pc),
         cmocka_unit_test(a_run_that_had_ended_in_time_gains_nothing_by_another_clock),
         cmocka_unit_test(the_gap_is_known_once_utc_is),
     };
