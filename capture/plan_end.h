@@ -41,7 +41,7 @@ bool ttf_plan_end_passed(const struct ttf_plan *plan, const struct ttf_grid *gri
 
 /*
  * Whether a clock is believed in what it says of the run's end, slot `index` being the next. A PC's word alone (host)
- * that the end has passed is not: more likely that clock is ahead, as resume.c has it.
+ * that the end has passed, before slot 0 that it leaves none, is not: more likely that clock is ahead, as resume.c has it.
  */
 bool ttf_run_clock_believed(const struct ttf_plan *plan, const struct ttf_grid *grid, int64_t index,
                             const struct ttf_run_clock *clock, bool host);

@@ -95,7 +95,7 @@ static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
     r->clock = clock_of_boot(in, &r->grid);
     if (r->clock_implausible || r->clock.trust == TTF_TRUST_NONE ||
         !ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock,
-                                r->clock.trust == TTF_TRUST_HOST)) {
+                                r->continued && r->clock.trust == TTF_TRUST_HOST)) {
         bool host =
             past->sure_slot0_utc_ns != past->slot0_utc_ns || past->sure_gaps_ns != past->gaps_ns;
 

@@ -371,6 +371,42 @@ static void what_it_told_holds_in_the_next_run_of_the_boot(void **state)
     living_finish(&b.run);
 }
 
+/* Slot 0 is due in ten minutes; a clock says that the last one was a day ago. */
+static void a_run_that_waits_for_its_start_is_not_sealed_without_a_slot(void **state)
+{
+    static const struct belief pc[] = {{0, TTF_TRUST_HOST, 0},
+                                       {60 * S, TTF_TRUST_NONE, 0},
+                                       {MIN + 9 * S, TTF_TRUST_HOST, 1440 * MIN}};
+    static const struct belief network[] = {{0, TTF_TRUST_RTC, 0},
+                                            {60 * S, TTF_TRUST_NTP, 1440 * MIN}};
+    static const struct belief right = {0, TTF_TRUST_NTP, 0};
+    struct believer b;
+
+    (void)state;
+    believer_init(&b, TTF_END_UNTIL, 14, pc, 3);
+    b.run.plan.count = 4;
+    b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 10 * MIN;
+    assert_int_equal(sim_run_boot(&b.run), 0); /* a PC's word alone is not believed */
+    assert_int_equal(sim_run_events(&b.run, "plan", "not believed alone"), 1);
+    expect_end(&b.run, "cccc", "until");
+    living_finish(&b.run);
+    believer_init(&b, TTF_END_UNTIL, 14, network, 2);
+    b.run.plan.count = 4;
+    b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 10 * MIN;
+    assert_int_equal(sim_run_boot(&b.run), -EINVAL);
+    assert_string_equal(b.run.err.where, "until");
+    assert_int_equal(b.run.alarms, 1);
+    assert_false(b.run.result.sealed);
+    sim_run_expect_undamaged(&b.run, false);
+    assert_int_equal(sim_run_boot(&b.run), -EINVAL); /* nor when it is run again */
+    sim_run_expect_undamaged(&b.run, false);
+    b.beliefs = &right;
+    b.n = 1;
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    expect_end(&b.run, "cccc", "until");
+    living_finish(&b.run);
+}
+
 /* Where nobody knew better its word counts, as long as slots are left. */
 static void a_pc_s_word_tells_the_end_where_nothing_better_was_known(void **state)
 {
@@ -477,6 +513,7 @@ int main(void)
         cmocka_unit_test(once_ended_it_has_ended_whatever_the_clock_says_later),
         cmocka_unit_test(a_pc_moves_no_end_that_a_better_clock_of_this_boot_told),
         cmocka_unit_test(what_it_told_holds_in_the_next_run_of_the_boot),
+        cmocka_unit_test(a_run_that_waits_for_its_start_is_not_sealed_without_a_slot),
         cmocka_unit_test(a_pc_s_word_tells_the_end_where_nothing_better_was_known),
         cmocka_unit_test(a_run_that_a_person_ends_at_once_was_stopped),
         cmocka_unit_test(a_plan_that_ends_what_is_there_stops_it),

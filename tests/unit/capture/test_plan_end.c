@@ -115,10 +115,15 @@ static void a_clock_of_1970_asks_for_no_more_than_a_plan_may(void **state)
 
 static void a_pc_s_word_alone_ends_no_run(void **state)
 {
+    const struct ttf_grid late = {0, 100 * S + TTF_NS_PER_H, TTF_NS_PER_MIN};
+
     (void)state;
     assert_false(ttf_run_clock_believed(&UNTIL, &GRID, 61, &KNOWN, true));
     assert_true(ttf_run_clock_believed(&UNTIL, &GRID, 61, &KNOWN, false));
     assert_true(ttf_run_clock_believed(&UNTIL, &GRID, 60, &KNOWN, true)); /* it comes next */
+    assert_true(ttf_run_clock_believed(&UNTIL, &GRID, 0, &KNOWN, true));
+    assert_false(ttf_run_clock_believed(&UNTIL, &late, 0, &KNOWN, true)); /* and none was taken */
+    assert_true(ttf_run_clock_believed(&UNTIL, &late, 0, &KNOWN, false));
 }
 
 int main(void)
