@@ -43,7 +43,7 @@ static int expect_group(struct ttf_session *s, struct ttf_err *err)
     if (r < 0 || !is_there || s->group.uuid[0] == '\0')
         return r;
     r = ttf_manifest_load(s->config->io, s->path, &manifest, err);
-    if (r < 0 || strcmp(ttf_group_uuid(&manifest), s->group.uuid) == 0)
+    if (r < 0 || strcmp(ttf_manifest_group(&manifest), s->group.uuid) == 0)
         return r;
     ttf_err_set(err, -EINVAL, "group", "the dataset was begun, and not in the group of '%s'",
                 s->plan.group);
