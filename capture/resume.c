@@ -83,26 +83,42 @@ static struct ttf_run_clock clock_of_past(const struct ttf_resume_input *in,
     return clock;
 }
 
+bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_run_clock *clock,
+                             int64_t began_ns)
+{
+    return past->last_trust != TTF_TRUST_NONE && clock->trust <= past->last_trust &&
+           began_ns + clock->utc_offset_ns < past->last_utc_ns - TTF_NS_PER_S;
+}
+
+/* What was known before: what a PC alone said counts where nobody else said anything, and as long as the end has not passed by it. */
+static void resolve_end_by_past(const struct ttf_resume_input *in, struct ttf_resume *r)
+{
+    const struct ttf_run_past *past = &in->past;
+
+    if (past->sure_slot0_utc_ns == TTF_NS_UNKNOWN) {
+        r->clock = clock_of_past(in, &r->grid, past->gaps_ns, past->slot0_utc_ns);
+        if (ttf_run_clock_believed(in->plan, &r->grid, r->grid.first_index, &r->clock, true))
+            return;
+    }
+    r->clock = clock_of_past(in, &r->grid, past->sure_gaps_ns, past->sure_slot0_utc_ns);
+}
+
 /*
  * By what the run ends: the present UTC; else what was known before, as if there had been no outage, or only such as are known.
  * What a PC alone says counts as long as it does not say that the end has passed.
  */
 static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
 {
-    const struct ttf_run_past *past = &in->past;
     const int64_t index = r->grid.first_index;
+    bool believed;
 
     r->clock = clock_of_boot(in, &r->grid);
-    if (r->clock_implausible || r->clock.trust == TTF_TRUST_NONE ||
-        !ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock,
-                                r->continued && r->clock.trust == TTF_TRUST_HOST)) {
-        bool host =
-            past->sure_slot0_utc_ns != past->slot0_utc_ns || past->sure_gaps_ns != past->gaps_ns;
-
-        r->clock = clock_of_past(in, &r->grid, past->gaps_ns, past->slot0_utc_ns);
-        if (!ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock, host))
-            r->clock = clock_of_past(in, &r->grid, past->sure_gaps_ns, past->sure_slot0_utc_ns);
-    }
+    believed = !r->clock_implausible && r->clock.trust != TTF_TRUST_NONE &&
+               !ttf_resume_clock_behind(&in->past, &r->clock, in->now_ns) &&
+               ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock,
+                                      r->continued && r->clock.trust == TTF_TRUST_HOST);
+    if (!believed)
+        resolve_end_by_past(in, r);
     r->end_passed = ttf_plan_end_passed(in->plan, &r->grid, index, &r->clock);
     r->count = ttf_plan_slots(in->plan, &r->grid, &r->clock);
     /* It had ended: a clock that says otherwise now adds nothing. */

@@ -23,6 +23,12 @@ static void count_anew(struct ttf_session *s, int64_t index)
     clock.trust = trust;
     clock.gaps_ns = s->gaps_before_ns + s->pulse.gap_ns;
     clock.utc_offset_ns = segment->origin_utc_ns - segment->origin_ns;
+    if (ttf_resume_clock_behind(&s->past, &clock, s->began_ns)) {
+        ttf_events_emit(
+            &s->events, "plan",
+            "UTC lies before the last slot of before: the plan's end is not moved by it");
+        return;
+    }
     if (!ttf_run_clock_believed(&s->plan, &s->grid, index, &clock, trust == TTF_TRUST_HOST)) {
         ttf_events_emit(&s->events, "plan",
                         "a PC's clock says that the plan's end has passed: not believed alone");

@@ -67,8 +67,22 @@ static void learn_of_boot(struct ttf_run_past *past, const struct ttf_segment *s
     past->boot_offset_ns = segment->origin_utc_ns - segment->origin_ns;
 }
 
+/* One of a boot before. */
+static void learn_of_last(struct ttf_run_past *past, const struct ttf_segment *segment,
+                          int64_t end_index)
+{
+    enum ttf_trust trust = ttf_segment_trust(segment);
+
+    if (segment->origin_utc_ns == TTF_NS_UNKNOWN || trust == TTF_TRUST_NONE ||
+        (trust == TTF_TRUST_HOST && past->last_trust > TTF_TRUST_HOST))
+        return;
+    past->last_trust = trust;
+    past->last_utc_ns =
+        segment->origin_utc_ns + (end_index - 1 - segment->first_index) * segment->interval_ns;
+}
+
 struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
-                                      const char *boot_id)
+                                      const char *boot_id, int64_t end_index)
 {
     struct ttf_run_past past = {.slot0_utc_ns = ttf_timeline_slot0_utc_ns(segments, n),
                                 .sure_slot0_utc_ns = TTF_NS_UNKNOWN};
@@ -84,6 +98,8 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
             past.sure_slot0_utc_ns = s->origin_utc_ns - ttf_timeline_elapsed_ns(segments, i + 1);
         if (strcmp(s->boot_id, boot_id) == 0)
             learn_of_boot(&past, s);
+        else
+            learn_of_last(&past, s, i + 1 < n ? segments[i + 1].first_index : end_index);
     }
     return past;
 }

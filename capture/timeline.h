@@ -32,10 +32,14 @@ struct ttf_run_past {
     /* UTC - boot clock by the clock trusted most in this boot so far, the last of such; NONE: no run in it knew. */
     enum ttf_trust boot_trust;
     int64_t boot_offset_ns;
+    /* UTC of the last slot taken before this boot, as far as segments know, and who says so; a PC where nobody else does. */
+    enum ttf_trust last_trust;
+    int64_t last_utc_ns;
 };
 
+/* boot_id: the present one; end_index: one more than that of the last slot taken. */
 struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
-                                      const char *boot_id);
+                                      const char *boot_id, int64_t end_index);
 
 /* The segments of a dataset in order, as corrected; to be freed. *ret_n may be 0, *ret NULL then. */
 TTF_MUST_USE int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **ret,

@@ -407,6 +407,30 @@ static void a_run_that_waits_for_its_start_is_not_sealed_without_a_slot(void **s
     living_finish(&b.run);
 }
 
+/* A boot that knows nothing hears a PC that stands before its last slot; the next one hears nothing. */
+static void a_pc_that_is_behind_moves_no_end(void **state)
+{
+    static const struct belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
+                                            {4 * MIN, TTF_TRUST_NONE, 0},
+                                            {7 * MIN + 10 * S, TTF_TRUST_HOST, -30 * MIN},
+                                            {9 * MIN, TTF_TRUST_NONE, 0}};
+
+    (void)state;
+    for (unsigned i = 0; i < 2; i++) {
+        struct believer b;
+
+        /* Slots 0 to 3; dark until 6:40; slots at 6:52, 7:52 (the PC is heard before), and so on. */
+        believer_init(&b, TTF_END_UNTIL, 8, beliefs, 4);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
+        if (i > 0)
+            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 8 * MIN + 20 * S)->amount = 60;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        assert_int_equal(sim_run_events(&b.run, "plan", "UTC lies before the last slot"), 1);
+        expect_end(&b.run, "cccccccc", "until");
+        living_finish(&b.run);
+    }
+}
+
 /* Where nobody knew better its word counts, as long as slots are left. */
 static void a_pc_s_word_tells_the_end_where_nothing_better_was_known(void **state)
 {
@@ -514,6 +538,7 @@ int main(void)
         cmocka_unit_test(a_pc_moves_no_end_that_a_better_clock_of_this_boot_told),
         cmocka_unit_test(what_it_told_holds_in_the_next_run_of_the_boot),
         cmocka_unit_test(a_run_that_waits_for_its_start_is_not_sealed_without_a_slot),
+        cmocka_unit_test(a_pc_that_is_behind_moves_no_end),
         cmocka_unit_test(a_pc_s_word_tells_the_end_where_nothing_better_was_known),
         cmocka_unit_test(a_run_that_a_person_ends_at_once_was_stopped),
         cmocka_unit_test(a_plan_that_ends_what_is_there_stops_it),

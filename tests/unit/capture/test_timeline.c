@@ -69,7 +69,7 @@ static void slot_0_is_where_the_last_segment_with_utc_says(void **state)
 static void what_a_pc_alone_says_of_the_past_is_told_apart(void **state)
 {
     struct ttf_segment s[3] = {segment("a", 0, 100), segment("b", 10, 20), segment("c", 12, 20)};
-    struct ttf_run_past past = ttf_timeline_past(s, 3, "d");
+    struct ttf_run_past past = ttf_timeline_past(s, 3, "d", 15);
 
     (void)state;
     assert_int_equal(past.gaps_ns, 0);
@@ -83,13 +83,13 @@ static void what_a_pc_alone_says_of_the_past_is_told_apart(void **state)
     snprintf(s[0].trust, sizeof(s[0].trust), "rtc");
     snprintf(s[1].trust, sizeof(s[1].trust), "ntp");
     snprintf(s[2].trust, sizeof(s[2].trust), "host");
-    past = ttf_timeline_past(s, 3, "d");
+    past = ttf_timeline_past(s, 3, "d", 15);
     assert_int_equal(past.gaps_ns, 12 * TTF_NS_PER_S);
     assert_int_equal(past.slot0_utc_ns, 1012 * TTF_NS_PER_S);
     assert_int_equal(past.sure_gaps_ns, 7 * TTF_NS_PER_S);
     assert_int_equal(past.sure_slot0_utc_ns, 1007 * TTF_NS_PER_S);
     s[2].gap_ns = TTF_NS_UNKNOWN;
-    assert_int_equal(ttf_timeline_past(s, 3, "d").gaps_ns, 7 * TTF_NS_PER_S);
+    assert_int_equal(ttf_timeline_past(s, 3, "d", 15).gaps_ns, 7 * TTF_NS_PER_S);
 }
 
 static void the_best_that_this_boot_knew_is_remembered(void **state)
@@ -114,10 +114,34 @@ static void the_best_that_this_boot_knew_is_remembered(void **state)
         if (i > 1)
             s[i].origin_utc_ns = s[i].origin_ns + cases[i - 1].offset_s * TTF_NS_PER_S;
         snprintf(s[i].trust, sizeof(s[i].trust), "%s", cases[i - 1].trust);
-        past = ttf_timeline_past(s, i + 1, "b");
+        past = ttf_timeline_past(s, i + 1, "b", 100);
         assert_int_equal(past.boot_trust, cases[i - 1].best);
         assert_int_equal(past.boot_offset_ns, cases[i - 1].best_s * TTF_NS_PER_S);
     }
+}
+
+static void when_the_last_slot_of_the_boots_before_was_is_known(void **state)
+{
+    struct ttf_segment s[3] = {segment("a", 0, 100), segment("b", 10, 20), segment("c", 12, 20)};
+    struct ttf_run_past past = ttf_timeline_past(s, 3, "d", 15);
+
+    (void)state;
+    assert_int_equal(past.last_trust, TTF_TRUST_NONE);
+    s[0].origin_utc_ns = 1000 * TTF_NS_PER_S;
+    s[2].origin_utc_ns = 5000 * TTF_NS_PER_S;
+    snprintf(s[0].trust, sizeof(s[0].trust), "rtc");
+    snprintf(s[2].trust, sizeof(s[2].trust), "ntp");
+    past = ttf_timeline_past(s, 3, "d", 15);
+    assert_int_equal(past.last_trust, TTF_TRUST_NTP);
+    assert_int_equal(past.last_utc_ns, 5120 * TTF_NS_PER_S); /* slot 14 */
+    snprintf(s[2].trust, sizeof(s[2].trust), "host");
+    past = ttf_timeline_past(s, 3, "d", 15);
+    assert_int_equal(past.last_trust, TTF_TRUST_RTC);
+    assert_int_equal(past.last_utc_ns, 1540 * TTF_NS_PER_S); /* slot 9 */
+    past =
+        ttf_timeline_past(s, 3, "a", 15); /* of others than this boot a PC alone says something */
+    assert_int_equal(past.last_trust, TTF_TRUST_HOST);
+    assert_int_equal(past.last_utc_ns, 5120 * TTF_NS_PER_S);
 }
 
 static void a_due_time_beyond_all_time_is_never(void **state)
@@ -154,6 +178,7 @@ int main(void)
         cmocka_unit_test(slot_0_is_where_the_last_segment_with_utc_says),
         cmocka_unit_test(what_a_pc_alone_says_of_the_past_is_told_apart),
         cmocka_unit_test(the_best_that_this_boot_knew_is_remembered),
+        cmocka_unit_test(when_the_last_slot_of_the_boots_before_was_is_known),
         cmocka_unit_test(a_due_time_beyond_all_time_is_never),
         cmocka_unit_test(quantiles_of_errors_hold_at_both_ends),
     };
