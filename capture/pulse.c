@@ -66,8 +66,6 @@ static void correct_one(struct ttf_pulse *pulse, struct ttf_segment *s, const st
     snprintf(s->trust, sizeof(s->trust), "%s", ttf_trust_name(utc->trust));
     if (s->segment == pulse->gap_segment && pulse->has_before)
         s->gap_ns = ttf_resume_gap_ns(&pulse->before, s->first_index, s->origin_utc_ns);
-    if (s->segment == pulse->gap_segment)
-        pulse->gap_ns = s->gap_ns > 0 ? s->gap_ns : 0;
     s->corrects = true;
     job = ttf_job_new(pulse->queue, TTF_JOB_SEGMENT);
     if (!job)

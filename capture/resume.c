@@ -57,17 +57,24 @@ static int64_t offset_of(const struct ttf_resume_input *in)
     return in->utc.trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : in->utc.utc_ns - in->utc.boot_ns;
 }
 
-/* By what this boot knows of UTC: the present, or a better clock that a run before this one in it knew. */
+/*
+ * By what this boot knows of UTC: the present, or a better clock that a run before this one in it knew. It tells outages of
+ * unknown length, too: of such is the last one, or not.
+ */
 static struct ttf_run_clock clock_of_boot(const struct ttf_resume_input *in,
-                                          const struct ttf_grid *grid)
+                                          const struct ttf_grid *grid, bool gap_unknown)
 {
-    struct ttf_run_clock clock = clock_of(in, grid, in->past.gaps_ns, offset_of(in));
+    struct ttf_run_clock clock = clock_of(in, grid, 0, offset_of(in));
+    int64_t slot0_utc_ns = TTF_NS_UNKNOWN;
 
     clock.trust = in->utc.trust;
     if (in->past.boot_trust > in->utc.trust) {
         clock.trust = in->past.boot_trust;
         clock.utc_offset_ns = in->past.boot_offset_ns;
     }
+    if (clock.trust != TTF_TRUST_NONE)
+        slot0_utc_ns = clock.slot0_ns + clock.utc_offset_ns;
+    clock.gaps_ns = ttf_timeline_gaps_ns(&in->past, slot0_utc_ns, gap_unknown);
     return clock;
 }
 
@@ -112,7 +119,7 @@ static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
     const int64_t index = r->grid.first_index;
     bool believed;
 
-    r->clock = clock_of_boot(in, &r->grid);
+    r->clock = clock_of_boot(in, &r->grid, r->gap_ns == TTF_NS_UNKNOWN);
     believed = !r->clock_implausible && r->clock.trust != TTF_TRUST_NONE &&
                !ttf_resume_clock_behind(&in->past, &r->clock, in->now_ns) &&
                ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock,
@@ -132,7 +139,7 @@ static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
  */
 static bool gives_up_all(const struct ttf_resume_input *in, const struct ttf_grid *grid)
 {
-    struct ttf_run_clock clock = clock_of(in, grid, in->past.gaps_ns, offset_of(in));
+    struct ttf_run_clock clock = clock_of_boot(in, grid, false);
 
     return in->utc.trust == TTF_TRUST_HOST &&
            ttf_grid_index_at(grid, in->ready_ns) >= ttf_plan_slots(in->plan, grid, &clock);

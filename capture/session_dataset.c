@@ -135,7 +135,6 @@ static int resolve_grid(struct ttf_session *s, struct ttf_resume_input *in, stru
         return r;
     s->grid = s->resume.grid;
     s->run = s->resume.clock;
-    s->gaps_before_ns = s->run.gaps_ns;
     s->past = in->past;
     s->began_ns = in->now_ns;
     s->plan.count = s->resume.count;

@@ -21,8 +21,9 @@ static void count_anew(struct ttf_session *s, int64_t index)
     if (trust < s->run.trust)
         return;
     clock.trust = trust;
-    clock.gaps_ns = s->gaps_before_ns + s->pulse.gap_ns;
     clock.utc_offset_ns = segment->origin_utc_ns - segment->origin_ns;
+    clock.gaps_ns = ttf_timeline_gaps_ns(&s->past, clock.slot0_ns + clock.utc_offset_ns,
+                                         s->resume.gap_ns == TTF_NS_UNKNOWN);
     if (ttf_resume_clock_behind(&s->past, &clock, s->began_ns)) {
         ttf_events_emit(
             &s->events, "plan",

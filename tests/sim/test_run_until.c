@@ -431,6 +431,39 @@ static void a_pc_that_is_behind_moves_no_end(void **state)
     }
 }
 
+/* Dark, power for ten seconds, dark again: whoever tells the time then tells both. */
+static void power_that_flickers_hides_no_outage_from_a_length(void **state)
+{
+    static const struct belief at_once[] = {{0, TTF_TRUST_NTP, 0},
+                                            {4 * MIN, TTF_TRUST_NONE, 0},
+                                            {7 * MIN + 30 * S, TTF_TRUST_NTP, 0},
+                                            {8 * MIN + 30 * S, TTF_TRUST_NONE, 0}};
+    static const struct belief later[] = {
+        {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
+    static const struct belief a_pc[] = {
+        {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_HOST, 0}};
+    static const struct {
+        const struct belief *beliefs;
+        unsigned n;
+        int64_t cut_ns; /* once more, and no clock behind it */
+    } cases[] = {{at_once, 3, 0}, {later, 3, 0}, {a_pc, 3, 0}, {at_once, 4, 8 * MIN + 20 * S}};
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct believer b;
+
+        /* Slots at 0:12 to 3:12; 8:02, 9:02; the end at 9:42. */
+        believer_init(&b, TTF_END_LENGTH, 10, cases[i].beliefs, cases[i].n);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 6 * MIN + 50 * S)->amount = 60;
+        if (cases[i].cut_ns > 0)
+            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, cases[i].cut_ns)->amount = 30;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        expect_end(&b.run, "cccccc", "until");
+        living_finish(&b.run);
+    }
+}
+
 /* Where nobody knew better its word counts, as long as slots are left. */
 static void a_pc_s_word_tells_the_end_where_nothing_better_was_known(void **state)
 {
@@ -539,6 +572,7 @@ int main(void)
         cmocka_unit_test(what_it_told_holds_in_the_next_run_of_the_boot),
         cmocka_unit_test(a_run_that_waits_for_its_start_is_not_sealed_without_a_slot),
         cmocka_unit_test(a_pc_that_is_behind_moves_no_end),
+        cmocka_unit_test(power_that_flickers_hides_no_outage_from_a_length),
         cmocka_unit_test(a_pc_s_word_tells_the_end_where_nothing_better_was_known),
         cmocka_unit_test(a_run_that_a_person_ends_at_once_was_stopped),
         cmocka_unit_test(a_plan_that_ends_what_is_there_stops_it),
