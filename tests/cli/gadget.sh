@@ -251,6 +251,38 @@ watcher=$!
 sleep 5
 kill $watcher
 [ ! -s "$TOLD" ] || fail "one that talks is taken down: $(cat "$TOLD")"
+wait # for the talker
+
+# --- one that said all it has to say ahead of the first look at it was heard; one that said nothing was not, whatever others said before
+now_is() { # FOLDER: as the kernel has it, at once
+    ln -sfn "$1" now
+    mv -T now "$end"
+}
+rm -r "$end"
+for at in away said mute; do mkdir -p "$at/statistics"; done
+end=away connected 0 1 900 99
+end=said connected 1 2 903 99
+end=mute connected 1 3 903 99
+now_is "$PWD/away"
+PATH=$WORK/net:$PATH "$GADGET" --into "$WORK/watched" --every 0.02 watch 2>watching &
+watcher=$!
+ups 0
+now_is "$PWD/said"
+ups 0
+echo 0 >away/carrier
+echo 903 >away/statistics/rx_packets
+now_is "$PWD/away"
+ups 0
+now_is "$PWD/mute"
+ups 5
+kill $watcher
+# Beside one that was connected, and heard, long before.
+: >"$TOLD"
+now_is "$PWD/said"
+PATH=$WORK/net:$PATH "$GADGET" --into "$WORK/watched" --every 0.02 watch 2>watching &
+watcher=$!
+ups 0
+kill $watcher
 
 # --- a serial that would be something else on the bus, or in a path
 for serial in 'a b' '../x' "$(printf 'a\nb')" 'ä' 123456789012345678901234567890123; do
