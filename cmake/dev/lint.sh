@@ -58,12 +58,16 @@ sizes() { # no file near 1,000 lines, base under 400
 
 spaces() { ! git grep -nI -E '[[:space:]]+$' -- '*.c' '*.h' '*.cpp' '*.hpp' '*.sh' '*.py' '*.cmake' '*CMakeLists.txt' dev '*.yaml'; }
 
+# What a merge has left behind, of a file of any kind: within a text that a script prints nothing else sees it.
+merges() { ! git grep -nI -E '^(<{7}|>{7})( |$)'; }
+
 shells() { git ls-files -z '*.sh' dev .ci/run firmware/gadget/ttfbox-gadget | xargs -0 shellcheck -x -P SCRIPTDIR -P .; }
 
 step format format
 step 'licence lines' spdx
 step 'file sizes' sizes
 step 'trailing space' spaces
+step 'merge markers' merges
 step 'shell scripts' shells
 step arrows python3 tests/arrows/arrows.py .
 step clang-tidy tidy
