@@ -204,11 +204,15 @@ echo $(($(cat "$NET/carrier_up_count") + 1)) >"$NET/carrier_up_count"
 END
 chmod +x net/ip
 export NET=$end
+at_once() { # FILE TEXT: as a file of the kernel's, which is never half there
+    echo "$2" >"$1.next"
+    mv "$1.next" "$1"
+}
 connected() { # CARRIER TIMES PACKETS HELPS: how often it was connected, which of ups it hears
-    echo "$3" >"$end/statistics/rx_packets"
-    echo "$4" >"$end/helps"
-    echo "$2" >"$end/carrier_up_count"
-    echo "$1" >"$end/carrier"
+    at_once "$end/statistics/rx_packets" "$3"
+    at_once "$end/helps" "$4"
+    at_once "$end/carrier_up_count" "$2"
+    at_once "$end/carrier" "$1"
 }
 ups() { # N: within 20 s so many times, and no more
     for _ in $(seq 400); do
@@ -229,7 +233,7 @@ ups 2           # heard after the second time
 grep -qx 'link set dev usb0 down' "$TOLD" || fail "not as ip is called: $(cat "$TOLD")"
 said watching 'nothing of it is heard: usb0 down and up'
 : >"$TOLD"
-echo 900 >"$end/statistics/rx_packets"
+at_once "$end/statistics/rx_packets" 900
 ups 0           # who was heard may be silent
 connected 1 9 900 99
 ups 5           # plugged in anew, and its network is turned off
@@ -241,8 +245,7 @@ kill $watcher
 mkdir -p "$end/statistics"
 connected 1 1 900 99
 for n in $(seq 901 925); do # who talks by itself
-    echo "$n" >talked
-    mv talked "$end/statistics/rx_packets"
+    at_once "$end/statistics/rx_packets" "$n"
     sleep 0.2
 done &
 PATH=$WORK/net:$PATH "$GADGET" --into "$WORK/watched" --every 1 watch 2>watching &
