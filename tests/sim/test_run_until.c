@@ -400,6 +400,12 @@ static void a_run_that_waits_for_its_start_is_not_sealed_without_a_slot(void **s
     sim_run_expect_undamaged(&b.run, false);
     assert_int_equal(sim_run_boot(&b.run), -EINVAL); /* nor when it is run again */
     sim_run_expect_undamaged(&b.run, false);
+    b.run.plan.until_utc_ns +=
+        S; /* a new plan of the kind comes into force no more than the first would */
+    assert_int_equal(sim_run_boot(&b.run), -EINVAL);
+    assert_string_equal(b.run.err.where, "until");
+    assert_null(sim_run_text(&b.run, "plans/1.json"));
+    b.run.plan.until_utc_ns -= S;
     b.beliefs = &right;
     b.n = 1;
     assert_int_equal(sim_run_boot(&b.run), 0);
@@ -494,6 +500,18 @@ static void a_run_that_a_person_ends_at_once_was_stopped(void **state)
     living_finish(&run);
 }
 
+/* The same plan, given again in another boot. */
+static void expect_nothing_to_do(struct sim_run *run)
+{
+    char digest[65];
+
+    memcpy(digest, run->result.digest, sizeof(digest));
+    run->config.power_on_ns = run->ended_ns + S;
+    assert_int_equal(sim_run_boot(run), 0);
+    assert_true(run->result.sealed);
+    assert_string_equal(run->result.digest, digest);
+}
+
 /* Stopped, then given a plan that says: so many are enough. */
 static void a_plan_that_ends_what_is_there_stops_it(void **state)
 {
@@ -508,6 +526,7 @@ static void a_plan_that_ends_what_is_there_stops_it(void **state)
     run.config.power_on_ns = run.ended_ns + S;
     assert_int_equal(sim_run_boot(&run), 0);
     expect_end(&run, "ccc", "stopped");
+    expect_nothing_to_do(&run);
     living_finish(&run);
 }
 
@@ -527,6 +546,7 @@ static void a_new_plan_that_ends_before_what_is_there_is_refused(void **state)
     run.plan.until_utc_ns += 2 * MIN; /* the last one was due before it, the next is not */
     assert_int_equal(sim_run_boot(&run), 0);
     expect_end(&run, "cccc", "until");
+    expect_nothing_to_do(&run);
     living_finish(&run);
 }
 
