@@ -139,7 +139,8 @@ static int resolve_grid(struct ttf_session *s, struct ttf_resume_input *in, stru
     s->began_ns = in->now_ns;
     s->plan.count = s->resume.count;
     if (!s->resume.continued && s->resume.lost_until >= s->plan.count)
-        return ttf_err_set(err, -EINVAL, "start", "the plan's last slot lies in the past");
+        return ttf_err_set(err, -EINVAL, s->plan.end == TTF_END_UNTIL ? "until" : "start",
+                           "the plan's last slot lies in the past");
     return 0;
 }
 

@@ -550,6 +550,23 @@ static void a_new_plan_that_ends_before_what_is_there_is_refused(void **state)
     living_finish(&run);
 }
 
+static void a_new_run_whose_end_has_passed_names_it(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    until_init(&run, TTF_END_UNTIL, 4);
+    run.plan.until_utc_ns = run.config.start_utc_ns - MIN;
+    assert_int_equal(sim_run_boot(&run), -EINVAL);
+    assert_string_equal(run.err.where, "until");
+    living_finish(&run);
+    until_init(&run, TTF_END_COUNT, 4);
+    run.plan.start_utc_ns = run.config.start_utc_ns - TTF_NS_PER_H;
+    assert_int_equal(sim_run_boot(&run), -EINVAL);
+    assert_string_equal(run.err.where, "start");
+    living_finish(&run);
+}
+
 /* As plans were stored before: without what ends them. The plan of then, given again, is the same. */
 static void a_dataset_that_does_not_tell_its_end_is_gone_on_with_by_its_count(void **state)
 {
@@ -597,6 +614,7 @@ int main(void)
         cmocka_unit_test(a_run_that_a_person_ends_at_once_was_stopped),
         cmocka_unit_test(a_plan_that_ends_what_is_there_stops_it),
         cmocka_unit_test(a_new_plan_that_ends_before_what_is_there_is_refused),
+        cmocka_unit_test(a_new_run_whose_end_has_passed_names_it),
         cmocka_unit_test(a_dataset_that_does_not_tell_its_end_is_gone_on_with_by_its_count),
     };
 
