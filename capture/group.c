@@ -8,11 +8,6 @@
 
 #define MEMBER_MAX 1000000
 
-const char *ttf_group_uuid(const struct ttf_manifest *manifest)
-{
-    return manifest->group_uuid[0] ? manifest->group_uuid : manifest->uuid;
-}
-
 /* The one after it. "first" and "second" are one run, which may have been the group's first. */
 static void next_member(const struct ttf_manifest *of, char ret[32])
 {
@@ -43,8 +38,10 @@ static int load(struct ttf_io *io, const char *path, const struct ttf_plan *plan
     int at = folder_length(path, &name);
     int r;
 
-    if (strlen(plan->group) == name && strncmp(path + at, plan->group, name) == 0)
-        return ttf_err_set(err, -EINVAL, "group", "this is the run's own dataset");
+    if (strlen(plan->group) == name && strncmp(path + at, plan->group, name) == 0) {
+        ttf_err_set(err, -EINVAL, "group", "this is the run's own dataset");
+        return -EINVAL;
+    }
     snprintf(beside, sizeof(beside), "%.*s%s", at, path, plan->group);
     r = ttf_manifest_load(io, beside, ret, err);
     if (r == -ENOENT && plan->second_storage[0]) {
@@ -76,7 +73,7 @@ int ttf_group_of_plan(struct ttf_io *io, const char *path, const struct ttf_plan
     if (of.simulated != simulated)
         return ttf_err_set(err, -EINVAL, "group",
                            "a simulated and a real capture cannot be of one group");
-    snprintf(ret->uuid, sizeof(ret->uuid), "%s", ttf_group_uuid(&of));
+    snprintf(ret->uuid, sizeof(ret->uuid), "%s", ttf_manifest_group(&of));
     next_member(&of, ret->member);
     return 0;
 }

@@ -16,9 +16,6 @@ struct ttf_group {
     char member[32]; /* "2" after the first, then "3", ... */
 };
 
-/* The uuid of the group that a dataset is of, or would be the first of. */
-const char *ttf_group_uuid(const struct ttf_manifest *manifest);
-
 /*
  * The group that the plan of a run into `path` names: of the dataset of that name beside it, or, if there is none, in the plan's second storage.
  * Empty if the plan names none. -EINVAL, field "group": it is not there, is no capture to join, or is the run's own.

@@ -96,7 +96,7 @@ int ttf_second_find(struct ttf_io *io, const char *first, const char *second, st
     }
     alone = ttf_manifest_load(io, first, &of_first, NULL) < 0;
     if (strcmp(of_second.group_member, TTF_MEMBER_SECOND) != 0 ||
-        (!alone && strcmp(of_second.group_uuid, ttf_group_uuid(&of_first)) != 0))
+        (!alone && strcmp(of_second.group_uuid, ttf_manifest_group(&of_first)) != 0))
         return foreign(second, err);
     r = ttf_reader_open(io, second, &reader, err);
     if (r < 0)

@@ -28,8 +28,9 @@ static bool dataset_exists(const struct ttf_session *s)
 }
 
 /*
- * A run is of a group from its beginning, as dataset.json is written once. Gone on with by a plan that it knows it
- * needs the other dataset no more; a plan that is new to it may name no other group.
+ * A run is of a group from its beginning, as dataset.json is written once. Gone on with by a plan that names the
+ * group as one of its plans did it needs the other dataset no more; one that names another dataset must name one of
+ * the same group. That lies where the run began, wherever the run is by now.
  */
 static int expect_group(struct ttf_session *s, struct ttf_err *err)
 {
@@ -37,13 +38,14 @@ static int expect_group(struct ttf_session *s, struct ttf_err *err)
     struct ttf_manifest manifest;
     int r;
 
-    if (s->config->rehearse > 0 || (is_there && s->known_plan >= 0))
+    if (s->config->rehearse > 0 || (is_there && (s->known_plan >= 0 || s->names_group)))
         return 0;
-    r = ttf_group_of_plan(s->config->io, s->path, &s->plan, s->box->simulated, &s->group, err);
+    r = ttf_group_of_plan(s->config->io, s->config->path, &s->plan, s->box->simulated, &s->group,
+                          err);
     if (r < 0 || !is_there || s->group.uuid[0] == '\0')
         return r;
     r = ttf_manifest_load(s->config->io, s->path, &manifest, err);
-    if (r < 0 || strcmp(ttf_group_uuid(&manifest), s->group.uuid) == 0)
+    if (r < 0 || strcmp(ttf_manifest_group(&manifest), s->group.uuid) == 0)
         return r;
     ttf_err_set(err, -EINVAL, "group", "the dataset was begun, and not in the group of '%s'",
                 s->plan.group);

@@ -27,8 +27,8 @@ static int read_plan(struct ttf_session *s, int number, struct ttf_plan *ret)
 }
 
 /*
- * The newest stored plan that asks for the same as the one given into *ret; -1: none. -ENOMEM: who took that for
- * "none" would change the plan of a run that is only to be gone on with.
+ * The newest stored plan that asks for the same as the one given into *ret; -1: none. Whether one names its group.
+ * -ENOMEM: who took that for "none" would change the plan of a run that is only to be gone on with.
  */
 static int find_plan(struct ttf_session *s, int n_plans, int *ret)
 {
@@ -36,8 +36,10 @@ static int find_plan(struct ttf_session *s, int n_plans, int *ret)
         struct ttf_plan stored;
         int r = read_plan(s, *ret, &stored);
 
-        if (r == 0)
+        if (r == 0) {
+            s->names_group = s->names_group || strcmp(stored.group, s->plan.group) == 0;
             r = ttf_plan_same(&stored, &s->plan);
+        }
         if (r == 1 || r == -ENOMEM)
             return r == 1 ? 0 : r;
     }

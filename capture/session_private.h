@@ -45,6 +45,7 @@ struct ttf_session {
     bool goes_on;             /* known_plan is the one of the last segment */
     int known_plan;    /* the dataset has this plan already, by this number; -1: it is new to it */
     int moved_on_from; /* the plan that was given is this one, but another has come since; -1: no */
+    bool names_group;  /* it names the group (or none) as one of the dataset's plans does */
     int next_plan;     /* number of the next one that changes it */
     struct ttf_group group; /* that the plan names; empty: none, or the dataset is there already */
     char path[4096];        /* of the dataset: as configured, or in the second storage */
@@ -104,7 +105,7 @@ TTF_MUST_USE int ttf_session_hand_over_change(struct ttf_session *s,
 
 /*
  * Before anything is set up: of a dataset that is there, compares the plan given with those it has. s->plan
- * becomes the one in force (README.md, "Living runs"); known_plan, moved_on_from.
+ * becomes the one in force (README.md, "Living runs"); known_plan, moved_on_from, names_group.
  */
 TTF_MUST_USE int ttf_session_plan_in_force(struct ttf_session *s, struct ttf_err *err);
 

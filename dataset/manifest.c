@@ -38,6 +38,11 @@ const struct ttf_stream *ttf_manifest_primary(const struct ttf_manifest *manifes
     return manifest->n_streams ? &manifest->streams[0] : NULL;
 }
 
+const char *ttf_manifest_group(const struct ttf_manifest *manifest)
+{
+    return manifest->group_uuid[0] ? manifest->group_uuid : manifest->uuid;
+}
+
 const struct ttf_stream *ttf_manifest_stream(const struct ttf_manifest *manifest, const char *id)
 {
     unsigned i;

@@ -171,7 +171,7 @@ static bool went_on_in(const struct watch *w, const char *second, const char *fi
         strcmp(of_second.group_member, "second") != 0)
         return false;
     if (ttf_manifest_load(w->io, first, &of_first, NULL) == 0)
-        return strcmp(of_second.group_uuid, of_first.uuid) == 0;
+        return strcmp(of_second.group_uuid, ttf_manifest_group(&of_first)) == 0;
     if (ttf_reader_open(w->io, second, &reader, NULL) < 0)
         return false;
     goes_on = ttf_reader_summary(reader)->n_segments > 0 && !ttf_reader_summary(reader)->sealed;

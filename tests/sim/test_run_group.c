@@ -45,6 +45,15 @@ static void expect_member(const struct sim_run *run, const struct ttf_manifest *
     assert_string_not_equal(m.uuid, first->uuid);
 }
 
+static void expect_refused(struct sim_run *run, const char *what)
+{
+    assert_int_equal(sim_run_boot(run), -EINVAL);
+    assert_string_equal(run->err.where, "group");
+    if (!strstr(run->err.what, what))
+        print_error("'%s' does not say '%s'\n", run->err.what, what);
+    assert_non_null(strstr(run->err.what, what));
+}
+
 static void another_stream_begins_a_dataset_of_the_group(void **state)
 {
     struct sim_run run, second, third;
@@ -91,6 +100,46 @@ static void gone_on_with_it_is_of_the_group_without_the_other(void **state)
     sim_run_finish(&run);
 }
 
+/* Stopped, and gone on with by a plan of another interval. */
+static void another_interval(struct sim_run *run, int64_t interval_ns)
+{
+    run->plan.interval_ns = interval_ns;
+    run->plan.count += 2;
+    run->config.power_on_ns = run->ended_ns + TTF_NS_PER_S;
+}
+
+/* Nor does a plan that it does not know need the other one, if it names the group of one that it knows. */
+static void another_plan_of_the_group_needs_the_other_no_more(void **state)
+{
+    struct sim_run run, second;
+    struct ttf_manifest first;
+    char moved[128];
+
+    (void)state;
+    first_of_all(&run);
+    manifest_of(run.path, &first);
+    second = beside(&run, "infrared", "dataset");
+    assert_int_equal(sim_run_boot(&second), 0);
+    snprintf(moved, sizeof(moved), "%s/elsewhere", run.folder);
+    assert_int_equal(rename(run.path, moved), 0);
+    another_interval(&second, 50 * TTF_NS_PER_S);
+    assert_int_equal(sim_run_boot(&second), 0);
+    sim_run_expect(&second, "cccc");
+    another_interval(&second, 40 * TTF_NS_PER_S);
+    second.plan.group[0] =
+        '\0'; /* which needs no other one either, and leaves the group as it is */
+    assert_int_equal(sim_run_boot(&second), 0);
+    another_interval(&second, 50 * TTF_NS_PER_S);
+    strcpy(second.plan.group, "dataset");
+    assert_int_equal(sim_run_boot(&second), 0);
+    sim_run_expect(&second, "cccccccc");
+    expect_member(&second, &first, "2");
+    strcpy(second.plan.group, "nowhere");
+    another_interval(&second, 30 * TTF_NS_PER_S);
+    expect_refused(&second, "no dataset 'nowhere' beside");
+    sim_run_finish(&run);
+}
+
 static unsigned operations, fails_at;
 
 static int fails_from(struct sim_run *run, const char *op, const char *path)
@@ -128,15 +177,6 @@ static void cut_off_at_any_operation_of_its_beginning_it_is_of_the_group(void **
         sim_run_expect_whole(&second, true);
     }
     sim_run_finish(&run);
-}
-
-static void expect_refused(struct sim_run *run, const char *what)
-{
-    assert_int_equal(sim_run_boot(run), -EINVAL);
-    assert_string_equal(run->err.where, "group");
-    if (!strstr(run->err.what, what))
-        print_error("'%s' does not say '%s'\n", run->err.what, what);
-    assert_non_null(strstr(run->err.what, what));
 }
 
 static void what_is_no_dataset_to_join_is_refused(void **state)
@@ -188,6 +228,31 @@ static int only_the_second_writes(struct sim_run *run, const char *op, const cha
     return 0;
 }
 
+/* A run of the group of `run` that its storage fails for: it has gone on in the second one. */
+static struct sim_run moved_to_second(const struct sim_run *run)
+{
+    struct sim_run other = beside(run, "infrared", "dataset");
+
+    other.plan.count = 5;
+    other.fault = only_the_second_writes;
+    sim_run_fault(&other, TTF_FAULT_POWER_CUT, other.config.power_on_ns + 220 * TTF_NS_PER_S)
+        ->amount = 1;
+    assert_int_equal(sim_run_boot(&other), -ESHUTDOWN);
+    other.config.power_on_ns = other.back_ns;
+    assert_int_equal(sim_run_boot(&other), 0);
+    assert_true(other.result.second_storage);
+    assert_int_equal(other.result.slots, 3);
+    return other;
+}
+
+static struct sim_run second_of(const struct sim_run *run)
+{
+    struct sim_run there = *run;
+
+    snprintf(there.path, sizeof(there.path), "%s/second/infrared", run->folder);
+    return there;
+}
+
 /* What its storage fails for goes on in the second one, and is found there: by the group that both are of. */
 static void one_of_a_group_goes_on_in_its_second_storage(void **state)
 {
@@ -199,22 +264,38 @@ static void one_of_a_group_goes_on_in_its_second_storage(void **state)
     run.plan.count = 2;
     assert_int_equal(sim_run_boot(&run), 0);
     manifest_of(run.path, &first);
-    other = beside(&run, "infrared", "dataset");
-    other.plan.count = 5;
-    other.fault = only_the_second_writes;
-    sim_run_fault(&other, TTF_FAULT_POWER_CUT, other.config.power_on_ns + 220 * TTF_NS_PER_S)
-        ->amount = 1;
-    assert_int_equal(sim_run_boot(&other), -ESHUTDOWN);
-    other.config.power_on_ns = other.back_ns;
-    assert_int_equal(sim_run_boot(&other), 0);
-    assert_true(other.result.second_storage);
-    assert_int_equal(other.result.slots, 3);
-    there = other;
-    snprintf(there.path, sizeof(there.path), "%s/second/infrared", run.folder);
+    other = moved_to_second(&run);
+    there = second_of(&other);
     expect_member(&other, &first, "first");
     expect_member(&there, &first, "second");
     manifest_of(run.path, &m);
     assert_string_equal(m.group_uuid, first.uuid);
+    sim_run_finish(&run);
+}
+
+/* Others of the group lie where the run began, wherever it is now. */
+static void gone_on_with_in_the_second_storage_its_group_is_looked_for_where_it_began(void **state)
+{
+    struct sim_run run, other, third, alone;
+
+    (void)state;
+    second_run_init(&run);
+    run.plan.count = 2;
+    assert_int_equal(sim_run_boot(&run), 0);
+    third = beside(&run, "raking", "dataset");
+    assert_int_equal(sim_run_boot(&third), 0);
+    alone = beside(&run, "alone", "");
+    assert_int_equal(sim_run_boot(&alone), 0);
+    other = moved_to_second(&run);
+    another_interval(&other, 50 * TTF_NS_PER_S);
+    assert_int_equal(sim_run_boot(&other), 0);
+    another_interval(&other, 40 * TTF_NS_PER_S);
+    strcpy(other.plan.group, "raking");
+    assert_int_equal(sim_run_boot(&other), 0);
+    assert_true(other.result.second_storage);
+    another_interval(&other, 30 * TTF_NS_PER_S);
+    strcpy(other.plan.group, "alone");
+    expect_refused(&other, "was begun, and not in the group");
     sim_run_finish(&run);
 }
 
@@ -223,10 +304,12 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(another_stream_begins_a_dataset_of_the_group),
         cmocka_unit_test(gone_on_with_it_is_of_the_group_without_the_other),
+        cmocka_unit_test(another_plan_of_the_group_needs_the_other_no_more),
         cmocka_unit_test(cut_off_at_any_operation_of_its_beginning_it_is_of_the_group),
         cmocka_unit_test(what_is_no_dataset_to_join_is_refused),
         cmocka_unit_test(a_dataset_that_was_begun_joins_no_group),
         cmocka_unit_test(one_of_a_group_goes_on_in_its_second_storage),
+        cmocka_unit_test(gone_on_with_in_the_second_storage_its_group_is_looked_for_where_it_began),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -154,15 +154,21 @@ static struct ttf_writer *create(const char *path, int64_t origin_ns, int64_t in
     return create_as(&manifest, path, origin_ns, interval_ns);
 }
 
-/* What a run goes on in that began in another one, of that uuid. */
-static struct ttf_writer *create_second(const char *uuid, const char *path, int64_t origin_ns)
+static struct ttf_writer *create_member(const char *group, const char *member, const char *path,
+                                        int64_t origin_ns)
 {
     struct ttf_manifest manifest;
 
     small_manifest(&manifest);
-    (void)snprintf(manifest.group_uuid, sizeof manifest.group_uuid, "%s", uuid);
-    (void)snprintf(manifest.group_member, sizeof manifest.group_member, "second");
+    (void)snprintf(manifest.group_uuid, sizeof manifest.group_uuid, "%s", group);
+    (void)snprintf(manifest.group_member, sizeof manifest.group_member, "%s", member);
     return create_as(&manifest, path, origin_ns, 10 * SECOND);
+}
+
+/* What a run of that group goes on in. */
+static struct ttf_writer *create_second(const char *group, const char *path, int64_t origin_ns)
+{
+    return create_member(group, "second", path, origin_ns);
 }
 
 static void a_run_that_does_not_begin_is_told_with_why(void **state)
@@ -382,6 +388,30 @@ static void a_run_that_goes_on_in_its_second_storage_has_not_stopped(void **stat
     free(f);
 }
 
+/* Begun in the group of another dataset, it names that one's uuid in both storages, and its own in none. */
+static void a_run_of_another_ones_group_is_followed_into_its_second_storage(void **state)
+{
+    static const char GROUP[] = "0a0b0c0d-0000-4000-8000-00000000000a";
+    const char *second;
+    struct fixture *f = begin_with_second(*state, &second);
+    struct ttf_writer *first =
+        create_member(GROUP, "first", in(*state, "data/grass"), f->clock.now_ns);
+    struct ttf_writer *writer;
+
+    pass(f, 5);
+    writer = create_second(GROUP, in(second, "grass"), f->clock.now_ns + 5 * SECOND);
+    for (int64_t i = 0; i < 6; i++) {
+        pass(f, 10);
+        assert_int_equal(small_slot(writer, i), 0);
+    }
+    assert_int_equal(f->n, 0);
+    pass(f, 30);
+    assert_true(told(f, 0, "stopped", "the capture has stopped"));
+    ttf_writer_abandon(first);
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
 /* What an ended run left in the second storage is not the one that is wanted. */
 static void expect_no_beginning(struct fixture *f)
 {
@@ -488,6 +518,7 @@ int main(void)
         TEST(orders_that_nobody_understands_are_an_alarm_until_something_runs),
         TEST(a_disk_that_goes_with_all_that_was_decided_is_an_alarm),
         TEST(a_run_that_goes_on_in_its_second_storage_has_not_stopped),
+        TEST(a_run_of_another_ones_group_is_followed_into_its_second_storage),
         TEST(an_older_dataset_of_this_name_in_the_second_storage_hides_no_alarm),
         TEST(the_second_part_of_a_run_that_ended_hides_no_alarm),
         TEST(the_second_part_of_another_run_is_not_watched),

@@ -80,6 +80,9 @@ TTF_MUST_USE int ttf_manifest_init(struct ttf_manifest *manifest, struct ttf_err
 const struct ttf_stream *ttf_manifest_primary(const struct ttf_manifest *manifest);
 const struct ttf_stream *ttf_manifest_stream(const struct ttf_manifest *manifest, const char *id);
 
+/* The uuid of the group that it is of, or would be the first of. */
+const char *ttf_manifest_group(const struct ttf_manifest *manifest);
+
 /* dataset.json's text (to be freed with free()) and back. Reading: -EINVAL naming the field; -ENOTSUP naming an
  * unknown `required` name or another major version. */
 TTF_MUST_USE int ttf_manifest_write(const struct ttf_manifest *manifest, char **ret_text,
