@@ -7,6 +7,7 @@
 #include <netinet/in.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -14,6 +15,7 @@
 
 #define TIMES    2            /* RFC 6762, 8.3: told unasked, so often, a second apart */
 #define APART_NS TTF_NS_PER_S /* nor is it told to all more often because somebody asks (6) */
+#define ALONE    20           /* answers to one alone, of all who ask, within APART_NS */
 #define AT_ONCE  16           /* questions that are read before other things are looked after */
 
 void announce_init(struct announce *a, const char *serial)
@@ -71,10 +73,44 @@ static int make_socket(const struct announce_place *p)
     return fd;
 }
 
+static void close_place(struct announce_place *p)
+{
+    if (p->fd >= 0)
+        (void)close(p->fd);
+    p->fd = -1;
+}
+
+/* Which addresses are of the interface's network. */
+static int find_network(struct announce_place *p)
+{
+    struct ifreq request = {.ifr_addr = {.sa_family = AF_INET}};
+    const struct sockaddr_in *has = (const void *)&request.ifr_netmask;
+
+    memcpy(request.ifr_name, p->interface, sizeof p->interface);
+    if (ioctl(p->fd, SIOCGIFNETMASK, &request) < 0)
+        return -errno;
+    p->mask = has->sin_addr.s_addr;
+    return 0;
+}
+
+static int open_socket(struct announce_place *p)
+{
+    int r;
+
+    p->fd = make_socket(p);
+    if (p->fd < 0)
+        return p->fd;
+    r = find_network(p);
+    if (r < 0)
+        close_place(p);
+    return r;
+}
+
 static void open_place(struct announce *a, struct announce_place *p, const char *at,
                        unsigned number, int64_t now_ns)
 {
     char address[TTF_HTTP_WHERE_SIZE];
+    int r;
 
     (void)snprintf(p->at, sizeof p->at, "%s", at);
     (void)snprintf(address, sizeof address, "%.*s", (int)strcspn(at, ":"), at);
@@ -82,27 +118,22 @@ static void open_place(struct announce *a, struct announce_place *p, const char 
     p->number = number;
     if (inet_pton(AF_INET, address, p->host.address) != 1)
         return; /* of IPv6 there is no such place */
-    p->fd = make_socket(p);
-    if (p->fd < 0) {
+    r = open_socket(p);
+    if (r < 0) {
         if (!p->complained)
             log_line(LOG_LEVEL_WARNING, "unnamed", "at=\"%s\" why=\"%s\"", p->interface,
-                     strerrordesc_np(-p->fd));
+                     strerrordesc_np(-r));
         p->complained = true;
         p->fd = -1;
         return;
     }
     p->complained = false;
     p->left = TIMES;
-    p->told_ns = now_ns - APART_NS;
+    p->told_ns = p->else_ns = now_ns - APART_NS;
+    p->alone_ns = now_ns;
+    p->alone = 0;
     log_line(LOG_LEVEL_NOTICE, "named", "name=\"%s.local\" at=\"%s\" for=\"%s\"", a->name, address,
              p->interface);
-}
-
-static void close_place(struct announce_place *p)
-{
-    if (p->fd >= 0)
-        (void)close(p->fd);
-    p->fd = -1;
 }
 
 void announce_follow(struct announce *a, const struct sockets *sockets, int64_t now_ns)
@@ -123,14 +154,46 @@ void announce_follow(struct announce *a, const struct sockets *sockets, int64_t 
 
 /* ---- what is told ---- */
 
-static void tell_all(struct announce_place *p, const uint8_t *data, size_t n, int64_t now_ns)
+static void tell_all(const struct announce_place *p, const uint8_t *data, size_t n)
 {
     const struct sockaddr_in group = {
         .sin_family = AF_INET, .sin_port = htons(MDNS_PORT), .sin_addr.s_addr = htonl(MDNS_GROUP)};
 
     /* What does not arrive is asked for again. */
     (void)!sendto(p->fd, data, n, 0, (const struct sockaddr *)(const void *)&group, sizeof group);
-    p->told_ns = now_ns;
+}
+
+/* *told_ns: when it was last. */
+static void tell_all_again(const struct announce_place *p, const uint8_t *data, size_t n,
+                           int64_t *told_ns, int64_t now_ns)
+{
+    if (now_ns - *told_ns < APART_NS)
+        return;
+    tell_all(p, data, n);
+    *told_ns = now_ns;
+}
+
+/* Who it goes to may be made up, and another than who asked: so it is a trickle, whoever asks how often. One that is not told asks again. */
+static void tell_one(struct announce_place *p, const uint8_t *data, size_t n,
+                     const struct sockaddr_in *to, int64_t now_ns)
+{
+    if (now_ns - p->alone_ns >= APART_NS) {
+        p->alone_ns = now_ns;
+        p->alone = 0;
+    }
+    if (p->alone == ALONE)
+        return;
+    p->alone++;
+    (void)!sendto(p->fd, data, n, 0, (const struct sockaddr *)(const void *)to, sizeof *to);
+}
+
+/* 5.5 and 11: what was sent to this address alone may have come from anywhere, and nobody elsewhere is answered. */
+static bool is_neighbour(const struct announce_place *p, const struct sockaddr_in *from)
+{
+    uint32_t own;
+
+    memcpy(&own, p->host.address, sizeof own);
+    return from->sin_family == AF_INET && ((from->sin_addr.s_addr ^ own) & p->mask) == 0;
 }
 
 static void answer_one(struct announce_place *p, const uint8_t *datagram, size_t n,
@@ -141,12 +204,13 @@ static void answer_one(struct announce_place *p, const uint8_t *datagram, size_t
 
     switch (mdns_answer(&p->host, datagram, n, ntohs(from->sin_port) != MDNS_PORT, data, &bytes)) {
     case MDNS_ALL:
-        if (now_ns - p->told_ns >= APART_NS)
-            tell_all(p, data, bytes, now_ns);
+        tell_all_again(p, data, bytes, &p->told_ns, now_ns);
+        break;
+    case MDNS_ALL_ELSE:
+        tell_all_again(p, data, bytes, &p->else_ns, now_ns);
         break;
     case MDNS_ASKER:
-        (void)!sendto(p->fd, data, bytes, 0, (const struct sockaddr *)(const void *)from,
-                      sizeof *from);
+        tell_one(p, data, bytes, from, now_ns);
         break;
     case MDNS_NOBODY:
         break;
@@ -158,7 +222,7 @@ static void hear_place(struct announce_place *p, int64_t now_ns)
     uint8_t data[MDNS_SIZE], datagram[9000]; /* 17: the largest */
 
     if (p->left > 0 && now_ns - p->told_ns >= APART_NS) {
-        tell_all(p, data, mdns_tell(&p->host, MDNS_TTL_S, data), now_ns);
+        tell_all_again(p, data, mdns_tell(&p->host, MDNS_TTL_S, data), &p->told_ns, now_ns);
         p->left--;
     }
     for (unsigned i = 0; i < AT_ONCE; i++) {
@@ -169,7 +233,7 @@ static void hear_place(struct announce_place *p, int64_t now_ns)
 
         if (n < 0)
             break;
-        if (from.sin_family == AF_INET)
+        if (is_neighbour(p, &from))
             answer_one(p, datagram, (size_t)n, &from, now_ns);
     }
 }
@@ -187,7 +251,7 @@ void announce_end(struct announce *a)
 
     for (unsigned i = 0; i < a->n; i++) {
         if (a->places[i].fd >= 0)
-            tell_all(&a->places[i], data, mdns_tell(&a->places[i].host, 0, data), 0);
+            tell_all(&a->places[i], data, mdns_tell(&a->places[i].host, 0, data));
         close_place(&a->places[i]);
     }
 }

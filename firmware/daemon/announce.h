@@ -2,7 +2,8 @@
 /*
  * announce.h: on each network that the page is offered on by its interface (`usb0:8417`), the box answers to its name,
  * ttfbox-SERIAL.local (multicast DNS, mdns.h), with the address that it has there. Nothing waits for it, and without it all is at its address.
- * The name has the serial in it, so nobody else is asked whether it is taken. One thread.
+ * The name has the serial in it, so nobody else is asked whether it is taken. Only who is in the interface's network is answered, and one alone
+ * not often. One thread.
  */
 #ifndef DAEMON_ANNOUNCE_H
 #define DAEMON_ANNOUNCE_H
@@ -16,9 +17,13 @@ struct announce_place {
     unsigned number;              /* of the interface: another one may have come in its place */
     int fd;                       /* -1: not open */
     struct mdns_host host;
-    int64_t told_ns; /* to all, last */
-    unsigned left;   /* times that it is to be told unasked */
-    bool complained; /* that it cannot be had: once */
+    uint32_t mask;    /* of its network, as it is on the wire; only who is in it is answered */
+    int64_t told_ns;  /* to all, last */
+    int64_t else_ns;  /* the same of what has no address in it */
+    int64_t alone_ns; /* since then ... */
+    unsigned alone;   /* ... so many answers to one alone */
+    unsigned left;    /* times that it is to be told unasked */
+    bool complained;  /* that it cannot be had: once */
 };
 
 struct announce {

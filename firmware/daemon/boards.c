@@ -35,6 +35,14 @@ static const char *sent_path(const struct daemon *d, const char *name, char ret[
     return ret;
 }
 
+/* A board that was sent lies here; others may hide it. */
+static bool is_sent(const struct daemon *d, const char *name, char ret_path[700])
+{
+    struct ttf_io_stat st;
+
+    return d->io->ops->stat(d->io, sent_path(d, name, ret_path), &st) == 0 && st.is_regular;
+}
+
 /* The folder of a board of this name, in which its plans are; of one that was sent there is none. */
 static enum board_from find_board(struct daemon *d, const char *name, char ret[600])
 {
@@ -57,7 +65,7 @@ static enum board_from find_board(struct daemon *d, const char *name, char ret[6
         (void)snprintf(ret, 600, "%s/%s", *folder, name);
         return FROM_SYSTEM;
     }
-    return d->io->ops->stat(d->io, sent_path(d, name, path), &st) == 0 ? FROM_PERSON : FROM_NOBODY;
+    return is_sent(d, name, path) ? FROM_PERSON : FROM_NOBODY;
 }
 
 int boards_show(struct daemon *d, const char *name, const char *plan, char **ret_yaml,
@@ -105,13 +113,10 @@ static void put_plans(struct daemon *d, const char *folder, struct ttf_json *jso
     free(names.name);
 }
 
-static void put_board(struct daemon *d, const char *name, struct ttf_json *json)
+/* from, folder: as find_board found it. */
+static void put_board(struct daemon *d, const char *name, enum board_from from, const char *folder,
+                      struct ttf_json *json)
 {
-    char folder[600];
-    enum board_from from = find_board(d, name, folder);
-
-    if (from == FROM_NOBODY)
-        return;
     ttf_json_object(json);
     ttf_json_kstring(json, "name", name);
     ttf_json_kbool(json, "sent", from == FROM_PERSON);
@@ -134,7 +139,7 @@ static int put_boards(struct daemon *d, const char *folder, bool sent, struct tt
         enum board_from from = find_board(d, names.name[i], where);
 
         if (from == (sent ? FROM_PERSON : FROM_SYSTEM))
-            put_board(d, names.name[i], json);
+            put_board(d, names.name[i], from, where, json);
     }
     free(names.name);
     return r;
@@ -144,6 +149,7 @@ int boards_list(struct daemon *d, char **ret_json, struct ttf_err *err)
 {
     struct ttf_json json;
     char folder[600];
+    enum board_from from = find_board(d, d->board.name, folder);
     int r = 0;
 
     ttf_json_init(&json, false);
@@ -151,7 +157,7 @@ int boards_list(struct daemon *d, char **ret_json, struct ttf_err *err)
     ttf_json_kstring(&json, "own", d->board.name);
     ttf_json_key(&json, "boards");
     ttf_json_array(&json);
-    put_board(d, d->board.name, &json);
+    put_board(d, d->board.name, from, folder, &json);
     for (const char *const *f = ttf_daemon_board_folders(); *f && r == 0; f++)
         r = put_boards(d, *f, false, &json);
     if (r == 0)
@@ -163,34 +169,37 @@ int boards_list(struct daemon *d, char **ret_json, struct ttf_err *err)
 
 /* ---- boards that are sent ---- */
 
+static bool is_same_file(struct daemon *d, const char *a, const char *b)
+{
+    struct ttf_io_stat of_a, of_b;
+
+    return d->io->ops->stat(d->io, a, &of_a) == 0 && d->io->ops->stat(d->io, b, &of_b) == 0 &&
+           of_a.inode == of_b.inode && of_a.device == of_b.device;
+}
+
 /*
- * Does the configuration, as it is now, name this file? What it names holds the limits of lamps at the next start, of the guardian's
+ * Does the configuration, as it is now, name this file, which is there? What it names holds the limits of lamps at the next start, of the guardian's
  * too, and is nobody's to change from a network. A configuration that cannot be read names whatever it likes.
  */
 static bool is_configured(struct daemon *d, const char *path)
 {
     struct ttf_daemon_config *config = malloc(sizeof *config);
-    struct ttf_io_stat of_file, of_configured;
     char named[512];
     bool is = true;
 
-    if (config && ttf_daemon_file_load_board(d->options->config, config, NULL) == 0 &&
-        d->io->ops->stat(d->io, path, &of_file) == 0)
+    if (config && ttf_daemon_file_load_board(d->options->config, config, NULL) == 0)
         is = ttf_board_locate(config->board, ttf_daemon_board_folders(), named, sizeof named,
                               NULL) == 0 &&
-             d->io->ops->stat(d->io, named, &of_configured) == 0 &&
-             of_file.inode == of_configured.inode && of_file.device == of_configured.device;
+             is_same_file(d, path, named);
     free(config);
     return is;
 }
 
 static int not_yours(enum board_from from, struct ttf_err *err)
 {
-    ttf_err_set(err, -EPERM, NULL, "%s",
-                from == FROM_BOX ? "this is the board of the box itself"
-                                 : "this board came with the box");
-    ttf_err_hint(err, "take another name");
-    return -EPERM;
+    return ttf_err_set(err, -EPERM, NULL, "%s",
+                       from == FROM_BOX ? "this is the board of the box itself"
+                                        : "this board came with the box");
 }
 
 /* Room for one more, and none of this name. */
@@ -206,8 +215,11 @@ static int may_send(struct daemon *d, const char *name, struct ttf_err *err)
         ttf_err_hint(err, "take it away first, or take another name");
         return -EEXIST;
     }
-    if (from != FROM_NOBODY)
-        return not_yours(from, err);
+    if (from != FROM_NOBODY) {
+        r = not_yours(from, err);
+        ttf_err_hint(err, "take another name");
+        return r;
+    }
     r = listing_read(d->io, sent_folder(d, folder), SENT_MAX, false, &names);
     if (r == 0 && names.n == SENT_MAX)
         r = -EEXIST;
@@ -240,22 +252,22 @@ int boards_put(struct daemon *d, const char *name, const char *yaml, size_t byte
     return r;
 }
 
+/* What was sent, even where a board of the same name, which came later, hides it: it takes the place of another that could be sent. */
 static int take_away(struct daemon *d, const char *name, struct ttf_err *err)
 {
     char folder[600], path[700];
-    enum board_from from = find_board(d, name, folder);
-    int r;
+    enum board_from from;
 
-    if (from == FROM_NOBODY)
-        return ttf_err_set(err, -ENOENT, NULL, "there is no board of this name");
-    if (from != FROM_PERSON)
-        return not_yours(from, err);
-    if (is_configured(d, sent_path(d, name, path)))
-        return ttf_err_set(err, -EPERM, NULL, "the box's configuration names this board");
-    r = d->io->ops->unlink(d->io, path);
-    if (r == 0)
-        r = d->io->ops->sync_dir(d->io, sent_folder(d, folder));
-    return r < 0 ? ttf_err_set(err, r, NULL, "%s", strerrordesc_np(-r)) : 0;
+    if (is_sent(d, name, path)) {
+        if (is_same_file(d, path, d->board.path))
+            return not_yours(FROM_BOX, err);
+        if (is_configured(d, path))
+            return ttf_err_set(err, -EPERM, NULL, "the box's configuration names this board");
+        return listing_remove(d->io, sent_folder(d, folder), path, "board", err);
+    }
+    from = find_board(d, name, folder);
+    return from == FROM_NOBODY ? ttf_err_set(err, -ENOENT, NULL, "there is no board of this name")
+                               : not_yours(from, err);
 }
 
 int boards_delete(struct daemon *d, const char *name, struct ttf_err *err)

@@ -253,7 +253,7 @@ int keeper_start(struct daemon *d, struct keeper **ret, struct ttf_err *err)
     if (!k)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     k->d = d;
-    sockets_init(&k->sockets, &d->config, ttf_http_address_of, NULL);
+    sockets_init(&k->sockets, &d->config, ttf_http_address_of, NULL, "/sys");
     announce_init(&k->announce, d->serial);
     r = -pthread_create(&k->thread, NULL, keep, k);
     if (r < 0) {

@@ -11,8 +11,6 @@
 #include "ttf/config/plan_file.h"
 #include "ttf/dataset/reader.h"
 
-#define SUFFIX LISTING_SUFFIX
-
 /* ---- plans ---- */
 
 /* The configuration's own plan, by its file's name. */
@@ -20,9 +18,9 @@ static const char *configured_name(const struct daemon *d, char ret[65])
 {
     const char *slash = strrchr(d->config.plan, '/');
     const char *name = slash ? slash + 1 : d->config.plan;
-    size_t n = strlen(name), end = sizeof SUFFIX - 1;
+    size_t n = strlen(name), end = sizeof LISTING_SUFFIX - 1;
 
-    if (n > end && strcmp(name + n - end, SUFFIX) == 0)
+    if (n > end && strcmp(name + n - end, LISTING_SUFFIX) == 0)
         n -= end;
     (void)snprintf(ret, 65, "%.*s", (int)(n < 64 ? n : 64), name);
     return ret;
@@ -40,7 +38,7 @@ static const char *path_of(const struct daemon *d, const char *name, char ret[64
     if (is_configured(d, name))
         (void)snprintf(ret, 640, "%s", d->config.plan);
     else
-        (void)snprintf(ret, 640, "%s/plans/%s" SUFFIX, d->config.state, name);
+        (void)snprintf(ret, 640, "%s/plans/%s" LISTING_SUFFIX, d->config.state, name);
     return ret;
 }
 
@@ -166,9 +164,7 @@ int library_may_start(struct daemon *d, const char *dataset, const char *yaml, s
 
 static int own_plan(struct ttf_err *err)
 {
-    ttf_err_set(err, -EPERM, NULL, "this is the plan of the box's configuration");
-    ttf_err_hint(err, "take another name");
-    return -EPERM;
+    return ttf_err_set(err, -EPERM, NULL, "this is the plan of the box's configuration");
 }
 
 int library_put(struct daemon *d, const char *name, const char *yaml, size_t bytes,
@@ -177,8 +173,11 @@ int library_put(struct daemon *d, const char *name, const char *yaml, size_t byt
     char path[640], folder[600];
     int r;
 
-    if (is_configured(d, name))
-        return own_plan(err);
+    if (is_configured(d, name)) {
+        r = own_plan(err);
+        ttf_err_hint(err, "take another name");
+        return r;
+    }
     (void)snprintf(folder, sizeof folder, "%s/plans", d->config.state);
     (void)pthread_mutex_lock(&d->plans);
     r = ttf_io_mkdirs(d->io, folder, err);
@@ -197,11 +196,7 @@ int library_delete(struct daemon *d, const char *name, struct ttf_err *err)
         return own_plan(err);
     (void)snprintf(folder, sizeof folder, "%s/plans", d->config.state);
     (void)pthread_mutex_lock(&d->plans);
-    r = d->io->ops->unlink(d->io, path_of(d, name, path));
-    if (r == 0)
-        r = d->io->ops->sync_dir(d->io, folder);
+    r = listing_remove(d->io, folder, path_of(d, name, path), "plan", err);
     (void)pthread_mutex_unlock(&d->plans);
-    return r < 0 ? ttf_err_set(err, r, NULL, "%s",
-                               r == -ENOENT ? "there is no plan of this name" : strerrordesc_np(-r))
-                 : 0;
+    return r;
 }

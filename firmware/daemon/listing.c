@@ -74,3 +74,15 @@ int listing_text(struct ttf_io *io, const char *path, const char *what, char **r
 
     return r == -ENOENT ? ttf_err_set(err, r, NULL, "there is no %s of this name", what) : r;
 }
+
+int listing_remove(struct ttf_io *io, const char *folder, const char *path, const char *what,
+                   struct ttf_err *err)
+{
+    int r = io->ops->unlink(io, path);
+
+    if (r == -ENOENT)
+        return ttf_err_set(err, r, NULL, "there is no %s of this name", what);
+    if (r == 0)
+        r = io->ops->sync_dir(io, folder);
+    return r < 0 ? ttf_err_set(err, r, NULL, "%s", strerrordesc_np(-r)) : 0;
+}

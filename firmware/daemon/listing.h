@@ -26,6 +26,10 @@ TTF_MUST_USE int listing_read(struct ttf_io *io, const char *folder, unsigned ma
 TTF_MUST_USE int listing_text(struct ttf_io *io, const char *path, const char *what, char **ret,
                               struct ttf_err *err);
 
+/* Takes a file away, for good: its folder is synced. -ENOENT: there is no `what` of this name. */
+TTF_MUST_USE int listing_remove(struct ttf_io *io, const char *folder, const char *path,
+                                const char *what, struct ttf_err *err);
+
 /* What was written, if all went well (r); the writer is freed. */
 TTF_MUST_USE int listing_give(struct ttf_json *json, int r, char **ret, struct ttf_err *err);
 

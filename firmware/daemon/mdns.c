@@ -291,10 +291,14 @@ enum mdns_to mdns_answer(const struct mdns_host *host, const uint8_t *datagram, 
     }
     if (!asked.address && !asked.other)
         return MDNS_NOBODY;
+    /* 6.2: who asks for the other kind of address will ask for this one next. */
+    asked.address = !asked.known;
     begin(&w, ret, 0, 0, asked.address);
     if (asked.address)
         put_address(&w, host, TOP | CLASS_IN, MDNS_TTL_S);
     put_nothing_else(&w, host);
     *ret_n = w.n;
-    return asked.to_all ? MDNS_ALL : MDNS_ASKER;
+    if (!asked.to_all)
+        return MDNS_ASKER;
+    return asked.address ? MDNS_ALL : MDNS_ALL_ELSE;
 }

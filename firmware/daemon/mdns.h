@@ -25,6 +25,7 @@ struct mdns_host {
 enum mdns_to {
     MDNS_NOBODY = 0, /* it is not about this name, or no question, or known to who asks */
     MDNS_ALL,        /* the group */
+    MDNS_ALL_ELSE,   /* it as well, but the address, which who asks knows, is not in it */
     MDNS_ASKER       /* it alone */
 };
 

@@ -2,16 +2,19 @@
 #include "sockets.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "log.h"
 
 void sockets_init(struct sockets *s, const struct ttf_daemon_config *config,
-                  ttf_http_address_fn *address_of, void *ctx)
+                  ttf_http_address_fn *address_of, void *ctx, const char *sys)
 {
     *s = (struct sockets){.address_of = address_of,
                           .ctx = ctx,
+                          .sys = sys,
                           .as_ever = config->listen_as_ever,
                           .n = config->n_listen};
     for (unsigned i = 0; i < s->n; i++)
@@ -62,12 +65,31 @@ static bool is_away(int r)
     return r == -ENODEV || r == -EADDRNOTAVAIL;
 }
 
+/*
+ * Is this the network of a USB device that is plugged in here (a tethered phone, a modem), not the cable to a PC? The kernel calls both usb0;
+ * the first alone hangs on an interface of a device on the bus (Documentation/ABI/testing/sysfs-bus-usb: bInterfaceNumber).
+ */
+static bool is_of_a_device(const struct sockets *s, const char *text)
+{
+    const char *colon = strrchr(text, ':');
+    char path[200];
+
+    if (is_unix(text) || !colon)
+        return false;
+    (void)snprintf(path, sizeof path, "%s/class/net/%.*s/device/bInterfaceNumber", s->sys,
+                   (int)(colon - text), text);
+    return access(path, F_OK) == 0;
+}
+
 static void look(struct sockets *s, struct socket_place *place, struct ttf_http_server *server)
 {
     char at[TTF_HTTP_WHERE_SIZE], text[900], quoted[1000];
     struct ttf_err err = {0};
     int r = ttf_http_listen_where(place->text, s->address_of, s->ctx, at, &err);
 
+    /* Nobody asked for that one. */
+    if (r == 0 && s->as_ever && is_of_a_device(s, place->text))
+        r = -ENODEV;
     if (r == 0 && place->fd >= 0 && strcmp(at, place->at) == 0)
         return;
     /* What nobody could be asked about stays as it is. */

@@ -23,14 +23,15 @@ struct socket_place {
 struct sockets {
     ttf_http_address_fn *address_of;
     void *ctx;
-    bool as_ever; /* nobody asked for an interface that is not there */
+    const char *sys;
+    bool as_ever; /* nobody asked for an interface that is not there, or that is no cable's */
     unsigned n;
     struct socket_place places[TTF_DAEMON_LISTEN_MAX];
 };
 
-/* config: borrowed. address_of: ttf_http_address_of, but for tests. */
+/* config, sys: borrowed. address_of: ttf_http_address_of, but for tests; sys: "/sys", or a folder laid out like it. */
 void sockets_init(struct sockets *sockets, const struct ttf_daemon_config *config,
-                  ttf_http_address_fn *address_of, void *ctx);
+                  ttf_http_address_fn *address_of, void *ctx, const char *sys);
 
 /* Opens what is not open, leaves what an interface has no more. Each change has its line in the log. */
 void sockets_look(struct sockets *sockets, struct ttf_http_server *server);

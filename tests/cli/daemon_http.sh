@@ -152,6 +152,24 @@ for name in bench another; do # in place of the box's own limits, or of those th
     json_of theirs.yaml "$URL/boards/$name" 403 -X PUT
     get "$URL/boards/$name" 403 "${ME[@]}" -X DELETE
 done
+said out "came with the box"
+if grep -q "another name" out; then fail "who takes a board away is told to take another name"; fi
+# One that was sent, and that a board of the same name hides since then: it can be taken away, the other one cannot.
+sed 's/^board: .*/board: late/' box.yaml >late.yaml
+json_of late.yaml "$URL/boards/late" 200 -X PUT
+mkdir boards/late
+cp late.yaml boards/late/board.yaml
+get "$URL/boards/late" 200 "${ME[@]}" -X DELETE
+[ ! -e data/.ttfbox/boards/late.yaml ] || fail "a board that was sent and is hidden stays for ever"
+get "$URL/boards/late" 403 "${ME[@]}" -X DELETE
+json_of late.yaml "$URL/boards/late" 403 -X PUT
+said out "take another name"
+rm -r boards/late
+# What is no file is no board.
+mkdir data/.ttfbox/boards/folder.yaml
+get "$URL/boards/folder" 404 "${ME[@]}"
+get "$URL/boards/folder" 404 "${ME[@]}" -X DELETE
+rmdir data/.ttfbox/boards/folder.yaml
 json_of mine.yaml "$URL/boards/..%2f..%2fmine" 404 -X PUT --path-as-is
 get "$URL/boards/mine" 401 -X DELETE
 cp ttfboxd.yaml kept.yaml

@@ -67,6 +67,18 @@ heard "named name=\"ttfbox-$SERIAL.local\" at=\"10.9.0.1\" for=\"usb0\""
 named 10.9.0.1
 [ -z "$(at_pc "$PYTHON" "$HERE/ask_name.py" 10.9.0.9 ttfbox-nobody.local)" ] || fail "it answers to others' names"
 [ "$(at_pc "$PYTHON" "$HERE/ask_name.py" 10.9.0.9 "ttfbox-$SERIAL.local" plain)" = "10.9.0.1 from 10.9.0.1" ] || fail "plain DNS is not answered"
+[ "$(at_pc "$PYTHON" "$HERE/ask_name.py" 10.9.0.9 "ttfbox-$SERIAL.local" other 10.9.0.1)" = "10.9.0.1 from 10.9.0.1" ] ||
+    fail "that there is no IPv6 address, told to one who knows the other, keeps that one from who does not"
+# Asked alone, it answers a neighbour, and nobody from elsewhere, though there is a way back; and nobody's thousands.
+ask_alone() { # FROM
+    at_pc "$PYTHON" "$HERE/ask_name.py" "$1" "ttfbox-$SERIAL.local" alone 10.9.0.1
+}
+at_pc ip addr add 10.8.0.9/32 dev pc0
+ip route add 10.8.0.0/24 dev usb0
+[ "$(ask_alone 10.9.0.9)" = "10.9.0.1 from 10.9.0.1" ] || fail "a neighbour that asks it alone is not answered"
+[ -z "$(ask_alone 10.8.0.9)" ] || fail "it answers who is of no network of its own"
+answers=$(at_pc "$PYTHON" "$HERE/ask_name.py" 10.9.0.9 "ttfbox-$SERIAL.local" often 10.9.0.1)
+if [ "$answers" -lt 1 ] || [ "$answers" -gt 40 ]; then fail "of 200 questions at once $answers are answered"; fi
 at_pc "$PYTHON" "$HERE/ask_name.py" 10.9.0.9 "ttfbox-$SERIAL.local" noise || fail "it does not answer after noise"
 code=$(at_pc curl -sS -o out -w '%{http_code}' --resolve "ttfbox-$SERIAL.local:8417:10.9.0.1" -H "Authorization: Bearer $TOKEN" "http://ttfbox-$SERIAL.local:8417/api/v1/status")
 [ "$code" = 200 ] || fail "by its name it is not reached: $code"

@@ -204,11 +204,15 @@ echo $(($(cat "$NET/carrier_up_count") + 1)) >"$NET/carrier_up_count"
 END
 chmod +x net/ip
 export NET=$end
+at_once() { # FILE TEXT: as a file of the kernel's, which is never half there
+    echo "$2" >"$1.next"
+    mv "$1.next" "$1"
+}
 connected() { # CARRIER TIMES PACKETS HELPS: how often it was connected, which of ups it hears
-    echo "$3" >"$end/statistics/rx_packets"
-    echo "$4" >"$end/helps"
-    echo "$2" >"$end/carrier_up_count"
-    echo "$1" >"$end/carrier"
+    at_once "$end/statistics/rx_packets" "$3"
+    at_once "$end/helps" "$4"
+    at_once "$end/carrier_up_count" "$2"
+    at_once "$end/carrier" "$1"
 }
 ups() { # N: within 20 s so many times, and no more
     for _ in $(seq 400); do
@@ -229,7 +233,7 @@ ups 2           # heard after the second time
 grep -qx 'link set dev usb0 down' "$TOLD" || fail "not as ip is called: $(cat "$TOLD")"
 said watching 'nothing of it is heard: usb0 down and up'
 : >"$TOLD"
-echo 900 >"$end/statistics/rx_packets"
+at_once "$end/statistics/rx_packets" 900
 ups 0           # who was heard may be silent
 connected 1 9 900 99
 ups 5           # plugged in anew, and its network is turned off
@@ -241,8 +245,7 @@ kill $watcher
 mkdir -p "$end/statistics"
 connected 1 1 900 99
 for n in $(seq 901 925); do # who talks by itself
-    echo "$n" >talked
-    mv talked "$end/statistics/rx_packets"
+    at_once "$end/statistics/rx_packets" "$n"
     sleep 0.2
 done &
 PATH=$WORK/net:$PATH "$GADGET" --into "$WORK/watched" --every 1 watch 2>watching &
@@ -250,6 +253,38 @@ watcher=$!
 sleep 5
 kill $watcher
 [ ! -s "$TOLD" ] || fail "one that talks is taken down: $(cat "$TOLD")"
+wait # for the talker
+
+# --- one that said all it has to say ahead of the first look at it was heard; one that said nothing was not, whatever others said before
+now_is() { # FOLDER: as the kernel has it, at once
+    ln -sfn "$1" now
+    mv -T now "$end"
+}
+rm -r "$end"
+for at in away said mute; do mkdir -p "$at/statistics"; done
+end=away connected 0 1 900 99
+end=said connected 1 2 903 99
+end=mute connected 1 3 903 99
+now_is "$PWD/away"
+PATH=$WORK/net:$PATH "$GADGET" --into "$WORK/watched" --every 0.02 watch 2>watching &
+watcher=$!
+ups 0
+now_is "$PWD/said"
+ups 0
+echo 0 >away/carrier
+echo 903 >away/statistics/rx_packets
+now_is "$PWD/away"
+ups 0
+now_is "$PWD/mute"
+ups 5
+kill $watcher
+# Beside one that was connected, and heard, long before.
+: >"$TOLD"
+now_is "$PWD/said"
+PATH=$WORK/net:$PATH "$GADGET" --into "$WORK/watched" --every 0.02 watch 2>watching &
+watcher=$!
+ups 0
+kill $watcher
 
 # --- a serial that would be something else on the bus, or in a path
 for serial in 'a b' '../x' "$(printf 'a\nb')" 'ä' 123456789012345678901234567890123; do

@@ -81,13 +81,20 @@ static void who_asks_for_the_address_is_told_it_and_that_there_is_no_other(void 
     is_answered(&d, false, MDNS_ASKER, WHOLE, sizeof WHOLE - 1);
 }
 
-static void who_asks_for_another_kind_hears_that_there_is_none(void **state)
+/* 6.2: with the address, for which it, or somebody else, asks in the next datagram; but for one that knows it. */
+static void who_asks_for_another_kind_hears_that_there_is_none_and_the_address(void **state)
 {
     static const char NOTHING[] = HEAD_OF_NOTHING NAME NOTHING_ELSE;
     struct datagram d = asks(NAME, NAME_N, AAAA, IN);
 
     (void)state;
-    is_answered(&d, false, MDNS_ALL, NOTHING, sizeof NOTHING - 1);
+    is_answered(&d, false, MDNS_ALL, WHOLE, sizeof WHOLE - 1);
+    d = asks(NAME, NAME_N, AAAA, QU);
+    is_answered(&d, false, MDNS_ASKER, WHOLE, sizeof WHOLE - 1);
+    d = asks(NAME, NAME_N, AAAA, IN);
+    d.data[7] = 1; /* an answer that who asks has */
+    ADD(&d, "\xc0\x0c" A IN "\x00\x00\x00\x3c\x00\x04\x0a\x3c\x07\x01");
+    is_answered(&d, false, MDNS_ALL_ELSE, NOTHING, sizeof NOTHING - 1);
 }
 
 static void other_names_are_none_of_its_business(void **state)
@@ -229,7 +236,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(who_asks_for_the_address_is_told_it_and_that_there_is_no_other),
-        cmocka_unit_test(who_asks_for_another_kind_hears_that_there_is_none),
+        cmocka_unit_test(who_asks_for_another_kind_hears_that_there_is_none_and_the_address),
         cmocka_unit_test(other_names_are_none_of_its_business),
         cmocka_unit_test(a_name_may_stand_elsewhere),
         cmocka_unit_test(what_is_known_is_not_told_again),

@@ -8,11 +8,13 @@
 #include <cmocka.h>
 
 #include <errno.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -27,7 +29,7 @@ struct fixture {
     struct ttf_clock *clock;
     const char *address; /* that usb0 has; NULL: error */
     int error;
-    char folder[64];
+    char folder[64], sys[80];
 };
 
 static int address_of(void *ctx, const char *interface, char ret[TTF_HTTP_ADDRESS_SIZE])
@@ -58,7 +60,8 @@ static void begin(struct fixture *f)
     f->config.n_listen = 2;
     (void)snprintf(f->config.listen[0], sizeof f->config.listen[0], "127.0.0.1:0");
     (void)snprintf(f->config.listen[1], sizeof f->config.listen[1], "usb0:0");
-    sockets_init(&f->sockets, &f->config, address_of, f);
+    (void)snprintf(f->sys, sizeof f->sys, "%s/sys", f->folder);
+    sockets_init(&f->sockets, &f->config, address_of, f, f->sys);
 }
 
 static void end(struct fixture *f)
@@ -192,11 +195,69 @@ static void an_address_may_change_as_often_as_it_likes(void **state)
     end(&f);
 }
 
+/* usb0 in the kernel's folder, as that of a device plugged in here has it, and as a gadget's. */
+static void usb0_is_of_a_device(const struct fixture *f, bool is)
+{
+    static const char *const FOLDERS[] = {"", "/class", "/class/net", "/class/net/usb0",
+                                          "/class/net/usb0/device"};
+    const size_t n = sizeof FOLDERS / sizeof *FOLDERS;
+    char path[200];
+
+    for (size_t i = 0; is && i < n; i++) {
+        (void)snprintf(path, sizeof path, "%s%s", f->sys, FOLDERS[i]);
+        assert_int_equal(mkdir(path, 0700), 0);
+    }
+    (void)snprintf(path, sizeof path, "%s%s/bInterfaceNumber", f->sys, FOLDERS[n - 1]);
+    if (is) {
+        int fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+
+        assert_true(fd >= 0);
+        (void)close(fd);
+        return;
+    }
+    assert_int_equal(unlink(path), 0);
+    for (size_t i = n; i > 0; i--) {
+        (void)snprintf(path, sizeof path, "%s%s", f->sys, FOLDERS[i - 1]);
+        assert_int_equal(rmdir(path), 0);
+    }
+}
+
+/* A tethered phone's network is usb0 as well, and whoever is there was never meant. */
+static void the_network_of_a_device_is_listened_on_only_if_somebody_asked_for_it(void **state)
+{
+    struct sockaddr_in at;
+    struct fixture f;
+
+    (void)state;
+    begin(&f);
+    f.sockets.as_ever = true;
+    usb0_is_of_a_device(&f, true);
+    usb0_has(&f, "127.0.0.2", 0);
+    assert_int_equal(f.sockets.places[1].fd, -1);
+    at = place_of(&f, 0);
+    assert_true(is_answered_at(&at));
+    usb0_is_of_a_device(&f, false); /* a gadget's has come in its place, */
+    usb0_has(&f, "127.0.0.2", 0);
+    at = place_of(&f, 1);
+    assert_true(is_answered_at(&at));
+    usb0_is_of_a_device(&f, true); /* and the other way round */
+    usb0_has(&f, "127.0.0.2", 0);
+    assert_int_equal(f.sockets.places[1].fd, -1);
+    assert_int_equal(dial(&at), -1);
+    f.sockets.as_ever = false;
+    usb0_has(&f, "127.0.0.2", 0);
+    at = place_of(&f, 1);
+    assert_true(is_answered_at(&at));
+    usb0_is_of_a_device(&f, false);
+    end(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_interface_is_followed_to_the_address_that_it_has),
         cmocka_unit_test(an_address_that_stays_and_one_that_cannot_be_asked_for_stay_listened_on),
+        cmocka_unit_test(the_network_of_a_device_is_listened_on_only_if_somebody_asked_for_it),
         cmocka_unit_test(an_address_may_change_as_often_as_it_likes),
     };
 

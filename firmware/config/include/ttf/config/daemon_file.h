@@ -18,7 +18,7 @@
 #define TTF_DAEMON_LISTEN_TCP  "127.0.0.1:8417"
 #define TTF_DAEMON_LISTEN_UNIX "unix:/run/ttfbox/http.sock"
 #define TTF_DAEMON_LISTEN_USB \
-    "usb0:8417" /* the network over the USB cable; where there is none, nothing */
+    "usb0:8417" /* the network over the USB cable to a PC; where there is none, nothing */
 
 struct ttf_daemon_config {
     char board[512];   /* a board's name, or the path of its file */
