@@ -59,5 +59,8 @@ bool ttf_plan_end_passed(const struct ttf_plan *plan, const struct ttf_grid *gri
 bool ttf_run_clock_believed(const struct ttf_plan *plan, const struct ttf_grid *grid, int64_t index,
                             const struct ttf_run_clock *clock, bool host)
 {
-    return !host || !ttf_plan_end_passed(plan, grid, index, clock);
+    if (!host)
+        return true;
+    return index > 0 ? !ttf_plan_end_passed(plan, grid, index, clock)
+                     : ttf_plan_slots(plan, grid, clock) > 0;
 }

@@ -10,6 +10,7 @@
 
 #include "schedule.h"
 #include "ttf/capture/plan.h"
+#include "ttf/hal/clock.h"
 
 /* A run's time on this boot's clock, as far as it is known. */
 struct ttf_run_clock {
@@ -17,6 +18,7 @@ struct ttf_run_clock {
         slot0_ns;    /* where slot 0 was, or would have been, due: what a photoperiod counts from */
     int64_t gaps_ns; /* outages that no slot stands for, as far as their lengths are known */
     int64_t utc_offset_ns; /* UTC - boot clock; TTF_NS_UNKNOWN */
+    enum ttf_trust trust;  /* who says so in this boot; NONE: reckoned from the boots before */
 };
 
 /* It ends otherwise than by a number of slots. */
@@ -39,7 +41,7 @@ bool ttf_plan_end_passed(const struct ttf_plan *plan, const struct ttf_grid *gri
 
 /*
  * Whether a clock is believed in what it says of the run's end, slot `index` being the next. A PC's word alone (host)
- * that the end has passed is not: more likely that clock is ahead, as resume.c has it.
+ * that the end has passed, before slot 0 that it leaves none, is not: more likely that clock is ahead, as resume.c has it.
  */
 bool ttf_run_clock_believed(const struct ttf_plan *plan, const struct ttf_grid *grid, int64_t index,
                             const struct ttf_run_clock *clock, bool host);

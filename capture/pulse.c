@@ -66,8 +66,6 @@ static void correct_one(struct ttf_pulse *pulse, struct ttf_segment *s, const st
     snprintf(s->trust, sizeof(s->trust), "%s", ttf_trust_name(utc->trust));
     if (s->segment == pulse->gap_segment && pulse->has_before)
         s->gap_ns = ttf_resume_gap_ns(&pulse->before, s->first_index, s->origin_utc_ns);
-    if (s->segment == pulse->gap_segment)
-        pulse->gap_ns = s->gap_ns > 0 ? s->gap_ns : 0;
     s->corrects = true;
     job = ttf_job_new(pulse->queue, TTF_JOB_SEGMENT);
     if (!job)
@@ -95,6 +93,21 @@ void ttf_pulse_next_segment(struct ttf_pulse *pulse, const struct ttf_segment *s
     pulse->segment = *segment;
 }
 
+/*
+ * A clock that was set is believed: were the segment left as it is, the step would look like an outage after the
+ * next power cut, and slots would be given up as lost to it. One that is vouched for less than another was before
+ * in this boot is not: it says nothing that the boot clock has not kept.
+ */
+static bool corrects(const struct ttf_pulse *pulse, const struct ttf_utc_news *news,
+                     enum ttf_trust trust)
+{
+    enum ttf_trust known = ttf_segment_trust(&pulse->segment);
+
+    if (trust == TTF_TRUST_NONE)
+        return false;
+    return news->more_trusted ? trust >= known : news->stepped && trust == known;
+}
+
 static void look_at_utc(struct ttf_pulse *pulse)
 {
     struct ttf_utc_news news;
@@ -109,12 +122,7 @@ static void look_at_utc(struct ttf_pulse *pulse)
     if (news.more_trusted)
         ttf_events_emit(pulse->events, "clock", "UTC is now vouched for by %s",
                         ttf_trust_name(utc.trust));
-    /*
-     * A clock that was set is believed: were the segment left as it is, the step would look
-     * like an outage after the next power cut, and slots would be given up as lost to it.
-     */
-    if (news.more_trusted || (news.stepped && utc.trust != TTF_TRUST_NONE &&
-                              strcmp(pulse->segment.trust, ttf_trust_name(utc.trust)) == 0))
+    if (corrects(pulse, &news, utc.trust))
         correct_segment(pulse, &utc);
 }
 

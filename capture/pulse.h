@@ -34,7 +34,6 @@ struct ttf_pulse {
     bool
         corrected; /* it was, and nobody has looked since: what is reckoned in UTC may be other now */
     int gap_segment; /* of this boot's segments the one with an outage of unknown length before it; -1: none */
-    int64_t gap_ns; /* how long that was, by the clock as corrected last; 0: not known */
     /* those of this boot before it, of plans that were changed: corrected as well */
     struct ttf_segment earlier[TTF_PULSE_EARLIER];
     unsigned n_earlier;

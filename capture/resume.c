@@ -9,7 +9,7 @@
 
 static bool vouched(const struct ttf_segment *s)
 {
-    return s->origin_utc_ns != TTF_NS_UNKNOWN && strcmp(s->trust, "none") != 0;
+    return s->origin_utc_ns != TTF_NS_UNKNOWN && ttf_segment_trust(s) != TTF_TRUST_NONE;
 }
 
 static struct ttf_grid grid_of(const struct ttf_segment *s)
@@ -48,12 +48,34 @@ static int resolve_new(const struct ttf_resume_input *in, struct ttf_resume *r, 
 static struct ttf_run_clock clock_of(const struct ttf_resume_input *in, const struct ttf_grid *grid,
                                      int64_t gaps_ns, int64_t utc_offset_ns)
 {
-    return (struct ttf_run_clock){grid->origin_ns - in->elapsed_ns, gaps_ns, utc_offset_ns};
+    return (struct ttf_run_clock){grid->origin_ns - in->elapsed_ns, gaps_ns, utc_offset_ns,
+                                  TTF_TRUST_NONE};
 }
 
 static int64_t offset_of(const struct ttf_resume_input *in)
 {
     return in->utc.trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : in->utc.utc_ns - in->utc.boot_ns;
+}
+
+/*
+ * By what this boot knows of UTC: the present, or a better clock that a run before this one in it knew. It tells outages of
+ * unknown length, too: of such is the last one, or not.
+ */
+static struct ttf_run_clock clock_of_boot(const struct ttf_resume_input *in,
+                                          const struct ttf_grid *grid, bool gap_unknown)
+{
+    struct ttf_run_clock clock = clock_of(in, grid, 0, offset_of(in));
+    int64_t slot0_utc_ns = TTF_NS_UNKNOWN;
+
+    clock.trust = in->utc.trust;
+    if (in->past.boot_trust > in->utc.trust) {
+        clock.trust = in->past.boot_trust;
+        clock.utc_offset_ns = in->past.boot_offset_ns;
+    }
+    if (clock.trust != TTF_TRUST_NONE)
+        slot0_utc_ns = clock.slot0_ns + clock.utc_offset_ns;
+    clock.gaps_ns = ttf_timeline_gaps_ns(&in->past, slot0_utc_ns, gap_unknown);
+    return clock;
 }
 
 /* With the run gone on with on this grid, by the UTC that slot 0 is said to have been due at: nothing of the present. */
@@ -68,24 +90,42 @@ static struct ttf_run_clock clock_of_past(const struct ttf_resume_input *in,
     return clock;
 }
 
+bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_run_clock *clock,
+                             int64_t began_ns)
+{
+    return past->last_trust != TTF_TRUST_NONE && clock->trust <= past->last_trust &&
+           began_ns + clock->utc_offset_ns < past->last_utc_ns - TTF_NS_PER_S;
+}
+
+/* What was known before: what a PC alone said counts where nobody else said anything, and as long as the end has not passed by it. */
+static void resolve_end_by_past(const struct ttf_resume_input *in, struct ttf_resume *r)
+{
+    const struct ttf_run_past *past = &in->past;
+
+    if (past->sure_slot0_utc_ns == TTF_NS_UNKNOWN) {
+        r->clock = clock_of_past(in, &r->grid, past->gaps_ns, past->slot0_utc_ns);
+        if (ttf_run_clock_believed(in->plan, &r->grid, r->grid.first_index, &r->clock, true))
+            return;
+    }
+    r->clock = clock_of_past(in, &r->grid, past->sure_gaps_ns, past->sure_slot0_utc_ns);
+}
+
 /*
  * By what the run ends: the present UTC; else what was known before, as if there had been no outage, or only such as are known.
  * What a PC alone says counts as long as it does not say that the end has passed.
  */
 static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
 {
-    const struct ttf_run_past *past = &in->past;
     const int64_t index = r->grid.first_index;
-    bool host = in->utc.trust == TTF_TRUST_HOST;
+    bool believed;
 
-    r->clock = clock_of(in, &r->grid, past->gaps_ns, offset_of(in));
-    if (r->clock_implausible || in->utc.trust == TTF_TRUST_NONE ||
-        !ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock, host)) {
-        r->clock = clock_of_past(in, &r->grid, past->gaps_ns, past->slot0_utc_ns);
-        host = past->sure_slot0_utc_ns != past->slot0_utc_ns || past->sure_gaps_ns != past->gaps_ns;
-        if (!ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock, host))
-            r->clock = clock_of_past(in, &r->grid, past->sure_gaps_ns, past->sure_slot0_utc_ns);
-    }
+    r->clock = clock_of_boot(in, &r->grid, r->gap_ns == TTF_NS_UNKNOWN);
+    believed = !r->clock_implausible && r->clock.trust != TTF_TRUST_NONE &&
+               !ttf_resume_clock_behind(&in->past, &r->clock, in->now_ns) &&
+               ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock,
+                                      r->continued && r->clock.trust == TTF_TRUST_HOST);
+    if (!believed)
+        resolve_end_by_past(in, r);
     r->end_passed = ttf_plan_end_passed(in->plan, &r->grid, index, &r->clock);
     r->count = ttf_plan_slots(in->plan, &r->grid, &r->clock);
     /* It had ended: a clock that says otherwise now adds nothing. */
@@ -99,7 +139,7 @@ static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
  */
 static bool gives_up_all(const struct ttf_resume_input *in, const struct ttf_grid *grid)
 {
-    struct ttf_run_clock clock = clock_of(in, grid, in->past.gaps_ns, offset_of(in));
+    struct ttf_run_clock clock = clock_of_boot(in, grid, false);
 
     return in->utc.trust == TTF_TRUST_HOST &&
            ttf_grid_index_at(grid, in->ready_ns) >= ttf_plan_slots(in->plan, grid, &clock);

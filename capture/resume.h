@@ -52,6 +52,13 @@ struct ttf_resume {
 TTF_MUST_USE int ttf_resume_resolve(const struct ttf_resume_input *in, struct ttf_resume *ret,
                                     struct ttf_err *err);
 
+/*
+ * Whether a clock stands before the last slot that was taken in a boot before, when the run was gone on with
+ * (began_ns): not believed, unless it is vouched for better than that slot's was.
+ */
+bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_run_clock *clock,
+                             int64_t began_ns);
+
 /* Why that slot, of those that are lost, has no picture, and what its record says it is. */
 const char *ttf_resume_lost(const struct ttf_resume *resume, int64_t index,
                             enum ttf_result *ret_result);

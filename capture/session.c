@@ -310,6 +310,17 @@ static int seal(struct ttf_session *s, char ret_digest[65], struct ttf_err *err)
     return r;
 }
 
+/* A clock says that the plan's end passed while the run waited for its start: nothing to seal, and that clock may be wrong. */
+static int never_began(struct ttf_session *s, struct ttf_err *err)
+{
+    ttf_committer_alarm(&s->committer, TTF_ALARM_UNTIL_ARMED,
+                        "the plan's end has passed by this box's clock, and no slot was taken: "
+                        "the dataset is not sealed; run again once the clock is right");
+    ttf_err_set(err, -EINVAL, "until", "has passed by this box's clock, and no slot was taken");
+    ttf_err_hint(err, "set the clock and run again, or give a plan that ends later");
+    return -EINVAL;
+}
+
 static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_result *ret,
                           struct ttf_err *err)
 {
@@ -326,6 +337,8 @@ static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_resul
     if (complete && ttf_writer_state(writer)->sealed && !s->pulse.has_segment) {
         ret->sealed = true; /* it was complete before, and nothing was added */
         r = read_digest(s, ret->digest, err);
+    } else if (complete && ttf_writer_state(writer)->next_index == 0) {
+        r = never_began(s, err);
     } else if (complete) {
         r = seal(s, ret->digest, err);
         ret->sealed = r == 0;

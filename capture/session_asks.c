@@ -25,7 +25,7 @@ static bool same_end(const struct ttf_plan *a, const struct ttf_plan *b)
     return a->end == b->end && a->until_utc_ns == b->until_utc_ns && a->length_ns == b->length_ns;
 }
 
-/* An instant that is new means what the clock says now. */
+/* An instant that is new means what the clock says now, or a better one said before in this boot. */
 static int count_until(const struct ttf_session *s, struct changed *to, int64_t index,
                        struct ttf_err *err)
 {
@@ -36,8 +36,10 @@ static int count_until(const struct ttf_session *s, struct changed *to, int64_t 
     if (is_new && to->plan.end == TTF_END_UNTIL && utc.trust == TTF_TRUST_NONE)
         return ttf_err_set(err, -EINVAL, "until",
                            "nobody vouches for this box's clock, so an instant means nothing");
-    if (is_new && to->plan.end == TTF_END_UNTIL)
+    if (is_new && to->plan.end == TTF_END_UNTIL && utc.trust >= to->run.trust) {
         to->run.utc_offset_ns = utc.utc_ns - utc.boot_ns;
+        to->run.trust = utc.trust;
+    }
     if (is_new && ttf_plan_end_passed(&to->plan, &s->grid, index, &to->run))
         return ttf_err_set(err, -EINVAL, "until", "%lld slots have their records already",
                            (long long)index);

@@ -104,7 +104,8 @@ static int read_past(const struct ttf_session *s, struct ttf_resume_input *in, s
         in->elapsed_ns = ttf_timeline_elapsed_ns(segments, n) +
                          (in->state->next_index - last->first_index) * last->interval_ns;
     }
-    in->past = ttf_timeline_past(segments, n);
+    in->past = ttf_timeline_past(segments, n, ttf_clock_boot_id(s->box->clock),
+                                 in->state->next_index - in->state->lost_at_end);
     free(segments);
     return 0;
 }
@@ -134,7 +135,8 @@ static int resolve_grid(struct ttf_session *s, struct ttf_resume_input *in, stru
         return r;
     s->grid = s->resume.grid;
     s->run = s->resume.clock;
-    s->gaps_before_ns = s->run.gaps_ns;
+    s->past = in->past;
+    s->began_ns = in->now_ns;
     s->plan.count = s->resume.count;
     if (!s->resume.continued && s->resume.lost_until >= s->plan.count)
         return ttf_err_set(err, -EINVAL, "start", "the plan's last slot lies in the past");

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How many slots a living run comes to, as its clock becomes better known, and why it has ended. Loop thread. */
-#include <string.h>
-
 #include "session_private.h"
 
 static void tell(struct ttf_session *s, int64_t before, int64_t index)
@@ -17,12 +15,23 @@ static void count_anew(struct ttf_session *s, int64_t index)
 {
     const struct ttf_segment *segment = &s->pulse.segment;
     struct ttf_run_clock clock = s->run;
+    enum ttf_trust trust = ttf_segment_trust(segment);
     int64_t before = s->plan.count;
 
-    clock.gaps_ns = s->gaps_before_ns + s->pulse.gap_ns;
+    /* What a better clock said in this boot holds: the boot clock has kept it. */
+    if (trust < s->run.trust)
+        return;
+    clock.trust = trust;
     clock.utc_offset_ns = segment->origin_utc_ns - segment->origin_ns;
-    if (!ttf_run_clock_believed(&s->plan, &s->grid, index, &clock,
-                                strcmp(segment->trust, "host") == 0)) {
+    clock.gaps_ns = ttf_timeline_gaps_ns(&s->past, clock.slot0_ns + clock.utc_offset_ns,
+                                         s->resume.gap_ns == TTF_NS_UNKNOWN);
+    if (ttf_resume_clock_behind(&s->past, &clock, s->began_ns)) {
+        ttf_events_emit(
+            &s->events, "plan",
+            "UTC lies before the last slot of before: the plan's end is not moved by it");
+        return;
+    }
+    if (!ttf_run_clock_believed(&s->plan, &s->grid, index, &clock, trust == TTF_TRUST_HOST)) {
         ttf_events_emit(&s->events, "plan",
                         "a PC's clock says that the plan's end has passed: not believed alone");
         return;

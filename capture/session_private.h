@@ -41,7 +41,8 @@ struct ttf_session {
     struct ttf_grid grid;
     struct ttf_resume resume;
     struct ttf_run_clock run; /* the run's own time */
-    int64_t gaps_before_ns;   /* of its gaps, those before this boot */
+    struct ttf_run_past past; /* what its segments before said */
+    int64_t began_ns;         /* it was gone on with then, on this boot's clock */
     bool goes_on;             /* known_plan is the one of the last segment */
     int known_plan;    /* the dataset has this plan already, by this number; -1: it is new to it */
     int moved_on_from; /* the plan that was given is this one, but another has come since; -1: no */

@@ -43,26 +43,111 @@ int64_t ttf_timeline_slot0_utc_ns(const struct ttf_segment *segments, int n)
     return TTF_NS_UNKNOWN;
 }
 
-static bool by_host(const struct ttf_segment *segment)
+enum ttf_trust ttf_segment_trust(const struct ttf_segment *segment)
 {
-    return strcmp(segment->trust, "host") == 0;
+    for (int trust = TTF_TRUST_NONE + 1; trust < TTF_TRUST_COUNT; trust++)
+        if (strcmp(segment->trust, ttf_trust_name((enum ttf_trust)trust)) == 0)
+            return (enum ttf_trust)trust;
+    return TTF_TRUST_NONE;
 }
 
-struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n)
+static bool by_host(const struct ttf_segment *segment)
 {
-    struct ttf_run_past past = {.slot0_utc_ns = ttf_timeline_slot0_utc_ns(segments, n),
-                                .sure_slot0_utc_ns = TTF_NS_UNKNOWN};
+    return ttf_segment_trust(segment) == TTF_TRUST_HOST;
+}
+
+/* One of this boot. */
+static void learn_of_boot(struct ttf_run_past *past, const struct ttf_segment *segment)
+{
+    enum ttf_trust trust = ttf_segment_trust(segment);
+
+    if (segment->origin_utc_ns == TTF_NS_UNKNOWN || trust < past->boot_trust)
+        return;
+    past->boot_trust = trust;
+    past->boot_offset_ns = segment->origin_utc_ns - segment->origin_ns;
+}
+
+/* One of a boot before. */
+static void learn_of_last(struct ttf_run_past *past, const struct ttf_segment *segment,
+                          int64_t end_index)
+{
+    enum ttf_trust trust = ttf_segment_trust(segment);
+
+    if (segment->origin_utc_ns == TTF_NS_UNKNOWN || trust == TTF_TRUST_NONE ||
+        (trust == TTF_TRUST_HOST && past->last_trust > TTF_TRUST_HOST))
+        return;
+    past->last_trust = trust;
+    past->last_utc_ns =
+        segment->origin_utc_ns + (end_index - 1 - segment->first_index) * segment->interval_ns;
+}
+
+/* Outages and UTC of slot 0 as known up to a segment. */
+struct known {
+    int64_t gaps_ns, slot0_utc_ns;
+    bool open;
+};
+
+static int64_t later_by(int64_t slot0_utc_ns, int64_t than_ns)
+{
+    return slot0_utc_ns > than_ns ? slot0_utc_ns - than_ns : 0;
+}
+
+/* slot0_utc_ns: as this segment has it; TTF_NS_UNKNOWN: it does not, or its word does not count. */
+static void go_on(struct known *known, const struct ttf_segment *segment, bool new_boot,
+                  int64_t slot0_utc_ns)
+{
+    if (slot0_utc_ns == TTF_NS_UNKNOWN) {
+        known->open = known->open || new_boot || segment->gap_ns != 0;
+        return;
+    }
+    if (known->open && known->slot0_utc_ns != TTF_NS_UNKNOWN)
+        known->gaps_ns += later_by(slot0_utc_ns, known->slot0_utc_ns);
+    else if (segment->gap_ns > 0)
+        known->gaps_ns += segment->gap_ns;
+    known->slot0_utc_ns = slot0_utc_ns;
+    known->open = false;
+}
+
+int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, int64_t slot0_utc_ns,
+                             bool gap_unknown)
+{
+    const bool sure = past->sure_slot0_utc_ns != TTF_NS_UNKNOWN;
+    const struct known all = {past->gaps_ns, past->slot0_utc_ns, past->open};
+    const struct known better = {past->sure_gaps_ns, past->sure_slot0_utc_ns, past->sure_open};
+    const struct known *known = sure ? &better : &all;
+
+    if (known->slot0_utc_ns == TTF_NS_UNKNOWN || slot0_utc_ns == TTF_NS_UNKNOWN ||
+        !(known->open || gap_unknown))
+        return known->gaps_ns;
+    return known->gaps_ns + later_by(slot0_utc_ns, known->slot0_utc_ns);
+}
+
+struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
+                                      const char *boot_id, int64_t end_index)
+{
+    struct known all = {.slot0_utc_ns = TTF_NS_UNKNOWN}, sure = all;
+    struct ttf_run_past past = {0};
 
     for (int i = 0; i < n; i++) {
         const struct ttf_segment *s = &segments[i];
+        bool new_boot = i > 0 && strcmp(s->boot_id, segments[i - 1].boot_id) != 0;
+        int64_t slot0 = TTF_NS_UNKNOWN;
 
-        if (s->gap_ns > 0)
-            past.gaps_ns += s->gap_ns;
-        if (s->gap_ns > 0 && !by_host(s))
-            past.sure_gaps_ns += s->gap_ns;
-        if (s->origin_utc_ns != TTF_NS_UNKNOWN && !by_host(s))
-            past.sure_slot0_utc_ns = s->origin_utc_ns - ttf_timeline_elapsed_ns(segments, i + 1);
+        if (s->origin_utc_ns != TTF_NS_UNKNOWN)
+            slot0 = s->origin_utc_ns - ttf_timeline_elapsed_ns(segments, i + 1);
+        go_on(&all, s, new_boot, slot0);
+        go_on(&sure, s, new_boot, by_host(s) ? TTF_NS_UNKNOWN : slot0);
+        if (strcmp(s->boot_id, boot_id) == 0)
+            learn_of_boot(&past, s);
+        else
+            learn_of_last(&past, s, i + 1 < n ? segments[i + 1].first_index : end_index);
     }
+    past.gaps_ns = all.gaps_ns;
+    past.slot0_utc_ns = all.slot0_utc_ns;
+    past.open = all.open;
+    past.sure_gaps_ns = sure.gaps_ns;
+    past.sure_slot0_utc_ns = sure.slot0_utc_ns;
+    past.sure_open = sure.open;
     return past;
 }
 

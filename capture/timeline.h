@@ -9,6 +9,10 @@
 
 #include "ttf/base/attr.h"
 #include "ttf/dataset/reader.h"
+#include "ttf/hal/clock.h"
+
+/* Who vouched for a segment's UTC: a name that is not known is worth as much as none. */
+enum ttf_trust ttf_segment_trust(const struct ttf_segment *segment);
 
 /* Time from where slot 0 was, or would have been, due to where the last of n segments begins. */
 int64_t ttf_timeline_elapsed_ns(const struct ttf_segment *segments, int n);
@@ -23,11 +27,28 @@ int64_t ttf_timeline_slot0_utc_ns(const struct ttf_segment *segments, int n);
 struct ttf_run_past {
     int64_t gaps_ns;      /* outages that no slot stands for, as far as their lengths are known */
     int64_t slot0_utc_ns; /* as ttf_timeline_slot0_utc_ns */
+    bool open; /* outages of unknown length lie behind the segment that slot0_utc_ns is of */
     /* Without what a PC's word alone says. */
     int64_t sure_gaps_ns, sure_slot0_utc_ns;
+    bool sure_open;
+    /* UTC - boot clock by the clock trusted most in this boot so far, the last of such; NONE: no run in it knew. */
+    enum ttf_trust boot_trust;
+    int64_t boot_offset_ns;
+    /* UTC of the last slot taken before this boot, as far as segments know, and who says so; a PC where nobody else does. */
+    enum ttf_trust last_trust;
+    int64_t last_utc_ns;
 };
 
-struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n);
+/* boot_id: the present one; end_index: one more than that of the last slot taken. */
+struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
+                                      const char *boot_id, int64_t end_index);
+
+/*
+ * The outages that no slot stands for, now that slot 0 is said to have been due at that UTC (TTF_NS_UNKNOWN: nobody
+ * says so): those of unknown length are what it lies later by than was known before. gap_unknown: the last one is of such.
+ */
+int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, int64_t slot0_utc_ns,
+                             bool gap_unknown);
 
 /* The segments of a dataset in order, as corrected; to be freed. *ret_n may be 0, *ret NULL then. */
 TTF_MUST_USE int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **ret,

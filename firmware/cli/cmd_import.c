@@ -58,6 +58,8 @@ int cmd_import(struct cli *cli)
     };
     int r = cli_need(cli, cli->opt.output, "-o", "say where the dataset goes, as -o copper");
 
+    if (r == 0 && cli->opt.title && !*cli->opt.title)
+        r = ttf_err_set(&cli->err, -EINVAL, "--title", "is empty");
     if (r == 0)
         r = cli_refuse_existing(cli, cli->opt.output);
     if (r == 0)

@@ -61,7 +61,7 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
     [OPT_REGION] = {"region", 0, "X,Y,WxH", CLI_TEXT, O(region), 0, 0,
                     "its part of the primary stream's picture: pixels from the top left corner, as "
                     "120,80,400x300"},
-    [OPT_TREATMENT] = {"treatment", 0, "TEXT", CLI_TEXT, O(treatment), 0, 0,
+    [OPT_TREATMENT] = {"treatment", 0, "TEXT", CLI_WORDS, O(treatment), 0, 0,
                        "what is done to it; an empty text takes it back"},
     [OPT_TABLE] = {"table", 0, "FILE", CLI_TEXT, O(table), 0, 0,
                    "many at once, as a spreadsheet saves them (CSV): the first line names the "
@@ -77,7 +77,7 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
                    "natural (by name, default), given, exif-time or name-time"},
     [OPT_TRANSFER] = {"transfer", 0, "CURVE", CLI_TEXT, O(transfer), 0, 0,
                       "auto (as the files say, default), srgb or linear"},
-    [OPT_TITLE] = {"title", 0, "TEXT", CLI_TEXT, O(title), 0, 0, "a line for people"},
+    [OPT_TITLE] = {"title", 0, "TEXT", CLI_WORDS, O(title), 0, 0, "a line for people"},
     [OPT_BUNDLE] = {"bundle", 0, "FILE", CLI_TEXT, O(bundle), 0, 0,
                     "put what was seen into an archive (tar.gz) to attach to a report; it holds no "
                     "secrets"},
@@ -399,6 +399,7 @@ static int take_value(struct cli_options *options, const struct cli_option_def *
         *(bool *)at = true;
         return 0;
     case CLI_TEXT:
+    case CLI_WORDS:
         *(const char **)at = value;
         return 0;
     case CLI_SOURCE:
@@ -436,7 +437,7 @@ int cli_option_take(struct cli_options *options, enum cli_option option, const c
     const struct cli_option_def *def = &OPTIONS[option];
     const char *typed = value ? value : "";
 
-    if (def->arg && !*typed) {
+    if (def->arg && !*typed && def->type != CLI_WORDS) {
         ttf_err_set(err, -EINVAL, NULL, "is empty");
         ttf_err_hint(err, "%s", def->text);
         return named(def, err);

@@ -168,6 +168,7 @@ struct cli_options {
 enum cli_type {
     CLI_FLAG = 0,
     CLI_TEXT,
+    CLI_WORDS,   /* a text that may be empty */
     CLI_TIME,    /* int64_t ns */
     CLI_WHOLE,   /* int64_t */
     CLI_SEED,    /* int64_t and has_seed */

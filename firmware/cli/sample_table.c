@@ -76,9 +76,10 @@ static char *take_field(struct parse *p, char *ret_apart)
     return field;
 }
 
-/* The fields of a line, those beyond COLUMNS_MAX dropped; 0: an empty line. */
+/* The fields of a line, those beyond COLUMNS_MAX dropped; 0: it is empty, or each of them is, as of rows that a spreadsheet saves below the last. */
 static unsigned take_line(struct parse *p, char *fields[COLUMNS_MAX])
 {
+    bool said = false;
     unsigned n = 0;
     char apart;
 
@@ -86,10 +87,11 @@ static unsigned take_line(struct parse *p, char *fields[COLUMNS_MAX])
     do {
         char *field = take_field(p, &apart);
 
+        said = said || *field;
         if (n < COLUMNS_MAX)
             fields[n++] = field;
     } while (apart == p->apart);
-    return n == 1 && fields[0][0] == '\0' ? 0 : n;
+    return said ? n : 0;
 }
 
 static int take_head(struct parse *p)
@@ -140,6 +142,12 @@ static int take_region(struct parse *p, char *const cells[COLUMN_COUNT],
     return 0;
 }
 
+/* Only what is said is changed: NULL, nothing is. */
+static const char *take_text(const char *cell)
+{
+    return cell && *cell ? cell : NULL;
+}
+
 static int take_sample(struct parse *p, char *const fields[COLUMNS_MAX], unsigned n,
                        struct sample_table *table)
 {
@@ -152,8 +160,8 @@ static int take_sample(struct parse *p, char *const fields[COLUMNS_MAX], unsigne
     if (!cells[COLUMN_ID] || cells[COLUMN_ID][0] == '\0')
         return wrong(p, "a sample without an id:", fields[0]);
     change->id = cells[COLUMN_ID];
-    change->title = cells[COLUMN_TITLE];
-    change->treatment = cells[COLUMN_TREATMENT];
+    change->title = take_text(cells[COLUMN_TITLE]);
+    change->treatment = take_text(cells[COLUMN_TREATMENT]);
     return take_region(p, cells, &table->regions[table->n++], &change->region);
 }
 

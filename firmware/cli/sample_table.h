@@ -2,7 +2,7 @@
 /*
  * sample_table.h: samples as a spreadsheet saves them (CSV): a line of column names (id, x, y, width, height; title, or species or material;
  * treatment; in any order), then a line for each sample. Apart by commas, semicolons or tabs, as the first line is; fields may be
- * quoted.
+ * quoted. An empty field says nothing, and a line of empty fields is none.
  */
 #ifndef CLI_SAMPLE_TABLE_H
 #define CLI_SAMPLE_TABLE_H

@@ -56,19 +56,19 @@ said err "000004.dng"
 (ulimit -f 32; trap '' XFSZ; expect 2 "$TTFBOX" develop grass -o never) || exit 1
 said err "too large"
 [ -e never ] && fail "a development that found no room left its output"
-mkfifo torn/pipe
-mv torn/pipe torn/raw/main/000004.dng
-"$TTFBOX" develop torn -o never >out 2>err &
-for _ in $(seq 500); do # until it waits in its fifth slot
+plan long.yaml "interval: 30min" "count: 200" "shot: {exposure: 20ms}" "keep: raw" "reserve: 0B"
+expect 0 "$TTFBOX" capture --board sim-small long.yaml -o long
+"$TTFBOX" develop long -o never >out 2>err &
+for _ in $(seq 500); do # until it is in its fifth slot of 200: half a second before its end, of a processor as there are today
     [ -e never/frames/main/000003.tif ] && break
-    sleep 0.02
+    sleep 0.01
 done
 kill -KILL $!
 wait $! && fail "it was not killed"
 expect 0 "$TTFBOX" verify never --json
 is sealed false
-expect 2 "$TTFBOX" develop grass -o never
-rm -r torn never
+expect 2 "$TTFBOX" develop long -o never
+rm -r torn never long
 
 # ---- what is found in one says which slots it concerns ----
 printf x | dd of="grass/calibration/$(id cal-1)/flat.tif" bs=1 seek=700 conv=notrunc 2>/dev/null

@@ -123,6 +123,22 @@ expect 0 "$TTFBOX" info grass
 said out "sample A1         48 x 32 at 0, 0, Lolium perenne, dry since 4"
 said out "sample A2         48 x 32 at 48, 0, Poa, annua"
 said out "sample A3         96 x 32 at 0, 32"
+# What a cell does not say stays as it was; a row that says nothing is none.
+printf 'id;treatment;title;x;y;width;height\r\nA1;;;0;0;40;32\r\nA2;"wet";;;;;\r\n;;;;;;\r\n' >pots.csv
+expect 0 "$TTFBOX" sample grass --table pots.csv --json
+is samples 2
+expect 0 "$TTFBOX" info grass
+said out "sample A1         40 x 32 at 0, 0, Lolium perenne, dry since 4"
+said out "sample A2         48 x 32 at 48, 0, Poa, annua, wet"
+printf 'id;x;y;width;height\n;0;0;8;8\n' >pots.csv
+expect 2 "$TTFBOX" sample grass --table pots.csv
+said err "a sample without an id"
+expect 0 "$TTFBOX" sample grass A1 --title ""
+expect 0 "$TTFBOX" info grass
+said out "sample A1         40 x 32 at 0, 0, dry since 4"
+expect 0 "$TTFBOX" sample grass A1 --treatment ""
+expect 0 "$TTFBOX" info grass
+if grep -q "Lolium\|dry since" out; then fail "an empty text takes nothing back: $(cat out)"; fi
 expect 0 "$TTFBOX" sample grass A3 --remove
 expect 0 "$TTFBOX" verify grass
 expect 2 "$TTFBOX" sample grass

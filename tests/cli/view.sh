@@ -5,6 +5,8 @@
 
 mkdir in
 "$PYTHON" "$HERE/pictures.py" make in 6 60 48 || fail "making pictures"
+expect 2 "$TTFBOX" import in/*.png --interval 1min --title "" -o d
+said err "--title: is empty"
 expect 0 "$TTFBOX" import in/*.png --interval 1min --title '</script><b>A & B' -o d
 expect 0 "$TTFBOX" import in/p[0-3].png --interval 90s -o d4
 

@@ -27,7 +27,10 @@ def listed(regex):
 NOT_HERE = r"^failures_"
 # qemu-user makes of vfork a fork: who starts a program that is not there is not told so by posix_spawn, as a kernel tells.
 NOT_BY_EMULATION = {"a_missing_or_failing_ffmpeg_is_told_and_leaves_nothing", "a_video_comes_in_through_ffmpeg",
-                    "a_program_that_is_not_there_is_named"}
+                    "a_program_that_is_not_there_is_named", "what_cannot_be_loaded_is_said_with_what_to_do"}
+# It has no asynchronous I/O of the kernel (io_setup: ENOSYS), by which a box's endpoints are served: usb.py runs them on a kernel.
+NOT_BY_EMULATION |= {"before_a_pc_has_configured_it_a_box_sleeps", "a_box_whose_endpoint_was_disabled_unseen_is_down_and_sleeps",
+                     "a_hosts_reset_starts_a_box_that_stands", "a_write_that_loses_bytes_begins_everything_anew"}
 
 
 def starts_programs(program):
@@ -89,6 +92,21 @@ def same_bits(env):
         return wrong
 
 
+def judged(ran):
+    """What ctest said: programs that failed, and cases that are excused. A program is, whose every failed case is."""
+    wrong, excused = [], set()
+    parts = re.split(r"^ *\d+/\d+ +Test +#\d+: (\w+) \.*(.*)$", ran, flags=re.M)
+    for name, verdict, text in zip(parts[1::3], parts[2::3], parts[3::3]):
+        if "Passed" in verdict or "Skipped" in verdict:
+            continue
+        cases = set(re.findall(r"^\[  FAILED  \] ([a-z]\w+)$", text, re.M))
+        if "***Failed" in verdict and cases and cases <= NOT_BY_EMULATION:
+            excused |= cases
+        else:
+            wrong.append(name)
+    return wrong, excused
+
+
 def main():
     regex = sys.argv[1] if len(sys.argv) > 1 else "."
     rig.prepare_system()
@@ -107,15 +125,12 @@ def main():
     env = dict(os.environ, QEMU_LD_PREFIX=rig.ARM64.libraries())
     ran = subprocess.run(["ctest", "--test-dir", rig.RIG + "/arm64", "-R", chosen, "-j", str(os.cpu_count()),
                           "--output-on-failure"], env=env, stdout=subprocess.PIPE, check=False).stdout.decode(errors="replace")
-    failed = set(re.findall(r"- (\w+) \((?:Failed|Timeout|SEGFAULT|Child aborted|\w+)\)", ran))
-    cases = set(re.findall(r"^\[  FAILED  \] ([a-z]\w+)$", ran, re.M))
-    excused = cases & NOT_BY_EMULATION
-    if cases - NOT_BY_EMULATION or len(failed) > len(excused):
+    wrong, excused = judged(ran)
+    if wrong:
         print(ran[-20000:])
-    print("  %d unit tests for arm64 ran here, %d failed; excused, as qemu-user cannot: %s" %
-          (len(tests) - len(left_out), len(failed) - len(excused), ", ".join(sorted(excused)) or "none"))
-    failed = len(failed) > len(excused) or cases - NOT_BY_EMULATION
-    return 1 if failed or same_bits(env) else 0
+    print("  %d unit tests for arm64 ran here, %d failed%s; excused, as qemu-user cannot: %s" %
+          (len(tests) - len(left_out), len(wrong), " (%s)" % ", ".join(wrong) if wrong else "", ", ".join(sorted(excused)) or "none"))
+    return 1 if wrong or same_bits(env) else 0
 
 
 if __name__ == "__main__":

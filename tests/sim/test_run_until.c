@@ -3,11 +3,13 @@
 #include "cmocka_includes.h"
 
 #include <errno.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "living.h"
+#include "ttf/hal/clock_backend.h"
 
 #define S   TTF_NS_PER_S
 #define MIN TTF_NS_PER_MIN
@@ -51,6 +53,61 @@ static void dark(struct sim_run *run, int64_t amount_s, int64_t back)
     run->config.rtc = false;
     run->config.utc_back_ns = back;
     sim_run_fault(run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = amount_s;
+}
+
+/* ---- a box that believes what it is told of UTC ---- */
+
+/* From an instant since the first power-on on. */
+struct belief {
+    int64_t from_ns;
+    enum ttf_trust trust;
+    int64_t ahead_ns;
+};
+
+struct believer {
+    struct sim_run run; /* first: its callbacks are given this */
+    struct ttf_clock_ops ops;
+    const struct belief *beliefs;
+    unsigned n;
+};
+
+static const struct believer *believer_of(const struct ttf_clock *clock)
+{
+    return (const struct believer *)((const char *)clock->ops - offsetof(struct believer, ops));
+}
+
+static void believed_utc(struct ttf_clock *clock, struct ttf_utc *ret)
+{
+    const struct believer *b = believer_of(clock);
+    int64_t at;
+    unsigned i = 0;
+
+    ret->boot_ns = ttf_clock_now_ns(clock);
+    at = ttf_sim_elapsed_ns(b->run.box, ret->boot_ns);
+    while (i + 1 < b->n && at >= b->beliefs[i + 1].from_ns)
+        i++;
+    ret->utc_ns = b->run.config.start_utc_ns + at + b->beliefs[i].ahead_ns;
+    ret->trust = b->beliefs[i].trust;
+    ret->uncertainty_ns = ret->trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : S;
+    ret->steps = 0;
+}
+
+static void believe(struct sim_run *run)
+{
+    struct believer *b = (struct believer *)run;
+
+    b->ops = *run->box->clock->ops;
+    b->ops.utc = believed_utc;
+    run->box->clock->ops = &b->ops;
+}
+
+static void believer_init(struct believer *b, enum ttf_plan_end end, int64_t slots,
+                          const struct belief *beliefs, unsigned n)
+{
+    until_init(&b->run, end, slots);
+    b->run.on_box = believe;
+    b->beliefs = beliefs;
+    b->n = n;
 }
 
 static void undisturbed_it_ends_as_it_was_reckoned_and_says_why(void **state)
@@ -341,6 +398,174 @@ static void once_ended_it_has_ended_whatever_the_clock_says_later(void **state)
     living_finish(&run);
 }
 
+/* The network goes, after a while nobody vouches for the clock any more, and somebody's PC offers its time. */
+static void a_pc_moves_no_end_that_a_better_clock_of_this_boot_told(void **state)
+{
+    static const struct belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
+                                            {70 * S, TTF_TRUST_NONE, 0},
+                                            {130 * S, TTF_TRUST_HOST, 2 * MIN},
+                                            {190 * S, TTF_TRUST_NONE, 0},
+                                            {250 * S, TTF_TRUST_NTP, -MIN}};
+    struct believer b;
+    char *text;
+
+    (void)state;
+    believer_init(&b, TTF_END_UNTIL, 8, beliefs, 4);
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    text = sim_run_text(&b.run, "records.jsonl");
+    assert_null(strstr(text, "\"trust\":\"host\"")); /* nor what the segment says of UTC */
+    free(text);
+    expect_end(&b.run, "cccccccc", "until");
+    living_finish(&b.run);
+    believer_init(&b, TTF_END_UNTIL, 8, beliefs, 5); /* the network is back */
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    expect_end(&b.run, "ccccccccc", "until");
+    living_finish(&b.run);
+}
+
+/* The same when the run was stopped meanwhile, and when another instant is asked for. */
+static void what_it_told_holds_in_the_next_run_of_the_boot(void **state)
+{
+    static const struct belief network = {0, TTF_TRUST_NTP, 0};
+    static const struct belief none[] = {{0, TTF_TRUST_NONE, 0},
+                                         {190 * S, TTF_TRUST_HOST, 2 * MIN}};
+    struct believer b;
+    int64_t n;
+
+    (void)state;
+    believer_init(&b, TTF_END_UNTIL, 8, &network, 1);
+    living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 3});
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    b.beliefs = none;
+    b.n = 2;
+    assert_int_equal(sim_run_boot(&b.run), 0); /* the boot clock begins anew, the boot does not */
+    expect_end(&b.run, "cccccccc", "until");
+    living_finish(&b.run);
+    believer_init(&b, TTF_END_UNTIL, 8, &network, 1);
+    living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 3});
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    n = living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_UNTIL,
+                                             .from_index = 5,
+                                             .until_utc_ns = b.run.config.start_utc_ns + 10 * MIN});
+    b.beliefs = none;
+    b.n = 2;
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    living_expect_done(&b.run, n);
+    expect_end(&b.run, "cccccccccc", "until");
+    living_finish(&b.run);
+}
+
+/* Slot 0 is due in ten minutes; a clock says that the last one was a day ago. */
+static void a_run_that_waits_for_its_start_is_not_sealed_without_a_slot(void **state)
+{
+    static const struct belief pc[] = {{0, TTF_TRUST_HOST, 0},
+                                       {60 * S, TTF_TRUST_NONE, 0},
+                                       {MIN + 9 * S, TTF_TRUST_HOST, 1440 * MIN}};
+    static const struct belief network[] = {{0, TTF_TRUST_RTC, 0},
+                                            {60 * S, TTF_TRUST_NTP, 1440 * MIN}};
+    static const struct belief right = {0, TTF_TRUST_NTP, 0};
+    struct believer b;
+
+    (void)state;
+    believer_init(&b, TTF_END_UNTIL, 14, pc, 3);
+    b.run.plan.count = 4;
+    b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 10 * MIN;
+    assert_int_equal(sim_run_boot(&b.run), 0); /* a PC's word alone is not believed */
+    assert_int_equal(sim_run_events(&b.run, "plan", "not believed alone"), 1);
+    expect_end(&b.run, "cccc", "until");
+    living_finish(&b.run);
+    believer_init(&b, TTF_END_UNTIL, 14, network, 2);
+    b.run.plan.count = 4;
+    b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 10 * MIN;
+    assert_int_equal(sim_run_boot(&b.run), -EINVAL);
+    assert_string_equal(b.run.err.where, "until");
+    assert_int_equal(b.run.alarms, 1);
+    assert_false(b.run.result.sealed);
+    sim_run_expect_undamaged(&b.run, false);
+    assert_int_equal(sim_run_boot(&b.run), -EINVAL); /* nor when it is run again */
+    sim_run_expect_undamaged(&b.run, false);
+    b.beliefs = &right;
+    b.n = 1;
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    expect_end(&b.run, "cccc", "until");
+    living_finish(&b.run);
+}
+
+/* A boot that knows nothing hears a PC that stands before its last slot; the next one hears nothing. */
+static void a_pc_that_is_behind_moves_no_end(void **state)
+{
+    static const struct belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
+                                            {4 * MIN, TTF_TRUST_NONE, 0},
+                                            {7 * MIN + 10 * S, TTF_TRUST_HOST, -30 * MIN},
+                                            {9 * MIN, TTF_TRUST_NONE, 0}};
+
+    (void)state;
+    for (unsigned i = 0; i < 2; i++) {
+        struct believer b;
+
+        /* Slots 0 to 3; dark until 6:40; slots at 6:52, 7:52 (the PC is heard before), and so on. */
+        believer_init(&b, TTF_END_UNTIL, 8, beliefs, 4);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
+        if (i > 0)
+            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 8 * MIN + 20 * S)->amount = 60;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        assert_int_equal(sim_run_events(&b.run, "plan", "UTC lies before the last slot"), 1);
+        expect_end(&b.run, "cccccccc", "until");
+        living_finish(&b.run);
+    }
+}
+
+/* Dark, power for ten seconds, dark again: whoever tells the time then tells both. */
+static void power_that_flickers_hides_no_outage_from_a_length(void **state)
+{
+    static const struct belief at_once[] = {{0, TTF_TRUST_NTP, 0},
+                                            {4 * MIN, TTF_TRUST_NONE, 0},
+                                            {7 * MIN + 30 * S, TTF_TRUST_NTP, 0},
+                                            {8 * MIN + 30 * S, TTF_TRUST_NONE, 0}};
+    static const struct belief later[] = {
+        {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
+    static const struct belief a_pc[] = {
+        {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_HOST, 0}};
+    static const struct {
+        const struct belief *beliefs;
+        unsigned n;
+        int64_t cut_ns; /* once more, and no clock behind it */
+    } cases[] = {{at_once, 3, 0}, {later, 3, 0}, {a_pc, 3, 0}, {at_once, 4, 8 * MIN + 20 * S}};
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct believer b;
+
+        /* Slots at 0:12 to 3:12; 8:02, 9:02; the end at 9:42. */
+        believer_init(&b, TTF_END_LENGTH, 10, cases[i].beliefs, cases[i].n);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 6 * MIN + 50 * S)->amount = 60;
+        if (cases[i].cut_ns > 0)
+            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, cases[i].cut_ns)->amount = 30;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        expect_end(&b.run, "cccccc", "until");
+        living_finish(&b.run);
+    }
+}
+
+/* Where nobody knew better its word counts, as long as slots are left. */
+static void a_pc_s_word_tells_the_end_where_nothing_better_was_known(void **state)
+{
+    static const struct belief beliefs[] = {
+        {0, TTF_TRUST_NONE, 0}, {70 * S, TTF_TRUST_HOST, 2 * MIN}, {130 * S, TTF_TRUST_NTP, 0}};
+    struct believer b;
+
+    (void)state;
+    believer_init(&b, TTF_END_UNTIL, 8, beliefs, 2);
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    expect_end(&b.run, "cccccc", "until");
+    living_finish(&b.run);
+    believer_init(&b, TTF_END_UNTIL, 8, beliefs, 3); /* who knows better has the last word */
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    expect_end(&b.run, "cccccccc", "until");
+    living_finish(&b.run);
+}
+
 static void a_run_that_a_person_ends_at_once_was_stopped(void **state)
 {
     struct sim_run run;
@@ -430,6 +655,12 @@ int main(void)
         cmocka_unit_test(a_clock_that_is_corrected_moves_it),
         cmocka_unit_test(a_clock_corrected_in_the_last_slot_makes_it_another_than_the_last),
         cmocka_unit_test(once_ended_it_has_ended_whatever_the_clock_says_later),
+        cmocka_unit_test(a_pc_moves_no_end_that_a_better_clock_of_this_boot_told),
+        cmocka_unit_test(what_it_told_holds_in_the_next_run_of_the_boot),
+        cmocka_unit_test(a_run_that_waits_for_its_start_is_not_sealed_without_a_slot),
+        cmocka_unit_test(a_pc_that_is_behind_moves_no_end),
+        cmocka_unit_test(power_that_flickers_hides_no_outage_from_a_length),
+        cmocka_unit_test(a_pc_s_word_tells_the_end_where_nothing_better_was_known),
         cmocka_unit_test(a_run_that_a_person_ends_at_once_was_stopped),
         cmocka_unit_test(a_plan_that_ends_what_is_there_stops_it),
         cmocka_unit_test(a_new_plan_that_ends_before_what_is_there_is_refused),

@@ -10,7 +10,7 @@
 
 /* A slot a minute; slot 0 was due at boot clock 100 s = UTC0. Ends an hour later. */
 static const struct ttf_grid GRID = {0, 100 * S, TTF_NS_PER_MIN};
-static const struct ttf_run_clock KNOWN = {100 * S, 0, UTC0 - 100 * S};
+static const struct ttf_run_clock KNOWN = {100 * S, 0, UTC0 - 100 * S, TTF_TRUST_NTP};
 static const struct ttf_plan UNTIL = {.interval_ns = TTF_NS_PER_MIN,
                                       .count = 60,
                                       .end = TTF_END_UNTIL,
@@ -48,7 +48,7 @@ static void outages_that_no_slot_stands_for_count_in_a_length(void **state)
 
 static void an_instant_that_nobody_can_tell_leaves_the_count(void **state)
 {
-    const struct ttf_run_clock unknown = {100 * S, 0, TTF_NS_UNKNOWN};
+    const struct ttf_run_clock unknown = {100 * S, 0, TTF_NS_UNKNOWN, TTF_TRUST_NONE};
 
     (void)state;
     assert_int_equal(ttf_plan_end_ns(&UNTIL, &unknown), TTF_NS_UNKNOWN);
@@ -102,7 +102,7 @@ static void an_end_before_the_grid_leaves_what_came_before_it(void **state)
 static void a_clock_of_1970_asks_for_no_more_than_a_plan_may(void **state)
 {
     const struct ttf_grid fast = {0, 100 * S, 100 * TTF_NS_PER_MS};
-    const struct ttf_run_clock old = {100 * S, 0, 0};
+    const struct ttf_run_clock old = {100 * S, 0, 0, TTF_TRUST_NTP};
     struct ttf_plan plan = UNTIL;
 
     (void)state;
@@ -115,10 +115,15 @@ static void a_clock_of_1970_asks_for_no_more_than_a_plan_may(void **state)
 
 static void a_pc_s_word_alone_ends_no_run(void **state)
 {
+    const struct ttf_grid late = {0, 100 * S + TTF_NS_PER_H, TTF_NS_PER_MIN};
+
     (void)state;
     assert_false(ttf_run_clock_believed(&UNTIL, &GRID, 61, &KNOWN, true));
     assert_true(ttf_run_clock_believed(&UNTIL, &GRID, 61, &KNOWN, false));
     assert_true(ttf_run_clock_believed(&UNTIL, &GRID, 60, &KNOWN, true)); /* it comes next */
+    assert_true(ttf_run_clock_believed(&UNTIL, &GRID, 0, &KNOWN, true));
+    assert_false(ttf_run_clock_believed(&UNTIL, &late, 0, &KNOWN, true)); /* and none was taken */
+    assert_true(ttf_run_clock_believed(&UNTIL, &late, 0, &KNOWN, false));
 }
 
 int main(void)

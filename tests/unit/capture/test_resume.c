@@ -324,7 +324,7 @@ static void a_plan_that_ends_in_time_comes_to_what_the_clock_says(void **state)
     }
 }
 
-/* What it said in an earlier boot is remembered, and counts no more than it did then. */
+/* What it said in an earlier boot is remembered, where nobody else said anything, and counts no more than it did then. */
 static void what_a_pc_said_before_ends_nothing_either(void **state)
 {
     struct ttf_writer_state done = ten_slots_done();
@@ -333,16 +333,78 @@ static void what_a_pc_said_before_ends_nothing_either(void **state)
 
     (void)state;
     in.plan = &FIFTEEN;
+    in.past.sure_slot0_utc_ns = TTF_NS_UNKNOWN;
     in.past.slot0_utc_ns = UTC0 + TTF_NS_PER_DAY;
     assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
     assert_int_equal(r.count, 15);
     in.past.slot0_utc_ns = UTC0 + 3 * TTF_NS_PER_MIN; /* nor is that beyond belief */
     assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
     assert_int_equal(r.count, 12);
+    in.past.sure_slot0_utc_ns = UTC0; /* a better clock did */
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 15);
+    in.past.slot0_utc_ns = UTC0 - TTF_NS_PER_DAY; /* nor does one behind it add slots */
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 15);
     in.past.sure_slot0_utc_ns = in.past.slot0_utc_ns =
         UTC0 + TTF_NS_PER_DAY; /* of a better clock */
     assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
     assert_int_equal(r.count, 10);
+}
+
+/* NTP was there, the network went, the program began anew, and a PC offers its time. */
+static void what_a_better_clock_said_in_this_boot_holds_against_a_pc(void **state)
+{
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in =
+        boot(&done, UTC0 + 12 * TTF_NS_PER_MIN + 30 * TTF_NS_PER_S, TTF_TRUST_HOST);
+    struct ttf_resume r;
+
+    (void)state;
+    in.plan = &FIFTEEN;
+    in.boot_id = "first-boot";
+    in.now_ns = in.utc.boot_ns = 700 * TTF_NS_PER_S; /* it is UTC0 + 10 min */
+    in.ready_ns = in.now_ns;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 12);
+    assert_int_equal(r.clock.trust, TTF_TRUST_HOST);
+    in.past.boot_trust = TTF_TRUST_NTP;
+    in.past.boot_offset_ns = UTC0 - 100 * TTF_NS_PER_S;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 15);
+    assert_int_equal(r.clock.trust, TTF_TRUST_NTP);
+    in.utc.trust = TTF_TRUST_NTP; /* its own again, and set */
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.count, 12);
+}
+
+/* The last slot that anybody knew of was at UTC0 + 9 min; the boot between knew nothing. */
+static void a_clock_behind_the_last_slot_that_was_known_moves_no_end(void **state)
+{
+    static const struct {
+        enum ttf_trust trust, last;
+        int64_t minutes, count;
+    } cases[] = {
+        {TTF_TRUST_HOST, TTF_TRUST_NTP, 8, 15},  {TTF_TRUST_HOST, TTF_TRUST_NTP, 10, 15},
+        {TTF_TRUST_HOST, TTF_TRUST_NTP, 12, 13}, {TTF_TRUST_NTP, TTF_TRUST_NTP, 8, 15},
+        {TTF_TRUST_NTP, TTF_TRUST_HOST, 6, 19}, /* who knows better is believed */
+        {TTF_TRUST_HOST, TTF_TRUST_NONE, 6, 19},
+    };
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct ttf_writer_state done = ten_slots_done();
+        struct ttf_resume_input in =
+            boot(&done, UTC0 + cases[i].minutes * TTF_NS_PER_MIN, cases[i].trust);
+        struct ttf_resume r;
+
+        in.plan = &FIFTEEN;
+        snprintf(done.last_segment.trust, sizeof(done.last_segment.trust), "none");
+        in.past.last_trust = cases[i].last;
+        in.past.last_utc_ns = UTC0 + 9 * TTF_NS_PER_MIN;
+        assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+        assert_int_equal(r.count, cases[i].count);
+    }
 }
 
 static void a_run_that_had_ended_in_time_gains_nothing_by_another_clock(void **state)
@@ -391,6 +453,8 @@ int main(void)
         cmocka_unit_test(an_outage_past_the_end_leaves_no_slot_unnamed),
         cmocka_unit_test(a_plan_that_ends_in_time_comes_to_what_the_clock_says),
         cmocka_unit_test(what_a_pc_said_before_ends_nothing_either),
+        cmocka_unit_test(what_a_better_clock_said_in_this_boot_holds_against_a_pc),
+        cmocka_unit_test(a_clock_behind_the_last_slot_that_was_known_moves_no_end),
         cmocka_unit_test(a_run_that_had_ended_in_time_gains_nothing_by_another_clock),
         cmocka_unit_test(the_gap_is_known_once_utc_is),
     };

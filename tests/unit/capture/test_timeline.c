@@ -69,7 +69,7 @@ static void slot_0_is_where_the_last_segment_with_utc_says(void **state)
 static void what_a_pc_alone_says_of_the_past_is_told_apart(void **state)
 {
     struct ttf_segment s[3] = {segment("a", 0, 100), segment("b", 10, 20), segment("c", 12, 20)};
-    struct ttf_run_past past = ttf_timeline_past(s, 3);
+    struct ttf_run_past past = ttf_timeline_past(s, 3, "d", 15);
 
     (void)state;
     assert_int_equal(past.gaps_ns, 0);
@@ -83,13 +83,105 @@ static void what_a_pc_alone_says_of_the_past_is_told_apart(void **state)
     snprintf(s[0].trust, sizeof(s[0].trust), "rtc");
     snprintf(s[1].trust, sizeof(s[1].trust), "ntp");
     snprintf(s[2].trust, sizeof(s[2].trust), "host");
-    past = ttf_timeline_past(s, 3);
+    past = ttf_timeline_past(s, 3, "d", 15);
     assert_int_equal(past.gaps_ns, 12 * TTF_NS_PER_S);
     assert_int_equal(past.slot0_utc_ns, 1012 * TTF_NS_PER_S);
     assert_int_equal(past.sure_gaps_ns, 7 * TTF_NS_PER_S);
     assert_int_equal(past.sure_slot0_utc_ns, 1007 * TTF_NS_PER_S);
     s[2].gap_ns = TTF_NS_UNKNOWN;
-    assert_int_equal(ttf_timeline_past(s, 3).gaps_ns, 7 * TTF_NS_PER_S);
+    assert_int_equal(ttf_timeline_past(s, 3, "d", 15).gaps_ns, 7 * TTF_NS_PER_S);
+}
+
+/* NTP until slot 10; twice power and no clock; NTP, or first a PC's. */
+static void outages_without_a_clock_between_are_told_by_the_next_clock(void **state)
+{
+    struct ttf_segment s[4] = {segment("a", 0, 100), segment("b", 10, 20), segment("c", 10, 20),
+                               segment("d", 12, 20)};
+    const int64_t slot0 = 1000 * TTF_NS_PER_S, gap = TTF_NS_PER_H;
+    struct ttf_run_past past;
+
+    (void)state;
+    s[0].origin_utc_ns = slot0;
+    snprintf(s[0].trust, sizeof(s[0].trust), "ntp");
+    for (int i = 1; i < 4; i++)
+        s[i].gap_ns = TTF_NS_UNKNOWN;
+    past = ttf_timeline_past(s, 2, "x", 10);
+    assert_true(past.open && past.sure_open);
+    assert_int_equal(ttf_timeline_gaps_ns(&past, TTF_NS_UNKNOWN, true), 0);
+    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + gap, false), gap);
+    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 - gap, true), 0);
+    /* The third knows. */
+    s[2].origin_utc_ns = slot0 + 600 * TTF_NS_PER_S + gap;
+    snprintf(s[2].trust, sizeof(s[2].trust), "ntp");
+    past = ttf_timeline_past(s, 3, "x", 12);
+    assert_false(past.open || past.sure_open);
+    assert_int_equal(past.gaps_ns, gap);
+    assert_int_equal(past.sure_gaps_ns, gap);
+    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + 3 * gap, false), gap); /* it was set */
+    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + 3 * gap, true), 3 * gap);
+    /* A PC's, wrong by days, and by itself no more than that. */
+    s[2].origin_utc_ns += 9 * TTF_NS_PER_DAY;
+    snprintf(s[2].trust, sizeof(s[2].trust), "host");
+    past = ttf_timeline_past(s, 3, "x", 12);
+    assert_int_equal(past.gaps_ns, gap + 9 * TTF_NS_PER_DAY);
+    assert_int_equal(past.sure_gaps_ns, 0);
+    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + 2 * gap, false), 2 * gap);
+    s[3].origin_utc_ns = slot0 + 720 * TTF_NS_PER_S + 2 * gap;
+    s[3].gap_ns = 0; /* behind that PC's */
+    snprintf(s[3].trust, sizeof(s[3].trust), "ntp");
+    assert_int_equal(ttf_timeline_past(s, 4, "x", 12).sure_gaps_ns, 2 * gap);
+}
+
+static void the_best_that_this_boot_knew_is_remembered(void **state)
+{
+    static const struct {
+        const char *trust;
+        int64_t offset_s;
+        enum ttf_trust best;
+        int64_t best_s;
+    } cases[] = {{"none", 7, TTF_TRUST_NONE, 0},  {"host", 7, TTF_TRUST_HOST, 7},
+                 {"ntp", 8, TTF_TRUST_NTP, 8},    {"host", 9, TTF_TRUST_NTP, 8},
+                 {"a star", 9, TTF_TRUST_NTP, 8}, {"ntp", 10, TTF_TRUST_NTP, 10}};
+    struct ttf_segment s[7] = {segment("a", 0, 100)};
+
+    (void)state;
+    s[0].origin_utc_ns = 5000 * TTF_NS_PER_S; /* of another boot */
+    snprintf(s[0].trust, sizeof(s[0].trust), "ntp");
+    for (int i = 1; i < 7; i++) {
+        struct ttf_run_past past;
+
+        s[i] = segment("b", 10 * i, 600 * i);
+        if (i > 1)
+            s[i].origin_utc_ns = s[i].origin_ns + cases[i - 1].offset_s * TTF_NS_PER_S;
+        snprintf(s[i].trust, sizeof(s[i].trust), "%s", cases[i - 1].trust);
+        past = ttf_timeline_past(s, i + 1, "b", 100);
+        assert_int_equal(past.boot_trust, cases[i - 1].best);
+        assert_int_equal(past.boot_offset_ns, cases[i - 1].best_s * TTF_NS_PER_S);
+    }
+}
+
+static void when_the_last_slot_of_the_boots_before_was_is_known(void **state)
+{
+    struct ttf_segment s[3] = {segment("a", 0, 100), segment("b", 10, 20), segment("c", 12, 20)};
+    struct ttf_run_past past = ttf_timeline_past(s, 3, "d", 15);
+
+    (void)state;
+    assert_int_equal(past.last_trust, TTF_TRUST_NONE);
+    s[0].origin_utc_ns = 1000 * TTF_NS_PER_S;
+    s[2].origin_utc_ns = 5000 * TTF_NS_PER_S;
+    snprintf(s[0].trust, sizeof(s[0].trust), "rtc");
+    snprintf(s[2].trust, sizeof(s[2].trust), "ntp");
+    past = ttf_timeline_past(s, 3, "d", 15);
+    assert_int_equal(past.last_trust, TTF_TRUST_NTP);
+    assert_int_equal(past.last_utc_ns, 5120 * TTF_NS_PER_S); /* slot 14 */
+    snprintf(s[2].trust, sizeof(s[2].trust), "host");
+    past = ttf_timeline_past(s, 3, "d", 15);
+    assert_int_equal(past.last_trust, TTF_TRUST_RTC);
+    assert_int_equal(past.last_utc_ns, 1540 * TTF_NS_PER_S); /* slot 9 */
+    past =
+        ttf_timeline_past(s, 3, "a", 15); /* of others than this boot a PC alone says something */
+    assert_int_equal(past.last_trust, TTF_TRUST_HOST);
+    assert_int_equal(past.last_utc_ns, 5120 * TTF_NS_PER_S);
 }
 
 static void a_due_time_beyond_all_time_is_never(void **state)
@@ -125,6 +217,9 @@ int main(void)
         cmocka_unit_test(a_run_s_time_is_only_said_where_the_grid_does_not_say_it),
         cmocka_unit_test(slot_0_is_where_the_last_segment_with_utc_says),
         cmocka_unit_test(what_a_pc_alone_says_of_the_past_is_told_apart),
+        cmocka_unit_test(outages_without_a_clock_between_are_told_by_the_next_clock),
+        cmocka_unit_test(the_best_that_this_boot_knew_is_remembered),
+        cmocka_unit_test(when_the_last_slot_of_the_boots_before_was_is_known),
         cmocka_unit_test(a_due_time_beyond_all_time_is_never),
         cmocka_unit_test(quantiles_of_errors_hold_at_both_ends),
     };
