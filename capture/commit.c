@@ -402,6 +402,8 @@ static void tell_lost(struct ttf_committer *c, const struct ttf_lost *lost)
 
 static void do_event(struct ttf_committer *c, const struct ttf_job *job)
 {
+    if (job->total > 0)
+        ttf_committer_another_end(c, job->total);
     tell_lost(c, &job->lost_before);
     write_or_keep(c, job);
     tell_event(c, job);

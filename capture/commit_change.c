@@ -74,6 +74,16 @@ int ttf_committer_write_change(struct ttf_committer *c, struct ttf_plan_change *
     return 0;
 }
 
+void ttf_committer_another_end(struct ttf_committer *c, int64_t total)
+{
+    c->total = total;
+    for (struct ttf_slot_work *work = c->pending; work; work = work->next) {
+        work->total = total;
+        if (work->change)
+            work->change->count = total;
+    }
+}
+
 int ttf_committer_write_correction(struct ttf_committer *c, const struct ttf_segment *of_session)
 {
     struct ttf_segment segment = *of_session;

@@ -48,6 +48,9 @@ void ttf_committer_drop_lost_files(struct ttf_committer *c, struct ttf_slot_reco
 /* One event, now; negative errno. */
 TTF_MUST_USE int ttf_committer_write_event(struct ttf_committer *c, const struct ttf_job *event);
 
+/* The run comes to so many slots from now on. What still waits for its storage will say so too, and takes nothing back. */
+void ttf_committer_another_end(struct ttf_committer *c, int64_t total);
+
 /* A correction of a segment's UTC, now; negative errno. */
 TTF_MUST_USE int ttf_committer_write_correction(struct ttf_committer *c,
                                                 const struct ttf_segment *of_session);

@@ -14,4 +14,8 @@ struct ttf_events {
 void ttf_events_emit(struct ttf_events *events, const char *kind, const char *fmt, ...)
     TTF_PRINTF(3, 4);
 
+/* The same of one by which the run comes to so many slots from now on. */
+void ttf_events_emit_end(struct ttf_events *events, int64_t total, const char *kind,
+                         const char *fmt, ...) TTF_PRINTF(4, 5);
+
 #endif

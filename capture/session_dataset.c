@@ -306,6 +306,7 @@ static int set_in_force(struct ttf_session *s, const struct ttf_manifest *manife
     c->given = s->config->plan;
     c->given_yaml = s->config->plan_yaml;
     c->slot0_ns = s->run.slot0_ns;
+    c->total = s->plan.count; /* as resolved */
     c->in_force->slot_bytes = s->figures.slot_bytes;
     c->n_plans = s->next_plan = ttf_writer_state(c->writer)->n_plans;
     c->manifest = *manifest;

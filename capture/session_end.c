@@ -5,9 +5,10 @@
 static void tell(struct ttf_session *s, int64_t before, int64_t index)
 {
     if (s->plan.count != before)
-        ttf_events_emit(&s->events, "plan", "%lld slots instead of %lld%s: the clock was corrected",
-                        (long long)s->plan.count, (long long)before,
-                        s->plan.count == index ? ", the plan's end has come" : "");
+        ttf_events_emit_end(&s->events, s->plan.count, "plan",
+                            "%lld slots instead of %lld%s: the clock was corrected",
+                            (long long)s->plan.count, (long long)before,
+                            s->plan.count == index ? ", the plan's end has come" : "");
 }
 
 static void count_anew(struct ttf_session *s, int64_t index)

@@ -61,15 +61,16 @@ struct ttf_lost {
 struct ttf_job {
     enum ttf_job_kind kind;
     struct ttf_job *next;
-    struct ttf_slot_work *slot;  /* IMAGE, SLOT; the SLOT job passes ownership on */
-    unsigned image;              /* IMAGE: which of the record's */
-    unsigned shot;               /* IMAGE: which of the plan's shots */
-    struct ttf_raw_sum *raw;     /* IMAGE: given back by the committer */
-    int64_t start_utc_ns;        /* IMAGE: exposure start; TTF_NS_UNKNOWN */
-    struct ttf_segment segment;  /* SEGMENT */
-    int64_t at_ns, at_utc_ns;    /* EVENT */
-    char event[32];              /* EVENT: kind */
-    char text[256];              /* EVENT */
+    struct ttf_slot_work *slot; /* IMAGE, SLOT; the SLOT job passes ownership on */
+    unsigned image;             /* IMAGE: which of the record's */
+    unsigned shot;              /* IMAGE: which of the plan's shots */
+    struct ttf_raw_sum *raw;    /* IMAGE: given back by the committer */
+    int64_t start_utc_ns;       /* IMAGE: exposure start; TTF_NS_UNKNOWN */
+    struct ttf_segment segment; /* SEGMENT */
+    int64_t at_ns, at_utc_ns;   /* EVENT */
+    int64_t total;  /* EVENT: slots that the run comes to by it; 0: it changes nothing */
+    char event[32]; /* EVENT: kind */
+    char text[256]; /* EVENT */
     struct ttf_lost lost_before; /* EVENT: those before it that found no place in the queue */
     struct ttf_lost lost;        /* EVENT of kind "lost": those it tells of; n is 0 of others */
     const struct ttf_note *note; /* NOTE: lent until it is answered */

@@ -19,10 +19,11 @@ void course_forget(struct course *c)
 
 void course_letter(struct course *c, const struct letter *letter)
 {
-    if (letter->kind != TTF_PROGRESS_ARMED && letter->kind != TTF_PROGRESS_SLOT)
+    if (letter->kind != TTF_PROGRESS_ARMED && letter->kind != TTF_PROGRESS_SLOT &&
+        letter->kind != TTF_PROGRESS_EVENT)
         return;
     c->total = letter->total;
-    if (letter->kind == TTF_PROGRESS_ARMED)
+    if (letter->kind != TTF_PROGRESS_SLOT)
         return;
     c->last = *letter;
     c->has_last = true;

@@ -171,8 +171,9 @@ static void empty_mailbox(struct keeper *k)
     uint32_t dropped;
 
     while (mailbox_take(d->mailbox, &letter)) {
-        /* Its record is read first, so that what is told of a slot knows of it. */
-        if (!read && (letter.kind == TTF_PROGRESS_SLOT || letter.kind == TTF_PROGRESS_ARMED)) {
+        /* Its record is read first, so that what is told of a slot, or another end, knows of it. */
+        if (!read && (letter.kind == TTF_PROGRESS_SLOT || letter.kind == TTF_PROGRESS_ARMED ||
+                      letter.kind == TTF_PROGRESS_EVENT)) {
             follow_read(&k->follow, d);
             read = true;
         }

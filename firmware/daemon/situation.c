@@ -173,10 +173,12 @@ enum doing situation_doing(struct situation *s)
 bool situation_letter(struct situation *s, const struct letter *letter)
 {
     enum doing before;
+    int64_t total;
     bool other, over;
 
     lock(s);
     before = s->doing;
+    total = s->course.total;
     if (letter->kind == TTF_PROGRESS_ALARM)
         alarms_add(&s->alarms, s->clock, letter->run, letter->until, letter->text);
     over = letter->kind == TTF_PROGRESS_ALARM_OVER && alarms_over(&s->alarms, letter->text);
@@ -200,6 +202,8 @@ bool situation_letter(struct situation *s, const struct letter *letter)
         s->starts = false;
     }
     other = s->doing != before;
+    if (letter->kind == TTF_PROGRESS_EVENT && s->course.total != total)
+        other = true; /* the next slot, which would say so, may be hours away */
     unlock(s);
     return other || over;
 }

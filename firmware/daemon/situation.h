@@ -50,7 +50,7 @@ bool situation_turn(struct situation *situation, enum doing from, enum doing to)
 enum doing situation_doing(struct situation *situation);
 
 /*
- * What a run said. true: it does something else now, or an alarm is over. Of another run than the one it is about, alarms alone are
+ * What a run said. true: it does something else now, ends elsewhere by an event, or an alarm is over. Of another run than the one it is about, alarms alone are
  * taken, and that they are over.
  */
 bool situation_letter(struct situation *situation, const struct letter *letter);

@@ -151,6 +151,90 @@ static void after_an_outage_of_unknown_length_it_ends_at_its_instant(void **stat
     }
 }
 
+static int64_t totals[64];
+static unsigned n_totals, told_wrong, told_right;
+
+static void note_total(struct sim_run *run, const struct ttf_progress *p)
+{
+    (void)run;
+    if (n_totals == 0 || p->total != totals[n_totals - 1])
+        totals[n_totals++ % 64] = p->total;
+    if (p->kind != TTF_PROGRESS_EVENT || !strstr(p->text, " slots instead of "))
+        return;
+    if (p->total == strtoll(p->text, NULL, 10))
+        told_right++;
+    else
+        told_wrong++;
+}
+
+/* After the first boot its records cannot be written from its first minute on, for one. */
+static int records_wait(struct sim_run *run, const char *op, const char *path)
+{
+    int64_t now_ns = run->box ? ttf_clock_now_ns(run->box->clock) : 0;
+
+    (void)op;
+    return run->committed >= 4 && now_ns > 60 * S && now_ns < 110 * S &&
+                   sim_run_path_ends(path, "/records.jsonl")
+               ? EIO
+               : 0;
+}
+
+/* The event that says so, as the next slot may be hours away; and none tells an older one than is known. */
+static void who_watches_is_told_of_another_end_at_once(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    until_init(&run, TTF_END_UNTIL, 10);
+    dark(&run, 180, 90 * S);
+    n_totals = told_right = told_wrong = 0;
+    run.on_progress = note_total;
+    assert_int_equal(sim_run_through_cuts(&run), 0);
+    assert_int_equal(n_totals, 2);
+    assert_int_equal(totals[0], 10);
+    assert_int_equal(totals[1], 8);
+    assert_int_equal(told_right, 1);
+    assert_int_equal(told_wrong, 0);
+    living_finish(&run);
+}
+
+/* The plan as it is stored says 8 slots, and its clock that was two minutes late made 6 of them. */
+static void gone_on_with_its_first_event_tells_no_older_end(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    until_init(&run, TTF_END_UNTIL, 8);
+    sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, 2 * MIN + 40 * S)->amount = 120;
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 30;
+    n_totals = 0;
+    run.on_progress = note_total;
+    assert_int_equal(sim_run_through_cuts(&run), 0);
+    assert_true(sim_run_events(&run, "resume", "on the same grid") > 0);
+    assert_int_equal(n_totals, 2);
+    assert_int_equal(totals[0], 8);
+    assert_int_equal(totals[1], 6);
+    living_finish(&run);
+}
+
+static void another_end_is_not_taken_back_by_a_record_that_waited(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    until_init(&run, TTF_END_UNTIL, 10);
+    dark(&run, 180, 90 * S);
+    run.fault = records_wait;
+    n_totals = 0;
+    run.on_progress = note_total;
+    assert_int_equal(sim_run_through_cuts(&run), 0);
+    assert_int_equal(n_totals, 2);
+    assert_int_equal(totals[1], 8);
+    assert_int_equal(run.result.slots, 8);
+    assert_true(run.result.sealed);
+    living_finish(&run);
+}
+
 static void an_outage_past_its_instant_ends_it_as_soon_as_that_is_known(void **state)
 {
     static const enum ttf_plan_end ends[] = {TTF_END_UNTIL, TTF_END_LENGTH};
@@ -596,6 +680,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(undisturbed_it_ends_as_it_was_reckoned_and_says_why),
         cmocka_unit_test(after_an_outage_of_unknown_length_it_ends_at_its_instant),
+        cmocka_unit_test(who_watches_is_told_of_another_end_at_once),
+        cmocka_unit_test(gone_on_with_its_first_event_tells_no_older_end),
+        cmocka_unit_test(another_end_is_not_taken_back_by_a_record_that_waited),
         cmocka_unit_test(an_outage_past_its_instant_ends_it_as_soon_as_that_is_known),
         cmocka_unit_test(it_ends_in_the_middle_of_a_long_wait),
         cmocka_unit_test(while_nobody_knows_it_comes_to_as_many_as_before),

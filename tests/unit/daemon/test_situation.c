@@ -123,6 +123,15 @@ static void a_run_is_followed_from_arming_to_its_end(void **state)
     assert_true(number(status, "run.ends_in_ns") == 43 * TTF_NS_PER_S);
     assert_int_equal(number(status, "readings.index"), 0);
     json_decref(status);
+    letter = letter_of(TTF_PROGRESS_EVENT, 1, 0);
+    assert_false(situation_letter(s, &letter));
+    letter.total = 7; /* its clock was corrected, in a wait of hours */
+    assert_true(situation_letter(s, &letter));
+    status = status_of(s);
+    assert_int_equal(number(status, "run.slots"), 7);
+    assert_true(number(status, "run.ends_in_ns") == 28 * TTF_NS_PER_S);
+    assert_int_equal(number(status, "run.next.index"), 1);
+    json_decref(status);
     letter = letter_of(TTF_PROGRESS_SLOT, 1, TTF_RESULT_PAUSED);
     assert_true(situation_letter(s, &letter));
     assert_int_equal(situation_doing(s), DOING_PAUSED);

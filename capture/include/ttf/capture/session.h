@@ -41,13 +41,13 @@ enum ttf_alarm_until {
 struct ttf_progress {
     enum ttf_progress_kind kind;
     enum ttf_alarm_until until; /* of an alarm */
-    int64_t index, total;
-    bool waits;        /* armed: for the plan's start, which is still to come */
-    int result;        /* enum ttf_result of a slot */
-    const char *text;  /* reason or event; valid during the call */
-    int64_t now_ns;    /* boot clock */
-    int64_t error_ns;  /* achieved middle - due; TTF_NS_UNKNOWN */
-    int64_t wakeup_ns; /* how late the loop woke for this slot; TTF_NS_UNKNOWN */
+    int64_t index, total;       /* slots that the run comes to, as is known by now */
+    bool waits;                 /* armed: for the plan's start, which is still to come */
+    int result;                 /* enum ttf_result of a slot */
+    const char *text;           /* reason or event; valid during the call */
+    int64_t now_ns;             /* boot clock */
+    int64_t error_ns;           /* achieved middle - due; TTF_NS_UNKNOWN */
+    int64_t wakeup_ns;          /* how late the loop woke for this slot; TTF_NS_UNKNOWN */
 };
 
 typedef void ttf_progress_fn(void *ctx, const struct ttf_progress *progress);
