@@ -27,6 +27,8 @@ make_chroot() { # SUITE
     stamp=$(echo "$packages" "${lines[@]}" | sha256sum)
     [ "$(cat "$out/$1.stamp" 2>/dev/null || true)" != "$stamp" ] || return 0
     echo "suites: making a chroot of $1 (about a minute, 700 MB)" >&2
+    # What was cut off while it made one may have left its /dev and /proc there.
+    ! grep -q " $PWD/$out/$1/" /proc/mounts || { echo "suites: something is mounted below $out/$1: unmount it" >&2; return 1; }
     rm -rf "${out:?}/$1"
     mmdebstrap --quiet --variant=minbase --include="$packages" "${options[@]}" "$base" "$out/$1" "${lines[@]}" \
         >"$out/$1.log" 2>&1 || { tail -n 20 "$out/$1.log" >&2; return 1; }
