@@ -139,7 +139,8 @@ static int resolve_grid(struct ttf_session *s, struct ttf_resume_input *in, stru
     s->began_ns = in->now_ns;
     s->plan.count = s->resume.count;
     if (!s->resume.continued && s->resume.lost_until >= s->plan.count)
-        return ttf_err_set(err, -EINVAL, "start", "the plan's last slot lies in the past");
+        return ttf_err_set(err, -EINVAL, s->plan.end == TTF_END_UNTIL ? "until" : "start",
+                           "the plan's last slot lies in the past");
     return 0;
 }
 
@@ -343,6 +344,8 @@ static int expect_enough(const struct ttf_session *s, int64_t next_index, struct
         ttf_err_hint(err, "count: %lld ends it here", (long long)next_index);
         return -EINVAL;
     }
+    if (s->known_plan < 0 && next_index == 0 && s->plan.count == 0)
+        return ttf_err_set(err, -EINVAL, "until", "has passed by this box's clock");
     if (s->known_plan < 0 && s->resume.end_passed) {
         ttf_err_set(err, -EINVAL, "until", "comes before slot %lld, which has its record already",
                     (long long)next_index - 1);
@@ -379,9 +382,13 @@ int ttf_session_open_dataset(struct ttf_session *s, struct ttf_err *err)
         r = expect_enough(s, found.state.next_index, err);
     if (r < 0)
         return r;
-    if (s->resume.continued && found.state.next_index >= s->plan.count)
-        /* Cut off before its seal: sealed now. */
-        return s->from_first ? s->first_code : found.state.sealed ? expect_known_plan(s, err) : 0;
+    if (s->resume.continued && found.state.next_index >= s->plan.count) {
+        if (s->from_first)
+            return s->first_code;
+        /* Cut off before its seal: sealed now. A new plan comes into force first, so that it finds nothing to do again. */
+        if (found.state.sealed || s->known_plan >= 0)
+            return found.state.sealed ? expect_known_plan(s, err) : 0;
+    }
     plan = dataset_with_plan(s, &manifest, err);
     if (plan < 0)
         return plan;

@@ -55,9 +55,8 @@ bool ttf_session_has_slot(struct ttf_session *s, int64_t index)
 static bool ended_at_once(const struct ttf_session *s)
 {
     const struct ttf_writer_state *state = ttf_writer_state(s->committer.writer);
-    bool is_new = s->known_plan < 0 && !s->pulse.has_segment; /* and not even stored */
 
-    return state->n_segments > 0 && (is_new || state->last_segment.first_index >= s->plan.count);
+    return state->n_segments > 0 && state->last_segment.first_index >= s->plan.count;
 }
 
 const char *ttf_session_end_reason(const struct ttf_session *s)

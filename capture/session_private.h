@@ -48,11 +48,12 @@ struct ttf_session {
     int moved_on_from; /* the plan that was given is this one, but another has come since; -1: no */
     bool names_group;  /* it names the group (or none) as one of the dataset's plans does */
     int next_plan;     /* number of the next one that changes it */
-    struct ttf_group group; /* that the plan names; empty: none, or the dataset is there already */
-    char path[4096];        /* of the dataset: as configured, or in the second storage */
-    int first_code;         /* why, if from_first */
-    bool from_first;        /* the second dataset is begun by reading the first */
-    char *given_yaml;       /* of the plan in force, as given; owned; NULL: not known */
+    /* that the plan names, of a new dataset or for a plan that is new to one; empty: none, or nobody has to know */
+    struct ttf_group group;
+    char path[4096];  /* of the dataset: as configured, or in the second storage */
+    int first_code;   /* why, if from_first */
+    bool from_first;  /* the second dataset is begun by reading the first */
+    char *given_yaml; /* of the plan in force, as given; owned; NULL: not known */
     bool paused;
     char pause_reason[120];
     int segment;              /* number of the current one */

@@ -484,6 +484,12 @@ static void a_run_that_waits_for_its_start_is_not_sealed_without_a_slot(void **s
     sim_run_expect_undamaged(&b.run, false);
     assert_int_equal(sim_run_boot(&b.run), -EINVAL); /* nor when it is run again */
     sim_run_expect_undamaged(&b.run, false);
+    b.run.plan.until_utc_ns +=
+        S; /* a new plan of the kind comes into force no more than the first would */
+    assert_int_equal(sim_run_boot(&b.run), -EINVAL);
+    assert_string_equal(b.run.err.where, "until");
+    assert_null(sim_run_text(&b.run, "plans/1.json"));
+    b.run.plan.until_utc_ns -= S;
     b.beliefs = &right;
     b.n = 1;
     assert_int_equal(sim_run_boot(&b.run), 0);
@@ -578,6 +584,18 @@ static void a_run_that_a_person_ends_at_once_was_stopped(void **state)
     living_finish(&run);
 }
 
+/* The same plan, given again in another boot. */
+static void expect_nothing_to_do(struct sim_run *run)
+{
+    char digest[65];
+
+    memcpy(digest, run->result.digest, sizeof(digest));
+    run->config.power_on_ns = run->ended_ns + S;
+    assert_int_equal(sim_run_boot(run), 0);
+    assert_true(run->result.sealed);
+    assert_string_equal(run->result.digest, digest);
+}
+
 /* Stopped, then given a plan that says: so many are enough. */
 static void a_plan_that_ends_what_is_there_stops_it(void **state)
 {
@@ -592,6 +610,7 @@ static void a_plan_that_ends_what_is_there_stops_it(void **state)
     run.config.power_on_ns = run.ended_ns + S;
     assert_int_equal(sim_run_boot(&run), 0);
     expect_end(&run, "ccc", "stopped");
+    expect_nothing_to_do(&run);
     living_finish(&run);
 }
 
@@ -611,6 +630,24 @@ static void a_new_plan_that_ends_before_what_is_there_is_refused(void **state)
     run.plan.until_utc_ns += 2 * MIN; /* the last one was due before it, the next is not */
     assert_int_equal(sim_run_boot(&run), 0);
     expect_end(&run, "cccc", "until");
+    expect_nothing_to_do(&run);
+    living_finish(&run);
+}
+
+static void a_new_run_whose_end_has_passed_names_it(void **state)
+{
+    struct sim_run run;
+
+    (void)state;
+    until_init(&run, TTF_END_UNTIL, 4);
+    run.plan.until_utc_ns = run.config.start_utc_ns - MIN;
+    assert_int_equal(sim_run_boot(&run), -EINVAL);
+    assert_string_equal(run.err.where, "until");
+    living_finish(&run);
+    until_init(&run, TTF_END_COUNT, 4);
+    run.plan.start_utc_ns = run.config.start_utc_ns - TTF_NS_PER_H;
+    assert_int_equal(sim_run_boot(&run), -EINVAL);
+    assert_string_equal(run.err.where, "start");
     living_finish(&run);
 }
 
@@ -664,6 +701,7 @@ int main(void)
         cmocka_unit_test(a_run_that_a_person_ends_at_once_was_stopped),
         cmocka_unit_test(a_plan_that_ends_what_is_there_stops_it),
         cmocka_unit_test(a_new_plan_that_ends_before_what_is_there_is_refused),
+        cmocka_unit_test(a_new_run_whose_end_has_passed_names_it),
         cmocka_unit_test(a_dataset_that_does_not_tell_its_end_is_gone_on_with_by_its_count),
     };
 
