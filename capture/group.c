@@ -6,9 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "path_name.h"
+
 #define MEMBER_MAX 1000000
 
-/* The one after it. "first" and "second" are one run, which may have been the group's first. */
+/* One farther than it. "first" and "second" are one run, which may have been the group's first. */
 static void next_member(const struct ttf_manifest *of, char ret[32])
 {
     long n = strtol(of->group_member, NULL, 10);
@@ -16,33 +18,19 @@ static void next_member(const struct ttf_manifest *of, char ret[32])
     snprintf(ret, 32, "%ld", n >= 2 && n < MEMBER_MAX ? n + 1 : 2);
 }
 
-/* The folder that it lies in with its slash; empty: the present one. */
-static int folder_length(const char *path, size_t *ret_name)
-{
-    size_t n = strlen(path);
-    size_t at;
-
-    while (n > 1 && path[n - 1] == '/')
-        n--;
-    for (at = n; at > 0 && path[at - 1] != '/'; at--)
-        ;
-    *ret_name = n - at;
-    return (int)at;
-}
-
 static int load(struct ttf_io *io, const char *path, const struct ttf_plan *plan,
                 struct ttf_manifest *ret, struct ttf_err *err)
 {
     char beside[4096 + 80];
     size_t name;
-    int at = folder_length(path, &name);
+    const size_t at = ttf_path_name(path, &name);
     int r;
 
     if (strlen(plan->group) == name && strncmp(path + at, plan->group, name) == 0) {
         ttf_err_set(err, -EINVAL, "group", "this is the run's own dataset");
         return -EINVAL;
     }
-    snprintf(beside, sizeof(beside), "%.*s%s", at, path, plan->group);
+    snprintf(beside, sizeof(beside), "%.*s%s", (int)at, path, plan->group);
     r = ttf_manifest_load(io, beside, ret, err);
     if (r == -ENOENT && plan->second_storage[0]) {
         snprintf(beside, sizeof(beside), "%s/%s", plan->second_storage, plan->group);

@@ -13,7 +13,7 @@
 
 struct ttf_group {
     char uuid[37];   /* empty: none */
-    char member[32]; /* "2" after the first, then "3", ... */
+    char member[32]; /* "2" after the first, then "3", ...; not unique: FORMAT.md, group.member */
 };
 
 /*

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "group.h"
+#include "path_name.h"
 #include "ttf/base/time.h"
 #include "ttf/capture/session.h"
 #include "ttf/dataset/reader.h"
@@ -14,18 +14,13 @@
 int ttf_second_path(const struct ttf_plan *plan, const char *first, char *ret, size_t size,
                     struct ttf_err *err)
 {
-    size_t n = strlen(first);
-    size_t at;
+    size_t at, n;
 
     ret[0] = '\0';
     if (plan->second_storage[0] == '\0')
         return 0;
-    while (n > 1 && first[n - 1] == '/')
-        n--;
-    for (at = n; at > 0 && first[at - 1] != '/'; at--)
-        ;
-    if (snprintf(ret, size, "%s/%.*s", plan->second_storage, (int)(n - at), first + at) >=
-        (int)size)
+    at = ttf_path_name(first, &n);
+    if (snprintf(ret, size, "%s/%.*s", plan->second_storage, (int)n, first + at) >= (int)size)
         return ttf_err_set(err, -ENAMETOOLONG, "storage.second", "the path is too long");
     return 0;
 }

@@ -76,6 +76,27 @@ static void another_stream_begins_a_dataset_of_the_group(void **state)
     sim_run_finish(&run);
 }
 
+/* FORMAT.md: how far it is from the first, so two that name the same one have the same; uuid tells them apart. */
+static void two_that_go_on_from_the_same_one_have_the_same_member(void **state)
+{
+    struct sim_run run, second, third;
+    struct ttf_manifest first, a, b;
+
+    (void)state;
+    first_of_all(&run);
+    manifest_of(run.path, &first);
+    second = beside(&run, "infrared", "dataset");
+    assert_int_equal(sim_run_boot(&second), 0);
+    third = beside(&second, "raking", "dataset");
+    assert_int_equal(sim_run_boot(&third), 0);
+    expect_member(&second, &first, "2");
+    expect_member(&third, &first, "2");
+    manifest_of(second.path, &a);
+    manifest_of(third.path, &b);
+    assert_string_not_equal(a.uuid, b.uuid);
+    sim_run_finish(&run);
+}
+
 /* Only its beginning needs the other one, which may be carried away meanwhile. */
 static void gone_on_with_it_is_of_the_group_without_the_other(void **state)
 {
@@ -268,6 +289,12 @@ static void one_of_a_group_goes_on_in_its_second_storage(void **state)
     there = second_of(&other);
     expect_member(&other, &first, "first");
     expect_member(&there, &first, "second");
+    other = beside(&other, "raking", "infrared");
+    other.fault = NULL;
+    other.plan.count = 2;
+    other.plan.second_storage[0] = '\0';
+    assert_int_equal(sim_run_boot(&other), 0);
+    expect_member(&other, &first, "2"); /* "first" is no number to go on from */
     manifest_of(run.path, &m);
     assert_string_equal(m.group_uuid, first.uuid);
     sim_run_finish(&run);
@@ -303,6 +330,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(another_stream_begins_a_dataset_of_the_group),
+        cmocka_unit_test(two_that_go_on_from_the_same_one_have_the_same_member),
         cmocka_unit_test(gone_on_with_it_is_of_the_group_without_the_other),
         cmocka_unit_test(another_plan_of_the_group_needs_the_other_no_more),
         cmocka_unit_test(cut_off_at_any_operation_of_its_beginning_it_is_of_the_group),
