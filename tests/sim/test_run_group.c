@@ -20,7 +20,7 @@ static struct sim_run beside(const struct sim_run *run, const char *name, const 
 
     snprintf(other.path, sizeof(other.path), "%s/%s", run->folder, name);
     snprintf(other.plan.group, sizeof(other.plan.group), "%s", of);
-    strcpy(other.plan.shots[0].stream, name);
+    (void)snprintf(other.plan.shots[0].stream, sizeof other.plan.shots[0].stream, "%s", name);
     other.config.power_on_ns = run->ended_ns + TTF_NS_PER_S;
     other.config.n_faults = 0;
     other.committed = 0;
@@ -151,11 +151,11 @@ static void another_plan_of_the_group_needs_the_other_no_more(void **state)
         '\0'; /* which needs no other one either, and leaves the group as it is */
     assert_int_equal(sim_run_boot(&second), 0);
     another_interval(&second, 50 * TTF_NS_PER_S);
-    strcpy(second.plan.group, "dataset");
+    (void)snprintf(second.plan.group, sizeof second.plan.group, "%s", "dataset");
     assert_int_equal(sim_run_boot(&second), 0);
     sim_run_expect(&second, "cccccccc");
     expect_member(&second, &first, "2");
-    strcpy(second.plan.group, "nowhere");
+    (void)snprintf(second.plan.group, sizeof second.plan.group, "%s", "nowhere");
     another_interval(&second, 30 * TTF_NS_PER_S);
     expect_refused(&second, "no dataset 'nowhere' beside");
     sim_run_finish(&run);
@@ -317,11 +317,11 @@ static void gone_on_with_in_the_second_storage_its_group_is_looked_for_where_it_
     another_interval(&other, 50 * TTF_NS_PER_S);
     assert_int_equal(sim_run_boot(&other), 0);
     another_interval(&other, 40 * TTF_NS_PER_S);
-    strcpy(other.plan.group, "raking");
+    (void)snprintf(other.plan.group, sizeof other.plan.group, "%s", "raking");
     assert_int_equal(sim_run_boot(&other), 0);
     assert_true(other.result.second_storage);
     another_interval(&other, 30 * TTF_NS_PER_S);
-    strcpy(other.plan.group, "alone");
+    (void)snprintf(other.plan.group, sizeof other.plan.group, "%s", "alone");
     expect_refused(&other, "was begun, and not in the group");
     sim_run_finish(&run);
 }
