@@ -313,9 +313,10 @@ static int seal(struct ttf_session *s, char ret_digest[65], struct ttf_err *err)
 /* A clock says that the plan's end passed while the run waited for its start: nothing to seal, and that clock may be wrong. */
 static int never_began(struct ttf_session *s, struct ttf_err *err)
 {
-    ttf_committer_alarm(&s->committer, TTF_ALARM_UNTIL_ARMED,
-                        "the plan's end has passed by this box's clock, and no slot was taken: "
-                        "the dataset is not sealed; run again once the clock is right");
+    if (s->pulse.has_segment) /* it waited in here; tried again each minute, it says so no more */
+        ttf_committer_alarm(&s->committer, TTF_ALARM_UNTIL_ARMED,
+                            "the plan's end has passed by this box's clock, and no slot was taken: "
+                            "the dataset is not sealed; run again once the clock is right");
     ttf_err_set(err, -EINVAL, "until", "has passed by this box's clock, and no slot was taken");
     ttf_err_hint(err, "set the clock and run again, or give a plan that ends later");
     return -EINVAL;

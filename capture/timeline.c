@@ -67,14 +67,14 @@ static void learn_of_boot(struct ttf_run_past *past, const struct ttf_segment *s
     past->boot_offset_ns = segment->origin_utc_ns - segment->origin_ns;
 }
 
-/* One of a boot before. */
+/* One of a boot before; of one without a slot the origin may be a start that is still to come. */
 static void learn_of_last(struct ttf_run_past *past, const struct ttf_segment *segment,
                           int64_t end_index)
 {
     enum ttf_trust trust = ttf_segment_trust(segment);
 
-    if (segment->origin_utc_ns == TTF_NS_UNKNOWN || trust == TTF_TRUST_NONE ||
-        (trust == TTF_TRUST_HOST && past->last_trust > TTF_TRUST_HOST))
+    if (end_index <= segment->first_index || segment->origin_utc_ns == TTF_NS_UNKNOWN ||
+        trust == TTF_TRUST_NONE || (trust == TTF_TRUST_HOST && past->last_trust > TTF_TRUST_HOST))
         return;
     past->last_trust = trust;
     past->last_utc_ns =

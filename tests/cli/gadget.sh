@@ -286,6 +286,14 @@ watcher=$!
 ups 0
 kill $watcher
 
+# Where a watch before it was ended between down and up, it is set up.
+rm said/carrier
+PATH=$WORK/net:$PATH "$GADGET" --into "$WORK/watched" --every 0.02 watch 2>watching &
+watcher=$!
+sleep 2
+kill $watcher
+[ "$(cat "$TOLD")" = 'link set dev usb0 up' ] || fail "an interface that is down is left so: $(cat "$TOLD")"
+
 # --- a serial that would be something else on the bus, or in a path
 for serial in 'a b' '../x' "$(printf 'a\nb')" 'ä' 123456789012345678901234567890123; do
     expect 2 "$GADGET" --into "$in" --serial "$serial" compose

@@ -104,7 +104,7 @@ def judged(ran):
             excused |= cases
         else:
             wrong.append(name)
-    return wrong, excused
+    return wrong, excused, len(parts) // 3
 
 
 def main():
@@ -125,7 +125,9 @@ def main():
     env = dict(os.environ, QEMU_LD_PREFIX=rig.ARM64.libraries())
     ran = subprocess.run(["ctest", "--test-dir", rig.RIG + "/arm64", "-R", chosen, "-j", str(os.cpu_count()),
                           "--output-on-failure"], env=env, stdout=subprocess.PIPE, check=False).stdout.decode(errors="replace")
-    wrong, excused = judged(ran)
+    wrong, excused, told = judged(ran)
+    if told != len(tests) - len(left_out):
+        wrong.append("ctest told of %d programs" % told)
     if wrong:
         print(ran[-20000:])
     print("  %d unit tests for arm64 ran here, %d failed%s; excused, as qemu-user cannot: %s" %

@@ -483,6 +483,7 @@ static void a_run_that_waits_for_its_start_is_not_sealed_without_a_slot(void **s
     assert_false(b.run.result.sealed);
     sim_run_expect_undamaged(&b.run, false);
     assert_int_equal(sim_run_boot(&b.run), -EINVAL); /* nor when it is run again */
+    assert_int_equal(b.run.alarms, 1);               /* which a box does each minute */
     sim_run_expect_undamaged(&b.run, false);
     b.run.plan.until_utc_ns +=
         S; /* a new plan of the kind comes into force no more than the first would */
@@ -494,6 +495,25 @@ static void a_run_that_waits_for_its_start_is_not_sealed_without_a_slot(void **s
     b.n = 1;
     assert_int_equal(sim_run_boot(&b.run), 0);
     expect_end(&b.run, "cccc", "until");
+    living_finish(&b.run);
+}
+
+/* A segment without a slot says where the first was to be, not where the last was: no clock lies behind that. */
+static void power_that_fails_before_the_start_lets_a_clock_tell_the_end(void **state)
+{
+    static const struct belief beliefs[] = {
+        {0, TTF_TRUST_NTP, 0}, {2 * MIN, TTF_TRUST_NONE, 0}, {4 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
+    struct believer b;
+
+    (void)state;
+    believer_init(&b, TTF_END_UNTIL, 34, beliefs, 3);
+    b.run.plan.count = 4;
+    b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 30 * MIN;
+    sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 2 * MIN + 30 * S)->amount = 60;
+    assert_int_equal(sim_run_through_cuts(&b.run), 0);
+    assert_int_equal(sim_run_events(&b.run, "plan", "UTC lies before the last slot"), 0);
+    /* Without a clock it begins at once, at 3:42. */
+    expect_end(&b.run, "ccccccccccccccccccccccccccccccc", "until");
     living_finish(&b.run);
 }
 
@@ -695,6 +715,7 @@ int main(void)
         cmocka_unit_test(a_pc_moves_no_end_that_a_better_clock_of_this_boot_told),
         cmocka_unit_test(what_it_told_holds_in_the_next_run_of_the_boot),
         cmocka_unit_test(a_run_that_waits_for_its_start_is_not_sealed_without_a_slot),
+        cmocka_unit_test(power_that_fails_before_the_start_lets_a_clock_tell_the_end),
         cmocka_unit_test(a_pc_that_is_behind_moves_no_end),
         cmocka_unit_test(power_that_flickers_hides_no_outage_from_a_length),
         cmocka_unit_test(a_pc_s_word_tells_the_end_where_nothing_better_was_known),
