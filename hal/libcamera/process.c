@@ -25,6 +25,8 @@ static int spawn(const char *host, const char *module, const int fds[2], pid_t *
     sigset_t none, all;
     int r;
 
+    if (access(host, X_OK) != 0) /* where a child is made by fork, posix_spawn cannot say so */
+        return -errno;
     lc_wire_name(version);
     (void)sigemptyset(&none);
     (void)sigfillset(&all);

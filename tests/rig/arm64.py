@@ -27,7 +27,7 @@ def listed(regex):
 NOT_HERE = r"^failures_"
 # qemu-user makes of vfork a fork: who starts a program that is not there is not told so by posix_spawn, as a kernel tells.
 NOT_BY_EMULATION = {"a_missing_or_failing_ffmpeg_is_told_and_leaves_nothing", "a_video_comes_in_through_ffmpeg",
-                    "a_program_that_is_not_there_is_named", "what_cannot_be_loaded_is_said_with_what_to_do"}
+                    "a_program_that_is_not_there_is_named"}
 # It has no asynchronous I/O of the kernel (io_setup: ENOSYS), by which a box's endpoints are served: usb.py runs them on a kernel.
 NOT_BY_EMULATION |= {"before_a_pc_has_configured_it_a_box_sleeps", "a_box_whose_endpoint_was_disabled_unseen_is_down_and_sleeps",
                      "a_hosts_reset_starts_a_box_that_stands", "a_write_that_loses_bytes_begins_everything_anew"}
