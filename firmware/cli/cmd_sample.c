@@ -28,7 +28,8 @@ static int take_region(const char *text, struct ttf_sample_rect *ret, struct ttf
     if (r) {
         ttf_err_set(err, -EINVAL, "--region", "'%.60s' is no region", text);
         ttf_err_hint(err,
-                     "write X,Y,WxH, pixels from the picture's top left corner, as 120,80,400x300");
+                     "write X,Y,WxH, pixels from the picture's top left corner, as 120,80,400x300; "
+                     "W and H from 1 to 65535");
         return -EINVAL;
     }
     ret->width = width;
