@@ -15,10 +15,10 @@
 static void a_pc_moves_no_end_that_a_better_clock_of_this_boot_told(void **state)
 {
     static const struct until_belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
-                                            {70 * S, TTF_TRUST_NONE, 0},
-                                            {130 * S, TTF_TRUST_HOST, 2 * MIN},
-                                            {190 * S, TTF_TRUST_NONE, 0},
-                                            {250 * S, TTF_TRUST_NTP, -MIN}};
+                                                  {70 * S, TTF_TRUST_NONE, 0},
+                                                  {130 * S, TTF_TRUST_HOST, 2 * MIN},
+                                                  {190 * S, TTF_TRUST_NONE, 0},
+                                                  {250 * S, TTF_TRUST_NTP, -MIN}};
     struct until_clock b;
     char *text;
 
@@ -41,7 +41,7 @@ static void what_it_told_holds_in_the_next_run_of_the_boot(void **state)
 {
     static const struct until_belief network = {0, TTF_TRUST_NTP, 0};
     static const struct until_belief none[] = {{0, TTF_TRUST_NONE, 0},
-                                         {190 * S, TTF_TRUST_HOST, 2 * MIN}};
+                                               {190 * S, TTF_TRUST_HOST, 2 * MIN}};
     struct until_clock b;
     int64_t n;
 
@@ -72,10 +72,10 @@ static void what_it_told_holds_in_the_next_run_of_the_boot(void **state)
 static void a_run_that_waits_for_its_start_is_not_sealed_without_a_slot(void **state)
 {
     static const struct until_belief pc[] = {{0, TTF_TRUST_HOST, 0},
-                                       {60 * S, TTF_TRUST_NONE, 0},
-                                       {MIN + 9 * S, TTF_TRUST_HOST, 1440 * MIN}};
+                                             {60 * S, TTF_TRUST_NONE, 0},
+                                             {MIN + 9 * S, TTF_TRUST_HOST, 1440 * MIN}};
     static const struct until_belief network[] = {{0, TTF_TRUST_RTC, 0},
-                                            {60 * S, TTF_TRUST_NTP, 1440 * MIN}};
+                                                  {60 * S, TTF_TRUST_NTP, 1440 * MIN}};
     static const struct until_belief right = {0, TTF_TRUST_NTP, 0};
     struct until_clock b;
 
@@ -134,9 +134,9 @@ static void power_that_fails_before_the_start_lets_a_clock_tell_the_end(void **s
 static void a_pc_that_is_behind_moves_no_end(void **state)
 {
     static const struct until_belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
-                                            {4 * MIN, TTF_TRUST_NONE, 0},
-                                            {7 * MIN + 10 * S, TTF_TRUST_HOST, -30 * MIN},
-                                            {9 * MIN, TTF_TRUST_NONE, 0}};
+                                                  {4 * MIN, TTF_TRUST_NONE, 0},
+                                                  {7 * MIN + 10 * S, TTF_TRUST_HOST, -30 * MIN},
+                                                  {9 * MIN, TTF_TRUST_NONE, 0}};
 
     (void)state;
     for (unsigned i = 0; i < 2; i++) {
@@ -158,9 +158,9 @@ static void a_pc_that_is_behind_moves_no_end(void **state)
 static void power_that_flickers_hides_no_outage_from_a_length(void **state)
 {
     static const struct until_belief at_once[] = {{0, TTF_TRUST_NTP, 0},
-                                            {4 * MIN, TTF_TRUST_NONE, 0},
-                                            {7 * MIN + 30 * S, TTF_TRUST_NTP, 0},
-                                            {8 * MIN + 30 * S, TTF_TRUST_NONE, 0}};
+                                                  {4 * MIN, TTF_TRUST_NONE, 0},
+                                                  {7 * MIN + 30 * S, TTF_TRUST_NTP, 0},
+                                                  {8 * MIN + 30 * S, TTF_TRUST_NONE, 0}};
     static const struct until_belief later[] = {
         {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
     static const struct until_belief a_pc[] = {
