@@ -235,6 +235,8 @@ static void the_longest_name_fits(void **state)
 /* As many questions of one long name as fit, each but the first by a pointer, and then ours: they are not read for a hostile host's sake. */
 static void what_takes_too_long_to_read_is_not_read(void **state)
 {
+    static const uint8_t LABEL[] = {1, 'x'}, END[] = {0, 0, 1, 0, 1},
+                         AGAIN[] = {0xc0, 12, 0, 1, 0, 1};
     static uint8_t data[9000];
     struct datagram first = asks("", 0, A, IN), ours = asks(NAME, NAME_N, A, IN);
     uint8_t got[MDNS_SIZE];
@@ -244,16 +246,16 @@ static void what_takes_too_long_to_read_is_not_read(void **state)
     (void)state;
     memcpy(data, first.data, n);
     for (size_t i = 0; i < labels; i++, n += 2)
-        memcpy(data + n, "\x01x", 2);
-    memcpy(data + n, "\x00" A IN, 5);
-    n += 5;
+        memcpy(data + n, LABEL, sizeof LABEL);
+    memcpy(data + n, END, sizeof END);
+    n += sizeof END;
     for (; questions < 4500 / labels; questions++, n += 6)
-        memcpy(data + n, "\xc0\x0c" A IN, 6);
+        memcpy(data + n, AGAIN, sizeof AGAIN);
     memcpy(data + n, ours.data + 12, ours.n - 12); /* two labels */
     data[5] = (uint8_t)(questions + 1);
     assert_int_equal(mdns_answer(&HOST, data, n + ours.n - 12, false, got, &bytes), MDNS_ALL);
-    memcpy(data + n, "\xc0\x0c" A IN, 6);
-    n += 6;
+    memcpy(data + n, AGAIN, sizeof AGAIN);
+    n += sizeof AGAIN;
     memcpy(data + n, ours.data + 12, ours.n - 12);
     data[5]++;
     assert_int_equal(mdns_answer(&HOST, data, n + ours.n - 12, false, got, &bytes), MDNS_NOBODY);
