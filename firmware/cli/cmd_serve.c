@@ -7,32 +7,70 @@
 
 #include "commands.h"
 #include "ttf/hal/clock.h"
-#include "ttf/http/listen.h"
+#include "ttf/http/places.h"
 #include "ttf/http/server.h"
 #include "ttf/http/token.h"
 
 #define DEFAULT_LISTEN "127.0.0.1:8417"
 #define LOOK_NS        (100 * TTF_NS_PER_MS) /* how soon Ctrl-C is seen */
+#define FOLLOW_NS      TTF_NS_PER_S          /* and that an interface has another address */
 
-/* Until Ctrl-C. */
-static void stay(struct ttf_clock *clock, struct ttf_http_server *server)
+/* What is said of the place, and to whom. */
+struct teller {
+    struct cli *cli;
+    const char *token;
+    bool begun; /* it has listened once: what is wrong before ends the program, which says why */
+};
+
+static void tell_listening(const struct teller *teller, const struct ttf_http_place *place)
 {
-    while (*cli_stop_flag() == 0) {
-        ttf_http_server_tidy(server);
-        (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + LOOK_NS);
+    struct cli *cli = teller->cli;
+
+    cli_say_listening(cli, place->name, &place->free_to_read);
+    cli_say(cli, "serving %s at %s%s", cli->opt.args[0],
+            strncmp(place->name, "unix:", 5) == 0 ? "" : "http://", place->name);
+    if (!place->free_to_read)
+        cli_say(cli, "readers need the token: %s",
+                cli->opt.token_file ? cli->opt.token_file : teller->token);
+    if (!teller->begun)
+        cli_say(cli, "Ctrl-C ends it");
+    (void)fflush(stdout); /* whoever started it waits for the port */
+}
+
+static void tell(void *ctx, enum ttf_http_place_news news, const struct ttf_http_place *place,
+                 const struct ttf_err *err)
+{
+    struct teller *teller = ctx;
+    char text[900];
+
+    switch (news) {
+    case TTF_HTTP_PLACE_LISTENING:
+        tell_listening(teller, place);
+        teller->begun = true;
+        break;
+    case TTF_HTTP_PLACE_LEFT:
+        cli_warn("%s is the address of %s no more", place->name, place->text);
+        break;
+    case TTF_HTTP_PLACE_UNREACHABLE:
+        if (teller->begun)
+            cli_warn("waiting: %s", ttf_err_text(err, text, sizeof text));
+        break;
     }
 }
 
-static void tell(struct cli *cli, const struct ttf_http_socket *socket, const char *token)
+/* Until Ctrl-C. */
+static void stay(struct ttf_clock *clock, struct ttf_http_places *places,
+                 struct ttf_http_server *server)
 {
-    cli_say_listening(cli, socket->name, &socket->loopback);
-    cli_say(cli, "serving %s at %s%s", cli->opt.args[0],
-            strncmp(socket->name, "unix:", 5) == 0 ? "" : "http://", socket->name);
-    if (!socket->loopback)
-        cli_say(cli, "readers need the token: %s",
-                cli->opt.token_file ? cli->opt.token_file : token);
-    cli_say(cli, "Ctrl-C ends it");
-    (void)fflush(stdout); /* whoever started it waits for the port */
+    int64_t look_ns = ttf_clock_now_ns(clock) + FOLLOW_NS;
+
+    while (*cli_stop_flag() == 0) {
+        if (ttf_clock_now_ns(clock) >= look_ns) {
+            (void)ttf_http_places_look(places, server, NULL);
+            look_ns = ttf_clock_now_ns(clock) + FOLLOW_NS;
+        }
+        (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + LOOK_NS);
+    }
 }
 
 int cmd_serve(struct cli *cli)
@@ -42,7 +80,12 @@ int cmd_serve(struct cli *cli)
     const char *names[] = {host, local,
                            NULL}; /* as the system calls it, and as multicast DNS does */
     struct ttf_http_server *server = NULL;
-    struct ttf_http_socket socket;
+    struct teller teller = {.cli = cli, .token = token};
+    struct ttf_http_places places = {.address_of = ttf_http_address_of,
+                                     .sys = "/sys",
+                                     .free_loopback = true,
+                                     .tell = tell,
+                                     .tell_ctx = &teller};
     int r;
 
     r = cli->opt.token_file ? ttf_http_token_load(cli->opt.token_file, token, &cli->err)
@@ -58,16 +101,13 @@ int cmd_serve(struct cli *cli)
     (void)snprintf(local, sizeof local, "%s.local", host);
     r = ttf_http_server_create(&config, &server, &cli->err);
     if (r == 0)
-        r = ttf_http_listen(cli->opt.listen ? cli->opt.listen : DEFAULT_LISTEN, true, &socket,
-                            &cli->err);
+        r = ttf_http_places_add(&places, cli->opt.listen ? cli->opt.listen : DEFAULT_LISTEN);
     if (r == 0) {
         cli_stop_catch();
-        r = ttf_http_server_listen(server, socket.fd, socket.loopback, &cli->err);
+        r = ttf_http_places_look(&places, server, &cli->err);
     }
-    if (r == 0) {
-        tell(cli, &socket, token);
-        stay(config.clock, server);
-    }
+    if (r == 0)
+        stay(config.clock, &places, server);
     ttf_http_server_destroy(server);
     ttf_clock_destroy(config.clock);
     return r;

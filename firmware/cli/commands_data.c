@@ -63,8 +63,9 @@ static const struct cli_command ROWS[] = {
             "and with checksums; what a dataset gets while it is captured is there at once. "
             "Programs of this machine may read freely; a listener that others reach asks them for "
             "a "
-            "token (Authorization: Bearer TOKEN). Nothing is ever written into FOLDER. What can be "
-            "asked for: firmware/http/openapi.yaml.",
+            "token (Authorization: Bearer TOKEN). The address of an INTERFACE is followed when it "
+            "changes; it must have one at the start. Nothing is ever written into FOLDER. What can "
+            "be asked for: firmware/http/openapi.yaml.",
         .min_args = 1,
         .max_args = 1,
         .run = cmd_serve,

@@ -33,7 +33,7 @@ void announce_init(struct announce *a, const char *serial)
 /* ---- sockets ---- */
 
 /* "usb0" of "usb0:8417", if that is open. */
-static bool interface_of(const struct socket_place *place, char ret[16])
+static bool interface_of(const struct ttf_http_place *place, char ret[16])
 {
     const char *colon = strrchr(place->text, ':');
     size_t n = colon ? (size_t)(colon - place->text) : 0;
@@ -136,11 +136,11 @@ static void open_place(struct announce *a, struct announce_place *p, const char 
              p->interface);
 }
 
-void announce_follow(struct announce *a, const struct sockets *sockets, int64_t now_ns)
+void announce_follow(struct announce *a, const struct ttf_http_places *sockets, int64_t now_ns)
 {
     a->n = *a->name ? sockets->n : 0;
     for (unsigned i = 0; i < a->n; i++) {
-        const struct socket_place *place = &sockets->places[i];
+        const struct ttf_http_place *place = &sockets->places[i];
         struct announce_place *p = &a->places[i];
         bool there = interface_of(place, p->interface);
         unsigned number = there ? if_nametoindex(p->interface) : 0;

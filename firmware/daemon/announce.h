@@ -9,7 +9,8 @@
 #define DAEMON_ANNOUNCE_H
 
 #include "mdns.h"
-#include "sockets.h"
+#include "ttf/config/daemon_file.h"
+#include "ttf/http/places.h"
 
 struct announce_place {
     char interface[16];
@@ -35,7 +36,8 @@ struct announce {
 void announce_init(struct announce *announce, const char *serial);
 
 /* Sockets of interfaces that the page is at now, and of no others. */
-void announce_follow(struct announce *announce, const struct sockets *sockets, int64_t now_ns);
+void announce_follow(struct announce *announce, const struct ttf_http_places *sockets,
+                     int64_t now_ns);
 
 /* Answers what was asked. Never blocks. */
 void announce_hear(struct announce *announce, int64_t now_ns);

@@ -36,7 +36,7 @@ struct keeper {
     struct follow follow;
     struct preview_watch preview;
     struct ttf_http_server *server;
-    struct sockets sockets;
+    struct ttf_http_places sockets;
     struct announce announce;
     bool complained; /* that there is no server */
     int64_t again_ns, look_ns, save_ns, tick_ns, preview_ns, follow_ns;
@@ -101,7 +101,7 @@ static void open_sockets(struct keeper *k, int64_t now_ns)
     if (!k->server)
         make_server_some_time(k, now_ns);
     if (k->server)
-        sockets_look(&k->sockets, k->server);
+        (void)ttf_http_places_look(&k->sockets, k->server, NULL);
     announce_follow(&k->announce, &k->sockets, now_ns);
 }
 
@@ -253,7 +253,7 @@ int keeper_start(struct daemon *d, struct keeper **ret, struct ttf_err *err)
     if (!k)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     k->d = d;
-    sockets_init(&k->sockets, &d->config, ttf_http_address_of, NULL, "/sys");
+    sockets_init(&k->sockets, &d->config);
     announce_init(&k->announce, d->serial);
     r = -pthread_create(&k->thread, NULL, keep, k);
     if (r < 0) {

@@ -1,114 +1,54 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "sockets.h"
 
-#include <errno.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "log.h"
 
-void sockets_init(struct sockets *s, const struct ttf_daemon_config *config,
-                  ttf_http_address_fn *address_of, void *ctx, const char *sys)
-{
-    *s = (struct sockets){.address_of = address_of,
-                          .ctx = ctx,
-                          .sys = sys,
-                          .as_ever = config->listen_as_ever,
-                          .n = config->n_listen};
-    for (unsigned i = 0; i < s->n; i++)
-        s->places[i] = (struct socket_place){.text = config->listen[i], .fd = -1};
-}
+/* Each has a place. */
+_Static_assert(sizeof((struct ttf_daemon_config *)0)->listen /
+                       sizeof *((struct ttf_daemon_config *)0)->listen <=
+                   TTF_HTTP_PLACES_MAX,
+               "places");
 
-static bool is_unix(const char *text)
+static void listening(const struct ttf_http_place *place)
 {
-    return strncmp(text, "unix:", 5) == 0;
-}
-
-static void leave(struct socket_place *place, struct ttf_http_server *server)
-{
-    if (place->fd < 0)
-        return;
-    log_line(LOG_LEVEL_NOTICE, "left", "at=\"%s\"", place->name);
-    ttf_http_server_leave(server, place->fd);
-    place->fd = -1;
-}
-
-static int open_place(struct socket_place *place, const char *at, struct ttf_http_server *server,
-                      struct ttf_err *err)
-{
-    struct ttf_http_socket socket;
-    int r = ttf_http_listen(at, true, &socket, err);
-
-    if (r == 0) /* the cable alone needs no token */
-        r = ttf_http_server_listen(server, socket.fd, is_unix(at), err);
-    if (r < 0)
-        return r;
     /* The folder that it lies in says who reaches it: /run/ttfbox is the group's. */
-    if (is_unix(at))
-        (void)chmod(at + 5, 0660);
-    place->fd = socket.fd;
-    memcpy(place->at, at, sizeof place->at);
-    memcpy(place->name, socket.name, sizeof place->name);
-    place->complained = false;
-    if (strcmp(place->text, at) == 0)
-        log_line(LOG_LEVEL_NOTICE, "listening", "at=\"%s\"", socket.name);
+    if (strncmp(place->at, "unix:", 5) == 0)
+        (void)chmod(place->at + 5, 0660);
+    if (strcmp(place->text, place->at) == 0)
+        log_line(LOG_LEVEL_NOTICE, "listening", "at=\"%s\"", place->name);
     else
-        log_line(LOG_LEVEL_NOTICE, "listening", "at=\"%s\" for=\"%s\"", socket.name, place->text);
-    return 0;
+        log_line(LOG_LEVEL_NOTICE, "listening", "at=\"%s\" for=\"%s\"", place->name, place->text);
 }
 
-/* There is no such interface, or it has no address yet. */
-static bool is_away(int r)
+static void tell(void *ctx, enum ttf_http_place_news news, const struct ttf_http_place *place,
+                 const struct ttf_err *err)
 {
-    return r == -ENODEV || r == -EADDRNOTAVAIL;
-}
+    char text[900], quoted[1000];
 
-/*
- * Is this the network of a USB device that is plugged in here (a tethered phone, a modem), not the cable to a PC? The kernel calls both usb0;
- * the first alone hangs on an interface of a device on the bus (Documentation/ABI/testing/sysfs-bus-usb: bInterfaceNumber).
- */
-static bool is_of_a_device(const struct sockets *s, const char *text)
-{
-    const char *colon = strrchr(text, ':');
-    char path[200];
-
-    if (is_unix(text) || !colon)
-        return false;
-    (void)snprintf(path, sizeof path, "%s/class/net/%.*s/device/bInterfaceNumber", s->sys,
-                   (int)(colon - text), text);
-    return access(path, F_OK) == 0;
-}
-
-static void look(struct sockets *s, struct socket_place *place, struct ttf_http_server *server)
-{
-    char at[TTF_HTTP_WHERE_SIZE], text[900], quoted[1000];
-    struct ttf_err err = {0};
-    int r = ttf_http_listen_where(place->text, s->address_of, s->ctx, at, &err);
-
-    /* Nobody asked for that one. */
-    if (r == 0 && s->as_ever && is_of_a_device(s, place->text))
-        r = -ENODEV;
-    if (r == 0 && place->fd >= 0 && strcmp(at, place->at) == 0)
-        return;
-    /* What nobody could be asked about stays as it is. */
-    if (r == 0 || is_away(r))
-        leave(place, server);
-    if (is_away(r) && s->as_ever)
-        return;
-    if (r == 0)
-        r = open_place(place, at, server, &err);
-    if (r < 0 && place->fd < 0 && !place->complained) {
+    (void)ctx;
+    switch (news) {
+    case TTF_HTTP_PLACE_LISTENING:
+        listening(place);
+        break;
+    case TTF_HTTP_PLACE_LEFT:
+        log_line(LOG_LEVEL_NOTICE, "left", "at=\"%s\"", place->name);
+        break;
+    case TTF_HTTP_PLACE_UNREACHABLE:
         log_line(LOG_LEVEL_WARNING, "unreachable", "at=\"%s\" why=%s", place->text,
-                 log_text(ttf_err_text(&err, text, sizeof text), quoted, sizeof quoted));
-        place->complained = true;
+                 log_text(ttf_err_text(err, text, sizeof text), quoted, sizeof quoted));
+        break;
     }
 }
 
-void sockets_look(struct sockets *s, struct ttf_http_server *server)
+void sockets_init(struct ttf_http_places *places, const struct ttf_daemon_config *config)
 {
-    ttf_http_server_tidy(server);
-    for (unsigned i = 0; i < s->n; i++)
-        look(s, &s->places[i], server);
+    *places = (struct ttf_http_places){.address_of = ttf_http_address_of,
+                                       .sys = "/sys",
+                                       .as_ever = config->listen_as_ever,
+                                       .tell = tell};
+    for (unsigned i = 0; i < config->n_listen; i++)
+        (void)!ttf_http_places_add(places, config->listen[i]);
 }

@@ -1,51 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Runs that end at an instant or after a time: they do, whatever happens to the box and its clock; and what their end says. */
+/* Runs that end at an instant or after a time: they do, whatever happens to the box; and what their end says. */
 #include "cmocka_includes.h"
 
 #include <errno.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "living.h"
-#include "ttf/hal/clock_backend.h"
+#include "until_run.h"
 
 #define S   TTF_NS_PER_S
 #define MIN TTF_NS_PER_MIN
-
-/* A slot each minute from power-on + 12 s on, until so many have been due. */
-static void until_init(struct sim_run *run, enum ttf_plan_end end, int64_t slots)
-{
-    living_init(run);
-    run->plan.count = slots;
-    run->plan.end = end;
-    if (end == TTF_END_UNTIL)
-        run->plan.until_utc_ns = run->config.start_utc_ns + slots * MIN;
-    if (end == TTF_END_LENGTH)
-        run->plan.length_ns = (slots - 1) * MIN + 30 * S;
-}
-
-static void expect_end(struct sim_run *run, const char *letters, const char *reason)
-{
-    char *text = sim_run_text(run, "records.jsonl");
-    char what[64];
-    const char *end;
-
-    assert_non_null(text);
-    sim_run_expect(run, letters);
-    assert_true(run->result.sealed);
-    end = strstr(text, "\"type\":\"end\"");
-    assert_non_null(end);
-    snprintf(what, sizeof(what), "\"reason\":\"%s\"", reason);
-    if (!strstr(end, what))
-        print_error("not %s: %s\n", what, end);
-    assert_non_null(strstr(end, what));
-    free(text);
-    run->plan.count = (int64_t)strlen(letters);
-    assert_int_equal(run->result.total, run->plan.count);
-    sim_run_expect_whole(run, true);
-}
 
 /* Of a box that keeps no time, dark from 3:40 on for so long; NTP gives the time `back` after it has power again. */
 static void dark(struct sim_run *run, int64_t amount_s, int64_t back)
@@ -53,61 +18,6 @@ static void dark(struct sim_run *run, int64_t amount_s, int64_t back)
     run->config.rtc = false;
     run->config.utc_back_ns = back;
     sim_run_fault(run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = amount_s;
-}
-
-/* ---- a box that believes what it is told of UTC ---- */
-
-/* From an instant since the first power-on on. */
-struct belief {
-    int64_t from_ns;
-    enum ttf_trust trust;
-    int64_t ahead_ns;
-};
-
-struct believer {
-    struct sim_run run; /* first: its callbacks are given this */
-    struct ttf_clock_ops ops;
-    const struct belief *beliefs;
-    unsigned n;
-};
-
-static const struct believer *believer_of(const struct ttf_clock *clock)
-{
-    return (const struct believer *)((const char *)clock->ops - offsetof(struct believer, ops));
-}
-
-static void believed_utc(struct ttf_clock *clock, struct ttf_utc *ret)
-{
-    const struct believer *b = believer_of(clock);
-    int64_t at;
-    unsigned i = 0;
-
-    ret->boot_ns = ttf_clock_now_ns(clock);
-    at = ttf_sim_elapsed_ns(b->run.box, ret->boot_ns);
-    while (i + 1 < b->n && at >= b->beliefs[i + 1].from_ns)
-        i++;
-    ret->utc_ns = b->run.config.start_utc_ns + at + b->beliefs[i].ahead_ns;
-    ret->trust = b->beliefs[i].trust;
-    ret->uncertainty_ns = ret->trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : S;
-    ret->steps = 0;
-}
-
-static void believe(struct sim_run *run)
-{
-    struct believer *b = (struct believer *)run;
-
-    b->ops = *run->box->clock->ops;
-    b->ops.utc = believed_utc;
-    run->box->clock->ops = &b->ops;
-}
-
-static void believer_init(struct believer *b, enum ttf_plan_end end, int64_t slots,
-                          const struct belief *beliefs, unsigned n)
-{
-    until_init(&b->run, end, slots);
-    b->run.on_box = believe;
-    b->beliefs = beliefs;
-    b->n = n;
 }
 
 static void undisturbed_it_ends_as_it_was_reckoned_and_says_why(void **state)
@@ -118,16 +28,16 @@ static void undisturbed_it_ends_as_it_was_reckoned_and_says_why(void **state)
     until_init(&run, TTF_END_UNTIL, 4);
     assert_int_equal(sim_run_boot(&run), 0);
     sim_run_expect_text(&run, "plans/0.json", "\"end\": \"until\"");
-    expect_end(&run, "cccc", "until");
+    until_expect_end(&run, "cccc", "until");
     living_finish(&run);
     until_init(&run, TTF_END_LENGTH, 4);
     assert_int_equal(sim_run_boot(&run), 0);
     sim_run_expect_text(&run, "plans/0.json", "\"end\": \"length\"");
-    expect_end(&run, "cccc", "until");
+    until_expect_end(&run, "cccc", "until");
     living_finish(&run);
     until_init(&run, TTF_END_COUNT, 4);
     assert_int_equal(sim_run_boot(&run), 0);
-    expect_end(&run, "cccc", "count");
+    until_expect_end(&run, "cccc", "count");
     living_finish(&run);
 }
 
@@ -146,7 +56,8 @@ static void after_an_outage_of_unknown_length_it_ends_at_its_instant(void **stat
         assert_int_equal(sim_run_through_cuts(&run), 0);
         assert_int_equal(
             sim_run_events(&run, "plan", i == 0 ? "8 slots instead of 10" : "7 slots instead"), 1);
-        expect_end(&run, i == 0 ? "cccccccc" : "ccccccc", "until"); /* of a length until 9:42 */
+        until_expect_end(&run, i == 0 ? "cccccccc" : "ccccccc",
+                         "until"); /* of a length until 9:42 */
         living_finish(&run);
     }
 }
@@ -247,7 +158,7 @@ static void an_outage_past_its_instant_ends_it_as_soon_as_that_is_known(void **s
         dark(&run, 86400, 90 * S);
         assert_int_equal(sim_run_through_cuts(&run), 0);
         assert_int_equal(sim_run_events(&run, "plan", "the plan's end has come"), 1);
-        expect_end(&run, "cccccc", "until"); /* two at once, as nobody knew */
+        until_expect_end(&run, "cccccc", "until"); /* two at once, as nobody knew */
         living_finish(&run);
     }
 }
@@ -269,7 +180,7 @@ static void it_ends_in_the_middle_of_a_long_wait(void **state)
     assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
     power_on = run.config.power_on_ns = run.back_ns;
     assert_int_equal(sim_run_boot(&run), 0);
-    expect_end(&run, "ccc", "until");
+    until_expect_end(&run, "ccc", "until");
     assert_in_range(run.ended_ns - power_on, TTF_NS_PER_H, TTF_NS_PER_H + 10 * S);
     living_finish(&run);
 }
@@ -282,7 +193,7 @@ static void while_nobody_knows_it_comes_to_as_many_as_before(void **state)
     until_init(&run, TTF_END_UNTIL, 8);
     dark(&run, 86400, 0);
     assert_int_equal(sim_run_through_cuts(&run), 0);
-    expect_end(&run, "cccccccc", "until");
+    until_expect_end(&run, "cccccccc", "until");
     living_finish(&run);
 }
 
@@ -295,7 +206,7 @@ static void an_outage_of_known_length_changes_nothing(void **state)
     until_init(&run, TTF_END_UNTIL, 8);
     sim_run_fault(&run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 86400;
     assert_int_equal(sim_run_through_cuts(&run), 0);
-    expect_end(&run, "ccccwwww", "until");
+    until_expect_end(&run, "ccccwwww", "until");
     living_finish(&run);
 }
 
@@ -314,7 +225,7 @@ static void another_interval_ends_at_the_same_instant(void **state)
         assert_int_equal(sim_run_boot(&run), 0);
         living_expect_done(&run, n);
         /* 0:12, 1:12, 2:12, then 2:37, 3:02, ..., 5:32 (and 5:57 before 6:00) */
-        expect_end(&run, i == 0 ? "cccccccccccc" : "ccccccccccc", "until");
+        until_expect_end(&run, i == 0 ? "cccccccccccc" : "ccccccccccc", "until");
         sim_run_expect_text(&run, "plans/1.json", i == 0 ? "\"count\": 12" : "\"count\": 11");
         living_finish(&run);
     }
@@ -338,7 +249,7 @@ static void asked_for_while_it_runs_it_holds_over_all_of_that(void **state)
     living_expect_done(&run, interval);
     sim_run_expect_text(&run, "plans/2.json", "\"until_utc_ns\"");
     /* 0:12, 1:12, 2:12, 2:42, 3:12; dark; each half minute from 6:52 on, seven before 10:00 */
-    expect_end(&run, "cccccccccccc", "until");
+    until_expect_end(&run, "cccccccccccc", "until");
     living_finish(&run);
 }
 
@@ -356,13 +267,13 @@ static void a_clock_that_is_corrected_moves_it(void **state)
         until_init(&run, TTF_END_UNTIL, 6);
         sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, 2 * MIN + 40 * S)->amount = cases[i].step_s;
         assert_int_equal(sim_run_boot(&run), 0);
-        expect_end(&run, cases[i].letters, "until");
+        until_expect_end(&run, cases[i].letters, "until");
         living_finish(&run);
         /* Of a length there is nothing that UTC could say. */
         until_init(&run, TTF_END_LENGTH, 6);
         sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, 2 * MIN + 40 * S)->amount = cases[i].step_s;
         assert_int_equal(sim_run_boot(&run), 0);
-        expect_end(&run, "cccccc", "until");
+        until_expect_end(&run, "cccccc", "until");
         living_finish(&run);
     }
 }
@@ -377,7 +288,7 @@ static void a_clock_corrected_in_the_last_slot_makes_it_another_than_the_last(vo
     run.plan.shots[0].exposure.exposure_ns = 5 * S;
     sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, 3 * MIN + 14 * S)->amount = -120;
     assert_int_equal(sim_run_boot(&run), 0);
-    expect_end(&run, "cccccc", "until");
+    until_expect_end(&run, "cccccc", "until");
     living_finish(&run);
 }
 
@@ -394,202 +305,8 @@ static void once_ended_it_has_ended_whatever_the_clock_says_later(void **state)
     sim_run_fault(&run, TTF_FAULT_CLOCK_STEP, 1)->amount = -120;
     assert_int_equal(sim_run_boot(&run), 0);
     assert_string_equal(run.result.digest, digest);
-    expect_end(&run, "cccc", "until");
+    until_expect_end(&run, "cccc", "until");
     living_finish(&run);
-}
-
-/* The network goes, after a while nobody vouches for the clock any more, and somebody's PC offers its time. */
-static void a_pc_moves_no_end_that_a_better_clock_of_this_boot_told(void **state)
-{
-    static const struct belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
-                                            {70 * S, TTF_TRUST_NONE, 0},
-                                            {130 * S, TTF_TRUST_HOST, 2 * MIN},
-                                            {190 * S, TTF_TRUST_NONE, 0},
-                                            {250 * S, TTF_TRUST_NTP, -MIN}};
-    struct believer b;
-    char *text;
-
-    (void)state;
-    believer_init(&b, TTF_END_UNTIL, 8, beliefs, 4);
-    assert_int_equal(sim_run_boot(&b.run), 0);
-    text = sim_run_text(&b.run, "records.jsonl");
-    assert_null(strstr(text, "\"trust\":\"host\"")); /* nor what the segment says of UTC */
-    free(text);
-    expect_end(&b.run, "cccccccc", "until");
-    living_finish(&b.run);
-    believer_init(&b, TTF_END_UNTIL, 8, beliefs, 5); /* the network is back */
-    assert_int_equal(sim_run_boot(&b.run), 0);
-    expect_end(&b.run, "ccccccccc", "until");
-    living_finish(&b.run);
-}
-
-/* The same when the run was stopped meanwhile, and when another instant is asked for. */
-static void what_it_told_holds_in_the_next_run_of_the_boot(void **state)
-{
-    static const struct belief network = {0, TTF_TRUST_NTP, 0};
-    static const struct belief none[] = {{0, TTF_TRUST_NONE, 0},
-                                         {190 * S, TTF_TRUST_HOST, 2 * MIN}};
-    struct believer b;
-    int64_t n;
-
-    (void)state;
-    believer_init(&b, TTF_END_UNTIL, 8, &network, 1);
-    living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 3});
-    assert_int_equal(sim_run_boot(&b.run), 0);
-    b.beliefs = none;
-    b.n = 2;
-    assert_int_equal(sim_run_boot(&b.run), 0); /* the boot clock begins anew, the boot does not */
-    expect_end(&b.run, "cccccccc", "until");
-    living_finish(&b.run);
-    believer_init(&b, TTF_END_UNTIL, 8, &network, 1);
-    living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 3});
-    assert_int_equal(sim_run_boot(&b.run), 0);
-    n = living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_UNTIL,
-                                             .from_index = 5,
-                                             .until_utc_ns = b.run.config.start_utc_ns + 10 * MIN});
-    b.beliefs = none;
-    b.n = 2;
-    assert_int_equal(sim_run_boot(&b.run), 0);
-    living_expect_done(&b.run, n);
-    expect_end(&b.run, "cccccccccc", "until");
-    living_finish(&b.run);
-}
-
-/* Slot 0 is due in ten minutes; a clock says that the last one was a day ago. */
-static void a_run_that_waits_for_its_start_is_not_sealed_without_a_slot(void **state)
-{
-    static const struct belief pc[] = {{0, TTF_TRUST_HOST, 0},
-                                       {60 * S, TTF_TRUST_NONE, 0},
-                                       {MIN + 9 * S, TTF_TRUST_HOST, 1440 * MIN}};
-    static const struct belief network[] = {{0, TTF_TRUST_RTC, 0},
-                                            {60 * S, TTF_TRUST_NTP, 1440 * MIN}};
-    static const struct belief right = {0, TTF_TRUST_NTP, 0};
-    struct believer b;
-
-    (void)state;
-    believer_init(&b, TTF_END_UNTIL, 14, pc, 3);
-    b.run.plan.count = 4;
-    b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 10 * MIN;
-    assert_int_equal(sim_run_boot(&b.run), 0); /* a PC's word alone is not believed */
-    assert_int_equal(sim_run_events(&b.run, "plan", "not believed alone"), 1);
-    expect_end(&b.run, "cccc", "until");
-    living_finish(&b.run);
-    believer_init(&b, TTF_END_UNTIL, 14, network, 2);
-    b.run.plan.count = 4;
-    b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 10 * MIN;
-    assert_int_equal(sim_run_boot(&b.run), -EINVAL);
-    assert_string_equal(b.run.err.where, "until");
-    assert_int_equal(b.run.alarms, 1);
-    assert_false(b.run.result.sealed);
-    sim_run_expect_undamaged(&b.run, false);
-    assert_int_equal(sim_run_boot(&b.run), -EINVAL); /* nor when it is run again */
-    assert_int_equal(b.run.alarms, 1);               /* which a box does each minute */
-    sim_run_expect_undamaged(&b.run, false);
-    b.run.plan.until_utc_ns +=
-        S; /* a new plan of the kind comes into force no more than the first would */
-    assert_int_equal(sim_run_boot(&b.run), -EINVAL);
-    assert_string_equal(b.run.err.where, "until");
-    assert_null(sim_run_text(&b.run, "plans/1.json"));
-    b.run.plan.until_utc_ns -= S;
-    b.beliefs = &right;
-    b.n = 1;
-    assert_int_equal(sim_run_boot(&b.run), 0);
-    expect_end(&b.run, "cccc", "until");
-    living_finish(&b.run);
-}
-
-/* A segment without a slot says where the first was to be, not where the last was: no clock lies behind that. */
-static void power_that_fails_before_the_start_lets_a_clock_tell_the_end(void **state)
-{
-    static const struct belief beliefs[] = {
-        {0, TTF_TRUST_NTP, 0}, {2 * MIN, TTF_TRUST_NONE, 0}, {4 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
-    struct believer b;
-
-    (void)state;
-    believer_init(&b, TTF_END_UNTIL, 34, beliefs, 3);
-    b.run.plan.count = 4;
-    b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 30 * MIN;
-    sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 2 * MIN + 30 * S)->amount = 60;
-    assert_int_equal(sim_run_through_cuts(&b.run), 0);
-    assert_int_equal(sim_run_events(&b.run, "plan", "UTC lies before the last slot"), 0);
-    /* Without a clock it begins at once, at 3:42. */
-    expect_end(&b.run, "ccccccccccccccccccccccccccccccc", "until");
-    living_finish(&b.run);
-}
-
-/* A boot that knows nothing hears a PC that stands before its last slot; the next one hears nothing. */
-static void a_pc_that_is_behind_moves_no_end(void **state)
-{
-    static const struct belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
-                                            {4 * MIN, TTF_TRUST_NONE, 0},
-                                            {7 * MIN + 10 * S, TTF_TRUST_HOST, -30 * MIN},
-                                            {9 * MIN, TTF_TRUST_NONE, 0}};
-
-    (void)state;
-    for (unsigned i = 0; i < 2; i++) {
-        struct believer b;
-
-        /* Slots 0 to 3; dark until 6:40; slots at 6:52, 7:52 (the PC is heard before), and so on. */
-        believer_init(&b, TTF_END_UNTIL, 8, beliefs, 4);
-        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
-        if (i > 0)
-            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 8 * MIN + 20 * S)->amount = 60;
-        assert_int_equal(sim_run_through_cuts(&b.run), 0);
-        assert_int_equal(sim_run_events(&b.run, "plan", "UTC lies before the last slot"), 1);
-        expect_end(&b.run, "cccccccc", "until");
-        living_finish(&b.run);
-    }
-}
-
-/* Dark, power for ten seconds, dark again: whoever tells the time then tells both. */
-static void power_that_flickers_hides_no_outage_from_a_length(void **state)
-{
-    static const struct belief at_once[] = {{0, TTF_TRUST_NTP, 0},
-                                            {4 * MIN, TTF_TRUST_NONE, 0},
-                                            {7 * MIN + 30 * S, TTF_TRUST_NTP, 0},
-                                            {8 * MIN + 30 * S, TTF_TRUST_NONE, 0}};
-    static const struct belief later[] = {
-        {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
-    static const struct belief a_pc[] = {
-        {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_HOST, 0}};
-    static const struct {
-        const struct belief *beliefs;
-        unsigned n;
-        int64_t cut_ns; /* once more, and no clock behind it */
-    } cases[] = {{at_once, 3, 0}, {later, 3, 0}, {a_pc, 3, 0}, {at_once, 4, 8 * MIN + 20 * S}};
-
-    (void)state;
-    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-        struct believer b;
-
-        /* Slots at 0:12 to 3:12; 8:02, 9:02; the end at 9:42. */
-        believer_init(&b, TTF_END_LENGTH, 10, cases[i].beliefs, cases[i].n);
-        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
-        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 6 * MIN + 50 * S)->amount = 60;
-        if (cases[i].cut_ns > 0)
-            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, cases[i].cut_ns)->amount = 30;
-        assert_int_equal(sim_run_through_cuts(&b.run), 0);
-        expect_end(&b.run, "cccccc", "until");
-        living_finish(&b.run);
-    }
-}
-
-/* Where nobody knew better its word counts, as long as slots are left. */
-static void a_pc_s_word_tells_the_end_where_nothing_better_was_known(void **state)
-{
-    static const struct belief beliefs[] = {
-        {0, TTF_TRUST_NONE, 0}, {70 * S, TTF_TRUST_HOST, 2 * MIN}, {130 * S, TTF_TRUST_NTP, 0}};
-    struct believer b;
-
-    (void)state;
-    believer_init(&b, TTF_END_UNTIL, 8, beliefs, 2);
-    assert_int_equal(sim_run_boot(&b.run), 0);
-    expect_end(&b.run, "cccccc", "until");
-    living_finish(&b.run);
-    believer_init(&b, TTF_END_UNTIL, 8, beliefs, 3); /* who knows better has the last word */
-    assert_int_equal(sim_run_boot(&b.run), 0);
-    expect_end(&b.run, "cccccccc", "until");
-    living_finish(&b.run);
 }
 
 static void a_run_that_a_person_ends_at_once_was_stopped(void **state)
@@ -600,7 +317,7 @@ static void a_run_that_a_person_ends_at_once_was_stopped(void **state)
     until_init(&run, TTF_END_UNTIL, 6);
     living_ask(&run, &(struct ttf_ask){.kind = TTF_ASK_COUNT, .from_index = 3, .count = 3});
     assert_int_equal(sim_run_boot(&run), 0);
-    expect_end(&run, "ccc", "stopped");
+    until_expect_end(&run, "ccc", "stopped");
     living_finish(&run);
 }
 
@@ -629,7 +346,7 @@ static void a_plan_that_ends_what_is_there_stops_it(void **state)
     run.plan.count = 3;
     run.config.power_on_ns = run.ended_ns + S;
     assert_int_equal(sim_run_boot(&run), 0);
-    expect_end(&run, "ccc", "stopped");
+    until_expect_end(&run, "ccc", "stopped");
     expect_nothing_to_do(&run);
     living_finish(&run);
 }
@@ -649,7 +366,7 @@ static void a_new_plan_that_ends_before_what_is_there_is_refused(void **state)
     assert_non_null(strstr(run.err.what, "slot 3"));
     run.plan.until_utc_ns += 2 * MIN; /* the last one was due before it, the next is not */
     assert_int_equal(sim_run_boot(&run), 0);
-    expect_end(&run, "cccc", "until");
+    until_expect_end(&run, "cccc", "until");
     expect_nothing_to_do(&run);
     living_finish(&run);
 }
@@ -691,7 +408,7 @@ static void a_dataset_that_does_not_tell_its_end_is_gone_on_with_by_its_count(vo
     run.config.power_on_ns = run.back_ns;
     assert_int_equal(sim_run_boot(&run), 0);
     assert_null(sim_run_text(&run, "plans/1.json"));
-    expect_end(&run, "cccwcc", "count");
+    until_expect_end(&run, "cccwcc", "count");
     living_finish(&run);
 }
 
@@ -712,13 +429,6 @@ int main(void)
         cmocka_unit_test(a_clock_that_is_corrected_moves_it),
         cmocka_unit_test(a_clock_corrected_in_the_last_slot_makes_it_another_than_the_last),
         cmocka_unit_test(once_ended_it_has_ended_whatever_the_clock_says_later),
-        cmocka_unit_test(a_pc_moves_no_end_that_a_better_clock_of_this_boot_told),
-        cmocka_unit_test(what_it_told_holds_in_the_next_run_of_the_boot),
-        cmocka_unit_test(a_run_that_waits_for_its_start_is_not_sealed_without_a_slot),
-        cmocka_unit_test(power_that_fails_before_the_start_lets_a_clock_tell_the_end),
-        cmocka_unit_test(a_pc_that_is_behind_moves_no_end),
-        cmocka_unit_test(power_that_flickers_hides_no_outage_from_a_length),
-        cmocka_unit_test(a_pc_s_word_tells_the_end_where_nothing_better_was_known),
         cmocka_unit_test(a_run_that_a_person_ends_at_once_was_stopped),
         cmocka_unit_test(a_plan_that_ends_what_is_there_stops_it),
         cmocka_unit_test(a_new_plan_that_ends_before_what_is_there_is_refused),

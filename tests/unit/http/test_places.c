@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* test_sockets.c: an interface's address is followed as it comes, changes and goes; who came by another one notices nothing. */
+/* test_places.c: an interface's address is followed as it comes, changes and goes; who came by another one notices nothing. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,19 +18,29 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-#include "sockets.h"
+#include "ttf/http/places.h"
 
 #define PATIENCE 10 /* seconds that a test waits for what must come */
 
 struct fixture {
-    struct ttf_daemon_config config;
-    struct sockets sockets;
+    struct ttf_http_places sockets;
     struct ttf_http_server *server;
     struct ttf_clock *clock;
     const char *address; /* that usb0 has; NULL: error */
     int error;
+    unsigned told[3]; /* times, of each news */
     char folder[64], sys[80];
 };
+
+static void tell(void *ctx, enum ttf_http_place_news news, const struct ttf_http_place *place,
+                 const struct ttf_err *err)
+{
+    struct fixture *f = ctx;
+
+    assert_int_equal(place->fd >= 0, news == TTF_HTTP_PLACE_LISTENING);
+    assert_int_equal(err != NULL, news == TTF_HTTP_PLACE_UNREACHABLE);
+    f->told[news]++;
+}
 
 static int address_of(void *ctx, const char *interface, char ret[TTF_HTTP_ADDRESS_SIZE])
 {
@@ -57,11 +67,11 @@ static void begin(struct fixture *f)
     config.clock = f->clock = ttf_clock_real_create();
     assert_non_null(f->clock);
     assert_int_equal(ttf_http_server_create(&config, &f->server, NULL), 0);
-    f->config.n_listen = 2;
-    (void)snprintf(f->config.listen[0], sizeof f->config.listen[0], "127.0.0.1:0");
-    (void)snprintf(f->config.listen[1], sizeof f->config.listen[1], "usb0:0");
     (void)snprintf(f->sys, sizeof f->sys, "%s/sys", f->folder);
-    sockets_init(&f->sockets, &f->config, address_of, f, f->sys);
+    f->sockets = (struct ttf_http_places){
+        .address_of = address_of, .ctx = f, .sys = f->sys, .tell = tell, .tell_ctx = f};
+    assert_int_equal(ttf_http_places_add(&f->sockets, "127.0.0.1:0"), 0);
+    assert_int_equal(ttf_http_places_add(&f->sockets, "usb0:0"), 0);
 }
 
 static void end(struct fixture *f)
@@ -76,7 +86,7 @@ static void usb0_has(struct fixture *f, const char *address, int error)
 {
     f->address = address;
     f->error = error;
-    sockets_look(&f->sockets, f->server);
+    (void)ttf_http_places_look(&f->sockets, f->server, NULL);
 }
 
 static struct sockaddr_in place_of(const struct fixture *f, unsigned i)
@@ -125,12 +135,14 @@ static bool is_answered_at(const struct sockaddr_in *at)
 static void an_interface_is_followed_to_the_address_that_it_has(void **state)
 {
     struct sockaddr_in first, second, other;
+    struct ttf_err err = {0};
     struct fixture f;
     int kept;
 
     (void)state;
     begin(&f);
-    sockets_look(&f.sockets, f.server);
+    assert_int_equal(ttf_http_places_look(&f.sockets, f.server, &err), -ENODEV);
+    assert_string_equal(err.where, "usb0:0");
     assert_int_equal(f.sockets.places[1].fd, -1); /* there is no such interface yet */
     other = place_of(&f, 0);
     kept = dial(&other);
@@ -152,6 +164,9 @@ static void an_interface_is_followed_to_the_address_that_it_has(void **state)
     second = place_of(&f, 1);
     assert_true(is_answered_at(&second));
     assert_true(answers(kept)); /* all the time, by the address that stayed */
+    assert_int_equal(f.told[TTF_HTTP_PLACE_LISTENING], 4);
+    assert_int_equal(f.told[TTF_HTTP_PLACE_LEFT], 2);
+    assert_int_equal(f.told[TTF_HTTP_PLACE_UNREACHABLE], 2); /* once each time that it went */
     (void)close(kept);
     end(&f);
 }
@@ -174,6 +189,28 @@ static void an_address_that_stays_and_one_that_cannot_be_asked_for_stay_listened
     assert_true(answers(kept));
     assert_true(is_answered_at(&at));
     (void)close(kept);
+    end(&f);
+}
+
+/* Of a place that the network's address makes loopback, and then not: what may be read freely goes with the address. */
+static void whoever_may_read_freely_is_told_by_the_address_of_the_moment(void **state)
+{
+    struct fixture f;
+
+    (void)state;
+    begin(&f);
+    usb0_has(&f, "127.0.0.2", 0);
+    assert_false(f.sockets.places[0].free_to_read); /* a box: loopback as well is asked */
+    assert_false(f.sockets.places[1].free_to_read);
+    end(&f);
+    begin(&f);
+    f.sockets.free_loopback = true;
+    usb0_has(&f, "127.0.0.2", 0);
+    assert_true(f.sockets.places[0].free_to_read);
+    assert_true(f.sockets.places[1].free_to_read);
+    usb0_has(&f, "0.0.0.0", 0);
+    assert_true(f.sockets.places[0].free_to_read);
+    assert_false(f.sockets.places[1].free_to_read);
     end(&f);
 }
 
@@ -258,6 +295,7 @@ int main(void)
         cmocka_unit_test(an_interface_is_followed_to_the_address_that_it_has),
         cmocka_unit_test(an_address_that_stays_and_one_that_cannot_be_asked_for_stay_listened_on),
         cmocka_unit_test(the_network_of_a_device_is_listened_on_only_if_somebody_asked_for_it),
+        cmocka_unit_test(whoever_may_read_freely_is_told_by_the_address_of_the_moment),
         cmocka_unit_test(an_address_may_change_as_often_as_it_likes),
     };
 

@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a clock, and a PC's, may do to a run: its end, and the UTC of its slots; and what better clocks hold against it. */
+#include "cmocka_includes.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "until_run.h"
+
+#define S   TTF_NS_PER_S
+#define MIN TTF_NS_PER_MIN
+
+/* The network goes, after a while nobody vouches for the clock any more, and somebody's PC offers its time. */
+static void a_pc_moves_no_end_that_a_better_clock_of_this_boot_told(void **state)
+{
+    static const struct until_belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
+                                            {70 * S, TTF_TRUST_NONE, 0},
+                                            {130 * S, TTF_TRUST_HOST, 2 * MIN},
+                                            {190 * S, TTF_TRUST_NONE, 0},
+                                            {250 * S, TTF_TRUST_NTP, -MIN}};
+    struct until_clock b;
+    char *text;
+
+    (void)state;
+    until_clock_init(&b, TTF_END_UNTIL, 8, beliefs, 4);
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    text = sim_run_text(&b.run, "records.jsonl");
+    assert_null(strstr(text, "\"trust\":\"host\"")); /* nor what the segment says of UTC */
+    free(text);
+    until_expect_end(&b.run, "cccccccc", "until");
+    living_finish(&b.run);
+    until_clock_init(&b, TTF_END_UNTIL, 8, beliefs, 5); /* the network is back */
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    until_expect_end(&b.run, "ccccccccc", "until");
+    living_finish(&b.run);
+}
+
+/* The same when the run was stopped meanwhile, and when another instant is asked for. */
+static void what_it_told_holds_in_the_next_run_of_the_boot(void **state)
+{
+    static const struct until_belief network = {0, TTF_TRUST_NTP, 0};
+    static const struct until_belief none[] = {{0, TTF_TRUST_NONE, 0},
+                                         {190 * S, TTF_TRUST_HOST, 2 * MIN}};
+    struct until_clock b;
+    int64_t n;
+
+    (void)state;
+    until_clock_init(&b, TTF_END_UNTIL, 8, &network, 1);
+    living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 3});
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    b.beliefs = none;
+    b.n = 2;
+    assert_int_equal(sim_run_boot(&b.run), 0); /* the boot clock begins anew, the boot does not */
+    until_expect_end(&b.run, "cccccccc", "until");
+    living_finish(&b.run);
+    until_clock_init(&b, TTF_END_UNTIL, 8, &network, 1);
+    living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 3});
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    n = living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_UNTIL,
+                                             .from_index = 5,
+                                             .until_utc_ns = b.run.config.start_utc_ns + 10 * MIN});
+    b.beliefs = none;
+    b.n = 2;
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    living_expect_done(&b.run, n);
+    until_expect_end(&b.run, "cccccccccc", "until");
+    living_finish(&b.run);
+}
+
+/* Slot 0 is due in ten minutes; a clock says that the last one was a day ago. */
+static void a_run_that_waits_for_its_start_is_not_sealed_without_a_slot(void **state)
+{
+    static const struct until_belief pc[] = {{0, TTF_TRUST_HOST, 0},
+                                       {60 * S, TTF_TRUST_NONE, 0},
+                                       {MIN + 9 * S, TTF_TRUST_HOST, 1440 * MIN}};
+    static const struct until_belief network[] = {{0, TTF_TRUST_RTC, 0},
+                                            {60 * S, TTF_TRUST_NTP, 1440 * MIN}};
+    static const struct until_belief right = {0, TTF_TRUST_NTP, 0};
+    struct until_clock b;
+
+    (void)state;
+    until_clock_init(&b, TTF_END_UNTIL, 14, pc, 3);
+    b.run.plan.count = 4;
+    b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 10 * MIN;
+    assert_int_equal(sim_run_boot(&b.run), 0); /* a PC's word alone is not believed */
+    assert_int_equal(sim_run_events(&b.run, "plan", "not believed alone"), 1);
+    until_expect_end(&b.run, "cccc", "until");
+    living_finish(&b.run);
+    until_clock_init(&b, TTF_END_UNTIL, 14, network, 2);
+    b.run.plan.count = 4;
+    b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 10 * MIN;
+    assert_int_equal(sim_run_boot(&b.run), -EINVAL);
+    assert_string_equal(b.run.err.where, "until");
+    assert_int_equal(b.run.alarms, 1);
+    assert_false(b.run.result.sealed);
+    sim_run_expect_undamaged(&b.run, false);
+    assert_int_equal(sim_run_boot(&b.run), -EINVAL); /* nor when it is run again */
+    assert_int_equal(b.run.alarms, 1);               /* which a box does each minute */
+    sim_run_expect_undamaged(&b.run, false);
+    b.run.plan.until_utc_ns +=
+        S; /* a new plan of the kind comes into force no more than the first would */
+    assert_int_equal(sim_run_boot(&b.run), -EINVAL);
+    assert_string_equal(b.run.err.where, "until");
+    assert_null(sim_run_text(&b.run, "plans/1.json"));
+    b.run.plan.until_utc_ns -= S;
+    b.beliefs = &right;
+    b.n = 1;
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    until_expect_end(&b.run, "cccc", "until");
+    living_finish(&b.run);
+}
+
+/* A segment without a slot says where the first was to be, not where the last was: no clock lies behind that. */
+static void power_that_fails_before_the_start_lets_a_clock_tell_the_end(void **state)
+{
+    static const struct until_belief beliefs[] = {
+        {0, TTF_TRUST_NTP, 0}, {2 * MIN, TTF_TRUST_NONE, 0}, {4 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
+    struct until_clock b;
+
+    (void)state;
+    until_clock_init(&b, TTF_END_UNTIL, 34, beliefs, 3);
+    b.run.plan.count = 4;
+    b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 30 * MIN;
+    sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 2 * MIN + 30 * S)->amount = 60;
+    assert_int_equal(sim_run_through_cuts(&b.run), 0);
+    assert_int_equal(sim_run_events(&b.run, "plan", "UTC lies before the last slot"), 0);
+    /* Without a clock it begins at once, at 3:42. */
+    until_expect_end(&b.run, "ccccccccccccccccccccccccccccccc", "until");
+    living_finish(&b.run);
+}
+
+/* A boot that knows nothing hears a PC that stands before its last slot; the next one hears nothing. */
+static void a_pc_that_is_behind_moves_no_end(void **state)
+{
+    static const struct until_belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
+                                            {4 * MIN, TTF_TRUST_NONE, 0},
+                                            {7 * MIN + 10 * S, TTF_TRUST_HOST, -30 * MIN},
+                                            {9 * MIN, TTF_TRUST_NONE, 0}};
+
+    (void)state;
+    for (unsigned i = 0; i < 2; i++) {
+        struct until_clock b;
+
+        /* Slots 0 to 3; dark until 6:40; slots at 6:52, 7:52 (the PC is heard before), and so on. */
+        until_clock_init(&b, TTF_END_UNTIL, 8, beliefs, 4);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
+        if (i > 0)
+            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 8 * MIN + 20 * S)->amount = 60;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        assert_int_equal(sim_run_events(&b.run, "plan", "UTC lies before the last slot"), 1);
+        until_expect_end(&b.run, "cccccccc", "until");
+        living_finish(&b.run);
+    }
+}
+
+/* Dark, power for ten seconds, dark again: whoever tells the time then tells both. */
+static void power_that_flickers_hides_no_outage_from_a_length(void **state)
+{
+    static const struct until_belief at_once[] = {{0, TTF_TRUST_NTP, 0},
+                                            {4 * MIN, TTF_TRUST_NONE, 0},
+                                            {7 * MIN + 30 * S, TTF_TRUST_NTP, 0},
+                                            {8 * MIN + 30 * S, TTF_TRUST_NONE, 0}};
+    static const struct until_belief later[] = {
+        {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
+    static const struct until_belief a_pc[] = {
+        {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_HOST, 0}};
+    static const struct {
+        const struct until_belief *beliefs;
+        unsigned n;
+        int64_t cut_ns; /* once more, and no clock behind it */
+    } cases[] = {{at_once, 3, 0}, {later, 3, 0}, {a_pc, 3, 0}, {at_once, 4, 8 * MIN + 20 * S}};
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct until_clock b;
+
+        /* Slots at 0:12 to 3:12; 8:02, 9:02; the end at 9:42. */
+        until_clock_init(&b, TTF_END_LENGTH, 10, cases[i].beliefs, cases[i].n);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 6 * MIN + 50 * S)->amount = 60;
+        if (cases[i].cut_ns > 0)
+            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, cases[i].cut_ns)->amount = 30;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        until_expect_end(&b.run, "cccccc", "until");
+        living_finish(&b.run);
+    }
+}
+
+/* Where nobody knew better its word counts, as long as slots are left. */
+static void a_pc_s_word_tells_the_end_where_nothing_better_was_known(void **state)
+{
+    static const struct until_belief beliefs[] = {
+        {0, TTF_TRUST_NONE, 0}, {70 * S, TTF_TRUST_HOST, 2 * MIN}, {130 * S, TTF_TRUST_NTP, 0}};
+    struct until_clock b;
+
+    (void)state;
+    until_clock_init(&b, TTF_END_UNTIL, 8, beliefs, 2);
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    until_expect_end(&b.run, "cccccc", "until");
+    living_finish(&b.run);
+    until_clock_init(&b, TTF_END_UNTIL, 8, beliefs, 3); /* who knows better has the last word */
+    assert_int_equal(sim_run_boot(&b.run), 0);
+    until_expect_end(&b.run, "cccccccc", "until");
+    living_finish(&b.run);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_pc_moves_no_end_that_a_better_clock_of_this_boot_told),
+        cmocka_unit_test(what_it_told_holds_in_the_next_run_of_the_boot),
+        cmocka_unit_test(a_run_that_waits_for_its_start_is_not_sealed_without_a_slot),
+        cmocka_unit_test(power_that_fails_before_the_start_lets_a_clock_tell_the_end),
+        cmocka_unit_test(a_pc_that_is_behind_moves_no_end),
+        cmocka_unit_test(power_that_flickers_hides_no_outage_from_a_length),
+        cmocka_unit_test(a_pc_s_word_tells_the_end_where_nothing_better_was_known),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
