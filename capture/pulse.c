@@ -76,10 +76,9 @@ static void correct_one(struct ttf_pulse *pulse, struct ttf_segment *s, const st
 
 static void correct_segment(struct ttf_pulse *pulse, const struct ttf_utc *utc)
 {
-    pulse->corrected = pulse->has_segment;
+    pulse->corrected = true;
     /* The one that a resume goes by comes first. */
-    if (pulse->has_segment)
-        correct_one(pulse, &pulse->segment, utc);
+    correct_one(pulse, &pulse->segment, utc);
     for (unsigned i = 0; i < pulse->n_earlier; i++)
         correct_one(pulse, &pulse->earlier[i], utc);
 }
@@ -93,19 +92,40 @@ void ttf_pulse_next_segment(struct ttf_pulse *pulse, const struct ttf_segment *s
     pulse->segment = *segment;
 }
 
+int64_t ttf_pulse_utc_at(const struct ttf_pulse *pulse, int64_t boot_ns)
+{
+    const struct ttf_segment *s = &pulse->segment;
+
+    if (!pulse->has_segment)
+        return ttf_utc_watch_at(&pulse->utc, boot_ns);
+    if (s->origin_utc_ns == TTF_NS_UNKNOWN || boot_ns == TTF_NS_UNKNOWN)
+        return TTF_NS_UNKNOWN;
+    return s->origin_utc_ns + (boot_ns - s->origin_ns);
+}
+
+void ttf_pulse_tell_behind(struct ttf_pulse *pulse, const struct ttf_utc *utc)
+{
+    ttf_events_emit(pulse->events, "clock",
+                    "UTC (%s) lies before the last slot of before: it labels no slot, and moves no "
+                    "end",
+                    ttf_trust_name(utc->trust));
+}
+
 /*
  * A clock that was set is believed: were the segment left as it is, the step would look like an outage after the
  * next power cut, and slots would be given up as lost to it. One that is vouched for less than another was before
- * in this boot is not: it says nothing that the boot clock has not kept.
+ * in this boot is not: it says nothing that the boot clock has not kept. Nor is one that contradicts a boot before.
  */
-static bool corrects(const struct ttf_pulse *pulse, const struct ttf_utc_news *news,
-                     enum ttf_trust trust)
+static bool corrects(struct ttf_pulse *pulse, const struct ttf_utc *utc)
 {
-    enum ttf_trust known = ttf_segment_trust(&pulse->segment);
-
-    if (trust == TTF_TRUST_NONE)
+    if (!pulse->has_segment || utc->trust == TTF_TRUST_NONE ||
+        utc->trust < ttf_segment_trust(&pulse->segment))
         return false;
-    return news->more_trusted ? trust >= known : news->stepped && trust == known;
+    if (ttf_resume_clock_behind(pulse->past, utc, pulse->began_ns)) {
+        ttf_pulse_tell_behind(pulse, utc);
+        return false;
+    }
+    return true;
 }
 
 static void look_at_utc(struct ttf_pulse *pulse)
@@ -122,7 +142,7 @@ static void look_at_utc(struct ttf_pulse *pulse)
     if (news.more_trusted)
         ttf_events_emit(pulse->events, "clock", "UTC is now vouched for by %s",
                         ttf_trust_name(utc.trust));
-    if (corrects(pulse, &news, utc.trust))
+    if (corrects(pulse, &utc))
         correct_segment(pulse, &utc);
 }
 

@@ -8,6 +8,7 @@
 #define TTF_CAPTURE_PRIVATE_PULSE_H
 
 #include "lamp_driver.h"
+#include "timeline.h"
 #include "ttf/capture/control.h"
 #include "ttf/hal/box.h"
 #include "utc_watch.h"
@@ -39,6 +40,9 @@ struct ttf_pulse {
     unsigned n_earlier;
     struct ttf_segment before; /* the last one of the boot before, if has_before */
     bool has_before;
+    const struct ttf_run_past
+        *past; /* of the run, which was gone on with at began_ns, if has_segment */
+    int64_t began_ns;
     bool button_stop; /* the button was held */
     bool door_open;
     int64_t door_opened_ns; /* the last time */
@@ -94,6 +98,12 @@ bool ttf_pulse_door_was_open(struct ttf_pulse *pulse, int64_t from_ns, int64_t u
 
 /* Another segment begins, of a changed plan: from now on it is the one that is corrected. */
 void ttf_pulse_next_segment(struct ttf_pulse *pulse, const struct ttf_segment *segment);
+
+/* UTC of an instant of this boot as its slots are labelled; TTF_NS_UNKNOWN: nobody is believed. */
+int64_t ttf_pulse_utc_at(const struct ttf_pulse *pulse, int64_t boot_ns);
+
+/* An event: this clock stands before the last slot of a boot before, and is not believed. */
+void ttf_pulse_tell_behind(struct ttf_pulse *pulse, const struct ttf_utc *utc);
 
 /* Status light; a box without one is fine. */
 void ttf_pulse_led(struct ttf_pulse *pulse, enum ttf_led led);

@@ -52,28 +52,31 @@ static struct ttf_run_clock clock_of(const struct ttf_resume_input *in, const st
                                   TTF_TRUST_NONE};
 }
 
-static int64_t offset_of(const struct ttf_resume_input *in)
+/* The present, or a better clock that a run before this one in this boot knew: the boot clock has kept it. */
+static struct ttf_utc best_of(const struct ttf_run_past *past, const struct ttf_utc *now)
 {
-    return in->utc.trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : in->utc.utc_ns - in->utc.boot_ns;
+    if (past->boot_trust <= now->trust)
+        return *now;
+    return (struct ttf_utc){.boot_ns = now->boot_ns,
+                            .utc_ns = now->boot_ns + past->boot_offset_ns,
+                            .uncertainty_ns = past->boot_uncertainty_ns,
+                            .trust = past->boot_trust,
+                            .steps = now->steps};
 }
 
-/*
- * By what this boot knows of UTC: the present, or a better clock that a run before this one in it knew. It tells outages of
- * unknown length, too: of such is the last one, or not.
- */
+/* By what this boot knows of UTC. It tells outages of unknown length, too: of such is the last one, or not. */
 static struct ttf_run_clock clock_of_boot(const struct ttf_resume_input *in,
                                           const struct ttf_grid *grid, bool gap_unknown)
 {
-    struct ttf_run_clock clock = clock_of(in, grid, 0, offset_of(in));
+    struct ttf_run_clock clock = clock_of(in, grid, 0, TTF_NS_UNKNOWN);
+    const struct ttf_utc utc = best_of(&in->past, &in->utc);
     int64_t slot0_utc_ns = TTF_NS_UNKNOWN;
 
-    clock.trust = in->utc.trust;
-    if (in->past.boot_trust > in->utc.trust) {
-        clock.trust = in->past.boot_trust;
-        clock.utc_offset_ns = in->past.boot_offset_ns;
-    }
-    if (clock.trust != TTF_TRUST_NONE)
+    clock.trust = utc.trust;
+    if (clock.trust != TTF_TRUST_NONE) {
+        clock.utc_offset_ns = utc.utc_ns - utc.boot_ns;
         slot0_utc_ns = clock.slot0_ns + clock.utc_offset_ns;
+    }
     clock.gaps_ns = ttf_timeline_gaps_ns(&in->past, slot0_utc_ns, gap_unknown);
     return clock;
 }
@@ -90,11 +93,23 @@ static struct ttf_run_clock clock_of_past(const struct ttf_resume_input *in,
     return clock;
 }
 
-bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_run_clock *clock,
+bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_utc *utc,
                              int64_t began_ns)
 {
-    return past->last_trust != TTF_TRUST_NONE && clock->trust <= past->last_trust &&
-           began_ns + clock->utc_offset_ns < past->last_utc_ns - TTF_NS_PER_S;
+    return utc->trust != TTF_TRUST_NONE && utc->trust <= past->last_trust &&
+           utc->utc_ns + (began_ns - utc->boot_ns) < past->last_utc_ns - TTF_NS_PER_S;
+}
+
+struct ttf_utc ttf_resume_utc(const struct ttf_run_past *past, const struct ttf_utc *now,
+                              int64_t began_ns)
+{
+    struct ttf_utc utc = *now;
+
+    if (ttf_resume_clock_behind(past, now, began_ns)) {
+        utc.trust = TTF_TRUST_NONE;
+        utc.uncertainty_ns = TTF_NS_UNKNOWN;
+    }
+    return best_of(past, &utc);
 }
 
 /* What was known before: what a PC alone said counts where nobody else said anything, and as long as the end has not passed by it. */
@@ -117,11 +132,12 @@ static void resolve_end_by_past(const struct ttf_resume_input *in, struct ttf_re
 static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
 {
     const int64_t index = r->grid.first_index;
+    const struct ttf_utc utc = best_of(&in->past, &in->utc);
     bool believed;
 
     r->clock = clock_of_boot(in, &r->grid, r->gap_ns == TTF_NS_UNKNOWN);
     believed = !r->clock_implausible && r->clock.trust != TTF_TRUST_NONE &&
-               !ttf_resume_clock_behind(&in->past, &r->clock, in->now_ns) &&
+               !ttf_resume_clock_behind(&in->past, &utc, in->now_ns) &&
                ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock,
                                       r->continued && r->clock.trust == TTF_TRUST_HOST);
     if (!believed)

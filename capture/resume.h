@@ -56,8 +56,15 @@ TTF_MUST_USE int ttf_resume_resolve(const struct ttf_resume_input *in, struct tt
  * Whether a clock stands before the last slot that was taken in a boot before, when the run was gone on with
  * (began_ns): not believed, unless it is vouched for better than that slot's was.
  */
-bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_run_clock *clock,
+bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_utc *utc,
                              int64_t began_ns);
+
+/*
+ * What is believed of UTC when a run is gone on with: the present, unless it is behind as above; or a better clock that
+ * a run before this one in this boot knew.
+ */
+struct ttf_utc ttf_resume_utc(const struct ttf_run_past *past, const struct ttf_utc *now,
+                              int64_t began_ns);
 
 /* Why that slot, of those that are lost, has no picture, and what its record says it is. */
 const char *ttf_resume_lost(const struct ttf_resume *resume, int64_t index,

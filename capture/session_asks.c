@@ -37,6 +37,10 @@ static int count_until(const struct ttf_session *s, struct changed *to, int64_t 
         return ttf_err_set(err, -EINVAL, "until",
                            "nobody vouches for this box's clock, so an instant means nothing");
     if (is_new && to->plan.end == TTF_END_UNTIL && utc.trust >= to->run.trust) {
+        if (ttf_resume_clock_behind(&s->past, &utc, s->began_ns))
+            return ttf_err_set(err, -EINVAL, "until",
+                               "this box's clock stands before the last slot of before it had "
+                               "power again, so an instant means nothing");
         to->run.utc_offset_ns = utc.utc_ns - utc.boot_ns;
         to->run.trust = utc.trust;
     }
@@ -136,8 +140,7 @@ static int change_plan(struct ttf_session *s, const struct ttf_ask *ask, int64_t
     if (r == 0 && same_local_day(&to.plan, &before))
         to.plan.phase_ns = before.phase_ns;
     else if (r == 0)
-        r = ttf_session_resolve_phase(&to.plan, ttf_utc_watch_at(&s->pulse.utc, s->run.slot0_ns),
-                                      err);
+        r = ttf_session_resolve_phase(&to.plan, ttf_pulse_utc_at(&s->pulse, s->run.slot0_ns), err);
     if (r == 0)
         r = ttf_lamp_programme_init(&programme, &to.plan, s->box->lamps, s->run.slot0_ns, err);
     if (r < 0)
@@ -171,7 +174,7 @@ static int take_note(struct ttf_session *s, struct ttf_note *note, int64_t numbe
     if (!job)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     if (note->utc_ns == TTF_NS_UNKNOWN)
-        note->utc_ns = ttf_utc_watch_at(&s->pulse.utc, ttf_clock_now_ns(s->box->clock));
+        note->utc_ns = ttf_pulse_utc_at(&s->pulse, ttf_clock_now_ns(s->box->clock));
     job->note = note;
     job->ask = number;
     ttf_queue_push(&s->queue, job);

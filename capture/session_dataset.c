@@ -144,6 +144,23 @@ static int resolve_grid(struct ttf_session *s, struct ttf_resume_input *in, stru
     return 0;
 }
 
+/* The clock that labels the segment: what is believed of it. */
+static void label_segment(struct ttf_session *s, const struct ttf_utc *now)
+{
+    struct ttf_segment *segment = &s->pulse.segment;
+    const struct ttf_utc utc = ttf_resume_utc(&s->past, now, s->began_ns);
+
+    segment->origin_utc_ns = TTF_NS_UNKNOWN;
+    segment->uncertainty_ns = TTF_NS_UNKNOWN;
+    if (utc.trust != TTF_TRUST_NONE) {
+        segment->origin_utc_ns = utc.utc_ns + (segment->origin_ns - utc.boot_ns);
+        segment->uncertainty_ns = utc.uncertainty_ns;
+    }
+    snprintf(segment->trust, sizeof(segment->trust), "%s", ttf_trust_name(utc.trust));
+    if (ttf_resume_clock_behind(&s->past, now, s->began_ns))
+        ttf_pulse_tell_behind(&s->pulse, now);
+}
+
 /* state: of the dataset that is gone on with, which may be another one. */
 static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int plan,
                          const struct ttf_writer_state *state, const struct ttf_utc *utc,
@@ -161,11 +178,7 @@ static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int p
     segment->first_index = s->grid.first_index;
     snprintf(segment->boot_id, sizeof(segment->boot_id), "%s", ttf_clock_boot_id(s->box->clock));
     segment->origin_ns = s->grid.origin_ns;
-    segment->origin_utc_ns = utc->trust == TTF_TRUST_NONE
-                                 ? TTF_NS_UNKNOWN
-                                 : utc->utc_ns + (s->grid.origin_ns - utc->boot_ns);
-    segment->uncertainty_ns = utc->trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : utc->uncertainty_ns;
-    snprintf(segment->trust, sizeof(segment->trust), "%s", ttf_trust_name(utc->trust));
+    label_segment(s, utc);
     segment->interval_ns = s->grid.interval_ns;
     segment->plan = plan;
     snprintf(segment->zone, sizeof(segment->zone), "%s", s->plan.zone);
@@ -185,6 +198,8 @@ static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int p
         return r;
     s->segment = segment->segment;
     s->pulse.has_segment = true;
+    s->pulse.past = &s->past;
+    s->pulse.began_ns = s->began_ns;
     return 0;
 }
 

@@ -18,19 +18,10 @@ static void count_anew(struct ttf_session *s, int64_t index)
     enum ttf_trust trust = ttf_segment_trust(segment);
     int64_t before = s->plan.count;
 
-    /* What a better clock said in this boot holds: the boot clock has kept it. */
-    if (trust < s->run.trust)
-        return;
     clock.trust = trust;
     clock.utc_offset_ns = segment->origin_utc_ns - segment->origin_ns;
     clock.gaps_ns = ttf_timeline_gaps_ns(&s->past, clock.slot0_ns + clock.utc_offset_ns,
                                          s->resume.gap_ns == TTF_NS_UNKNOWN);
-    if (ttf_resume_clock_behind(&s->past, &clock, s->began_ns)) {
-        ttf_events_emit(
-            &s->events, "plan",
-            "UTC lies before the last slot of before: the plan's end is not moved by it");
-        return;
-    }
     if (!ttf_run_clock_believed(&s->plan, &s->grid, index, &clock, trust == TTF_TRUST_HOST)) {
         ttf_events_emit(&s->events, "plan",
                         "a PC's clock says that the plan's end has passed: not believed alone");
@@ -45,7 +36,8 @@ static void count_anew(struct ttf_session *s, int64_t index)
 
 bool ttf_session_has_slot(struct ttf_session *s, int64_t index)
 {
-    if (s->pulse.corrected && ttf_plan_ends_in_time(&s->plan))
+    /* Also of a plan of so many slots: one that ends in time may take its place. */
+    if (s->pulse.corrected)
         count_anew(s, index);
     s->pulse.corrected = false;
     return index < s->plan.count;

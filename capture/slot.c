@@ -154,7 +154,7 @@ static int push_image(struct shooting *g, const struct ttf_take *take)
     job->image = g->image;
     job->shot = g->shot;
     job->raw = take->raw;
-    job->start_utc_ns = ttf_utc_watch_at(&g->s->pulse.utc, take->start_ns);
+    job->start_utc_ns = ttf_pulse_utc_at(&g->s->pulse, take->start_ns);
     ttf_queue_push(&g->s->queue, job);
     return 0;
 }

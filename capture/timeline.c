@@ -65,6 +65,7 @@ static void learn_of_boot(struct ttf_run_past *past, const struct ttf_segment *s
         return;
     past->boot_trust = trust;
     past->boot_offset_ns = segment->origin_utc_ns - segment->origin_ns;
+    past->boot_uncertainty_ns = segment->uncertainty_ns;
 }
 
 /* One of a boot before; of one without a slot the origin may be a start that is still to come. */

@@ -33,7 +33,7 @@ struct ttf_run_past {
     bool sure_open;
     /* UTC - boot clock by the clock trusted most in this boot so far, the last of such; NONE: no run in it knew. */
     enum ttf_trust boot_trust;
-    int64_t boot_offset_ns;
+    int64_t boot_offset_ns, boot_uncertainty_ns;
     /* UTC of the last slot taken before this boot, as far as segments know, and who says so; a PC where nobody else does. */
     enum ttf_trust last_trust;
     int64_t last_utc_ns;

@@ -49,8 +49,8 @@ def a_box_is_unplugged_while_it_is_pulled(m):
     must(m, "echo $((%d / 2000 / 512 * 512)) >%s" % (size, FRAME))
     for i in range(UNPLUGS):
         must(m, "ttfbox pull /tmp/here%d --usb --follow >/run/pull 2>&1 & until ls /tmp/here%d/grass/frames/main/*.tmp; do kill -0 $! || exit 1; sleep 0.01; done; "
-                "sleep 0.0%d; ls /tmp/here%d/grass/*/main/*.tmp || exit 1; echo '' >%s; sleep 0.3; ttfbox-gadget bind; wait $!; r=$?; cat /run/pull; [ $r = 0 ]" %
-             (i, i, 2 + 3 * i, i, UDC), 600)
+                "sleep 0.0%d; kill -0 $! || exit 1; echo '' >%s; sleep 0.3; ttfbox-gadget bind; wait $!; r=$?; cat /run/pull; [ $r = 0 ]" %
+             (i, i, 2 + 3 * i, UDC), 600)
         must(m, "busybox diff -r /tmp/data/grass /tmp/here%d/grass" % i, 300)
     must(m, "kill $(pgrep -o -x ttfbox-usbd); i=0; while pgrep -x ttfbox-usbd && [ $i -lt 50 ]; do sleep 0.1; i=$((i+1)); done; ! pgrep -x ttfbox-usbd")
     must(m, "ttfbox-gadget remove; [ ! -e %s ]" % cable.GADGET)

@@ -3,6 +3,7 @@
 #include "cmocka_includes.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,10 +16,10 @@
 static void a_pc_moves_no_end_that_a_better_clock_of_this_boot_told(void **state)
 {
     static const struct until_belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
-                                            {70 * S, TTF_TRUST_NONE, 0},
-                                            {130 * S, TTF_TRUST_HOST, 2 * MIN},
-                                            {190 * S, TTF_TRUST_NONE, 0},
-                                            {250 * S, TTF_TRUST_NTP, -MIN}};
+                                                  {70 * S, TTF_TRUST_NONE, 0},
+                                                  {130 * S, TTF_TRUST_HOST, 2 * MIN},
+                                                  {190 * S, TTF_TRUST_NONE, 0},
+                                                  {250 * S, TTF_TRUST_NTP, -MIN}};
     struct until_clock b;
     char *text;
 
@@ -41,7 +42,7 @@ static void what_it_told_holds_in_the_next_run_of_the_boot(void **state)
 {
     static const struct until_belief network = {0, TTF_TRUST_NTP, 0};
     static const struct until_belief none[] = {{0, TTF_TRUST_NONE, 0},
-                                         {190 * S, TTF_TRUST_HOST, 2 * MIN}};
+                                               {190 * S, TTF_TRUST_HOST, 2 * MIN}};
     struct until_clock b;
     int64_t n;
 
@@ -72,10 +73,10 @@ static void what_it_told_holds_in_the_next_run_of_the_boot(void **state)
 static void a_run_that_waits_for_its_start_is_not_sealed_without_a_slot(void **state)
 {
     static const struct until_belief pc[] = {{0, TTF_TRUST_HOST, 0},
-                                       {60 * S, TTF_TRUST_NONE, 0},
-                                       {MIN + 9 * S, TTF_TRUST_HOST, 1440 * MIN}};
+                                             {60 * S, TTF_TRUST_NONE, 0},
+                                             {MIN + 9 * S, TTF_TRUST_HOST, 1440 * MIN}};
     static const struct until_belief network[] = {{0, TTF_TRUST_RTC, 0},
-                                            {60 * S, TTF_TRUST_NTP, 1440 * MIN}};
+                                                  {60 * S, TTF_TRUST_NTP, 1440 * MIN}};
     static const struct until_belief right = {0, TTF_TRUST_NTP, 0};
     struct until_clock b;
 
@@ -124,7 +125,7 @@ static void power_that_fails_before_the_start_lets_a_clock_tell_the_end(void **s
     b.run.plan.start_utc_ns = b.run.config.start_utc_ns + 30 * MIN;
     sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 2 * MIN + 30 * S)->amount = 60;
     assert_int_equal(sim_run_through_cuts(&b.run), 0);
-    assert_int_equal(sim_run_events(&b.run, "plan", "UTC lies before the last slot"), 0);
+    assert_int_equal(sim_run_events(&b.run, "clock", "lies before the last slot"), 0);
     /* Without a clock it begins at once, at 3:42. */
     until_expect_end(&b.run, "ccccccccccccccccccccccccccccccc", "until");
     living_finish(&b.run);
@@ -134,9 +135,9 @@ static void power_that_fails_before_the_start_lets_a_clock_tell_the_end(void **s
 static void a_pc_that_is_behind_moves_no_end(void **state)
 {
     static const struct until_belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
-                                            {4 * MIN, TTF_TRUST_NONE, 0},
-                                            {7 * MIN + 10 * S, TTF_TRUST_HOST, -30 * MIN},
-                                            {9 * MIN, TTF_TRUST_NONE, 0}};
+                                                  {4 * MIN, TTF_TRUST_NONE, 0},
+                                                  {7 * MIN + 10 * S, TTF_TRUST_HOST, -30 * MIN},
+                                                  {9 * MIN, TTF_TRUST_NONE, 0}};
 
     (void)state;
     for (unsigned i = 0; i < 2; i++) {
@@ -148,7 +149,7 @@ static void a_pc_that_is_behind_moves_no_end(void **state)
         if (i > 0)
             sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 8 * MIN + 20 * S)->amount = 60;
         assert_int_equal(sim_run_through_cuts(&b.run), 0);
-        assert_int_equal(sim_run_events(&b.run, "plan", "UTC lies before the last slot"), 1);
+        assert_int_equal(sim_run_events(&b.run, "clock", "lies before the last slot"), 1);
         until_expect_end(&b.run, "cccccccc", "until");
         living_finish(&b.run);
     }
@@ -158,9 +159,9 @@ static void a_pc_that_is_behind_moves_no_end(void **state)
 static void power_that_flickers_hides_no_outage_from_a_length(void **state)
 {
     static const struct until_belief at_once[] = {{0, TTF_TRUST_NTP, 0},
-                                            {4 * MIN, TTF_TRUST_NONE, 0},
-                                            {7 * MIN + 30 * S, TTF_TRUST_NTP, 0},
-                                            {8 * MIN + 30 * S, TTF_TRUST_NONE, 0}};
+                                                  {4 * MIN, TTF_TRUST_NONE, 0},
+                                                  {7 * MIN + 30 * S, TTF_TRUST_NTP, 0},
+                                                  {8 * MIN + 30 * S, TTF_TRUST_NONE, 0}};
     static const struct until_belief later[] = {
         {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
     static const struct until_belief a_pc[] = {
@@ -205,6 +206,133 @@ static void a_pc_s_word_tells_the_end_where_nothing_better_was_known(void **stat
     living_finish(&b.run);
 }
 
+static void expect_label(const struct until_clock *b, int64_t index, const char *trust,
+                         int64_t ahead_ns)
+{
+    struct ttf_segment s;
+    struct ttf_slot_record record;
+    int64_t due_ns;
+
+    (void)sim_run_segment_of(&b->run, index, &s);
+    assert_string_equal(s.trust, trust);
+    assert_true((s.origin_utc_ns == TTF_NS_UNKNOWN) == (strcmp(trust, "none") == 0));
+    assert_true((s.uncertainty_ns == TTF_NS_UNKNOWN) == (strcmp(trust, "none") == 0));
+    if (s.origin_utc_ns == TTF_NS_UNKNOWN)
+        return;
+    sim_run_record(&b->run, index, &record);
+    due_ns = record.due_ns + b->run.config.power_on_ns; /* of the last boot */
+    assert_int_equal(s.origin_utc_ns + record.due_ns - s.origin_ns,
+                     b->run.config.start_utc_ns + due_ns + ahead_ns);
+    ttf_slot_record_free(&record);
+}
+
+/* What its pictures say of when they were taken. */
+static bool picture_says(const struct until_clock *b, const char *name, const char *when)
+{
+    char path[160];
+    char *text = NULL;
+    size_t bytes;
+    bool says;
+
+    snprintf(path, sizeof(path), "%s/frames/main/%s.tif", b->run.path, name);
+    assert_int_equal(ttf_io_slurp(ttf_io_posix(), path, 1 << 20, &text, &bytes, NULL), 0);
+    says = memmem(text, bytes, when, strlen(when)) != NULL;
+    free(text);
+    return says;
+}
+
+/* Stopped and run again in a boot that has lost its network meanwhile: nobody, or a PC, or nobody and then a PC. */
+static void what_labels_the_slots_of_a_boot_is_its_best_clock(void **state)
+{
+    static const struct until_belief network = {0, TTF_TRUST_NTP, 0};
+    static const struct until_belief then[][2] = {
+        {{0, TTF_TRUST_NONE, 0}, {190 * S, TTF_TRUST_NONE, 0}},
+        {{0, TTF_TRUST_HOST, 400 * TTF_NS_PER_DAY}, {190 * S, TTF_TRUST_HOST, 2 * MIN}},
+        {{0, TTF_TRUST_NONE, 0}, {190 * S, TTF_TRUST_HOST, -400 * TTF_NS_PER_DAY}}};
+
+    (void)state;
+    for (unsigned i = 0; i < 3; i++) {
+        struct until_clock b;
+
+        until_clock_init(&b, TTF_END_COUNT, 6, &network, 1);
+        living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 3});
+        assert_int_equal(sim_run_boot(&b.run), 0);
+        b.beliefs = then[i];
+        b.n = 2;
+        assert_int_equal(sim_run_boot(&b.run), 0);
+        expect_label(&b, 5, "ntp", 0);
+        assert_true(picture_says(&b, "000005", "2026:01:01"));
+        until_expect_end(&b.run, "cccccc", "count");
+        living_finish(&b.run);
+    }
+}
+
+/* The last slot before an outage says that it is later: from power-on on, or once a PC says it; till a better clock. */
+static void a_clock_that_stands_before_the_last_slot_labels_none(void **state)
+{
+    static const int64_t year = 365 * TTF_NS_PER_DAY;
+    static const struct {
+        struct until_belief beliefs[5];
+        unsigned n;
+        const char *trust; /* in the end */
+    } cases[] = {
+        {{{0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_HOST, -year}}, 2, "none"},
+        {{{0, TTF_TRUST_HOST, 0}, {4 * MIN, TTF_TRUST_HOST, -year}}, 2, "none"},
+        {{{0, TTF_TRUST_RTC, 0}, {4 * MIN, TTF_TRUST_RTC, -year}}, 2, "none"},
+        {{{0, TTF_TRUST_NTP, 0},
+          {4 * MIN, TTF_TRUST_NONE, 0},
+          {7 * MIN + 10 * S, TTF_TRUST_HOST, -year}},
+         3,
+         "none"},
+        {{{0, TTF_TRUST_NTP, 0},
+          {4 * MIN, TTF_TRUST_RTC, -year},
+          {8 * MIN + 10 * S, TTF_TRUST_NTP, 0}},
+         3,
+         "ntp"},
+        /* Set right while nobody vouches for it more than before. */
+        {{{0, TTF_TRUST_RTC, 0}, {4 * MIN, TTF_TRUST_RTC, -year}, {8 * MIN, TTF_TRUST_RTC, 0}},
+         3,
+         "rtc"},
+        /* It was the first that was wrong. */
+        {{{0, TTF_TRUST_HOST, year}, {4 * MIN, TTF_TRUST_NTP, 0}}, 2, "ntp"}};
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct until_clock b;
+
+        /* Slots 0 to 3; dark from 3:40 until 6:40; at once from 6:52 on. */
+        until_clock_init(&b, TTF_END_COUNT, 8, cases[i].beliefs, cases[i].n);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        expect_label(&b, 7, cases[i].trust, 0);
+        assert_false(picture_says(&b, "000007", "2025:01:01"));
+        assert_int_equal(sim_run_events(&b.run, "clock", "lies before the last slot"), i < 6);
+        sim_run_expect(&b.run, "cccccccc");
+        sim_run_expect_whole(&b.run, true);
+        living_finish(&b.run);
+    }
+}
+
+/* It would come half an hour late. */
+static void an_instant_by_a_clock_that_is_behind_is_refused(void **state)
+{
+    static const struct until_belief beliefs[] = {{0, TTF_TRUST_NTP, 0},
+                                                  {4 * MIN, TTF_TRUST_HOST, -30 * MIN}};
+    struct until_clock b;
+    int64_t n;
+
+    (void)state;
+    until_clock_init(&b, TTF_END_COUNT, 7, beliefs, 2);
+    sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
+    n = living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_UNTIL,
+                                             .from_index = 5,
+                                             .until_utc_ns = b.run.config.start_utc_ns + 20 * MIN});
+    assert_int_equal(sim_run_through_cuts(&b.run), 0);
+    living_expect_refused(&b.run, n, "until", "stands before the last slot");
+    until_expect_end(&b.run, "ccccccc", "count");
+    living_finish(&b.run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -215,6 +343,9 @@ int main(void)
         cmocka_unit_test(a_pc_that_is_behind_moves_no_end),
         cmocka_unit_test(power_that_flickers_hides_no_outage_from_a_length),
         cmocka_unit_test(a_pc_s_word_tells_the_end_where_nothing_better_was_known),
+        cmocka_unit_test(what_labels_the_slots_of_a_boot_is_its_best_clock),
+        cmocka_unit_test(a_clock_that_stands_before_the_last_slot_labels_none),
+        cmocka_unit_test(an_instant_by_a_clock_that_is_behind_is_refused),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -275,16 +275,36 @@ static bool trusted_at(const struct view *v, const struct boot *boot, int64_t at
     return trust != TTF_TRUST_NONE;
 }
 
-/* What the clock believed last, while somebody vouched for it. */
+/* Such a clock stands before the last slot of the boot before, and is vouched for no better than that was. */
+static bool contradicts(const struct view *v, int64_t k, int64_t offset_ns, enum ttf_trust trust)
+{
+    while (k > 0 && v->boot[k - 1] == v->boot[k])
+        k--;
+    if (k == 0 || label_offset(v, k - 1) == TTF_NS_UNKNOWN ||
+        strcmp(ttf_trust_name(trust), v->segment[k - 1].trust) != 0)
+        return false; /* the only other one that comes is NTP, the best */
+    return v->boot[k]->power_on_ns + 3 * S + offset_ns < v->due_ns[k - 1] + label_offset(v, k - 1);
+}
+
+/* For slot k; trusted, and not contradicted. */
+static bool believed_at(const struct view *v, int64_t k, int64_t at, int64_t *ret)
+{
+    enum ttf_trust trust;
+
+    *ret = utc_script_offset_ns(&v->t->script, v->boot[k]->power_on_ns, at, &trust);
+    return trust != TTF_TRUST_NONE && !contradicts(v, k, *ret, trust);
+}
+
+/* What the clock believed last, while somebody vouched for it, and nothing spoke against it. */
 static void check_labels(const struct view *v)
 {
     for (int64_t k = 0; k < SLOTS; k++) {
         const struct boot *boot = v->boot[k];
         int64_t label = label_offset(v, k);
         int64_t seen, end, first;
-        bool known = trusted_at(v, boot, boot->ended_ns - SEEN_NS, &seen);
-        bool known_end = trusted_at(v, boot, boot->ended_ns, &end);
-        bool known_first = trusted_at(v, boot, boot->power_on_ns + S, &first);
+        bool known = believed_at(v, k, boot->ended_ns - SEEN_NS, &seen);
+        bool known_end = believed_at(v, k, boot->ended_ns, &end);
+        bool known_first = believed_at(v, k, boot->power_on_ns + S, &first);
 
         if (!known && !known_end && !known_first) {
             assert_true(label == TTF_NS_UNKNOWN);
@@ -309,6 +329,13 @@ static void check_labels(const struct view *v)
     }
 }
 
+/* A PC alone says that the outage took all slots from k on: it is not believed in that. */
+static bool gives_up_all(const struct view *v, int64_t k, int64_t utc_ns, int64_t last_utc_ns)
+{
+    return v->t->script.trust == TTF_TRUST_HOST &&
+           utc_ns > last_utc_ns + (SLOTS - k) * TTF_NS_PER_MIN;
+}
+
 /* Over a cut: the same grid in UTC where UTC tells it, else on at once; and the gap says which. */
 static void check_over_cut(const struct view *v, int64_t k)
 {
@@ -321,7 +348,8 @@ static void check_over_cut(const struct view *v, int64_t k)
     int64_t last_utc = before == TTF_NS_UNKNOWN ? 0 : v->due_ns[k - 1] + before;
 
     assert_int_equal(s->first_index, k);
-    if (known && before != TTF_NS_UNKNOWN && boot->power_on_ns + 3 * S + now >= last_utc) {
+    if (known && before != TTF_NS_UNKNOWN && boot->power_on_ns + 3 * S + now >= last_utc &&
+        !gives_up_all(v, k, boot->power_on_ns + 3 * S + now, last_utc)) {
         assert_true(v->due_ns[k] + now == last_utc + TTF_NS_PER_MIN);
         if (now == before)
             assert_true(v->due_ns[k] - v->due_ns[k - 1] == TTF_NS_PER_MIN);

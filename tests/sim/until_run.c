@@ -47,7 +47,8 @@ void until_expect_end(struct sim_run *run, const char *letters, const char *reas
 
 static const struct until_clock *clock_of(const struct ttf_clock *clock)
 {
-    return (const struct until_clock *)((const char *)clock->ops - offsetof(struct until_clock, ops));
+    return (const struct until_clock *)((const char *)clock->ops -
+                                        offsetof(struct until_clock, ops));
 }
 
 static void believed_utc(struct ttf_clock *clock, struct ttf_utc *ret)
@@ -76,7 +77,7 @@ static void believe(struct sim_run *run)
 }
 
 void until_clock_init(struct until_clock *b, enum ttf_plan_end end, int64_t slots,
-                          const struct until_belief *beliefs, unsigned n)
+                      const struct until_belief *beliefs, unsigned n)
 {
     until_init(&b->run, end, slots);
     b->run.on_box = believe;

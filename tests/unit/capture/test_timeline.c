@@ -153,10 +153,13 @@ static void the_best_that_this_boot_knew_is_remembered(void **state)
         s[i] = segment("b", 10 * i, 600 * i);
         if (i > 1)
             s[i].origin_utc_ns = s[i].origin_ns + cases[i - 1].offset_s * TTF_NS_PER_S;
+        s[i].uncertainty_ns = cases[i - 1].offset_s;
         snprintf(s[i].trust, sizeof(s[i].trust), "%s", cases[i - 1].trust);
         past = ttf_timeline_past(s, i + 1, "b", 100);
         assert_int_equal(past.boot_trust, cases[i - 1].best);
         assert_int_equal(past.boot_offset_ns, cases[i - 1].best_s * TTF_NS_PER_S);
+        if (past.boot_trust != TTF_TRUST_NONE)
+            assert_int_equal(past.boot_uncertainty_ns, cases[i - 1].best_s);
     }
 }
 

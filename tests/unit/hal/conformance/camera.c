@@ -164,21 +164,40 @@ static void what_is_read_back_is_granted_again(void **state)
     ttf_camera_release(camera, frame);
 }
 
+/* How far from where it was asked the middle of an exposure fell: the i-th of some lengths and phases. */
+static int64_t off_by(void **state, int i)
+{
+    struct ttf_camera *camera = camera_of(state);
+    const struct ttf_camera_caps *caps = ttf_camera_caps(camera);
+    int64_t longer = (1 + 3 * i) * MS - caps->frame_period_ns;
+    int64_t lead = caps->lead_ns + (longer > 0 ? longer * caps->long_frames : 0);
+    int64_t middle = ttf_clock_now_ns(clock_of(state)) + lead + (i * 7 + 1) * MS;
+    struct ttf_frame *frame;
+    int64_t off;
+
+    assert_int_equal(submit(camera, 1 + 3 * i, 1, middle), 0);
+    assert_int_equal(ttf_camera_next(camera, soon(state), &frame, NULL), 0);
+    off = llabs((frame->start_ns + frame->end_ns) / 2 - middle);
+    ttf_camera_release(camera, frame);
+    return off;
+}
+
+/*
+ * The bound is the back-end's and the driver's. A machine that lets the driver's timer
+ * wait breaks it now and then for neither's fault, so on a real clock a middle that was
+ * missed is asked for again: what is wrong by rule is so each time.
+ */
 static void the_middle_falls_where_asked_within_the_stated_bound(void **state)
 {
-    struct ttf_camera *camera = streaming(state);
-    const struct ttf_camera_caps *caps = ttf_camera_caps(camera);
+    const struct ttf_camera_caps *caps = ttf_camera_caps(streaming(state));
+    int tries = ttf_clock_is_virtual(clock_of(state)) ? 1 : 3;
 
     for (int i = 0; i < 10; i++) {
-        int64_t longer = (1 + 3 * i) * MS - caps->frame_period_ns;
-        int64_t lead = caps->lead_ns + (longer > 0 ? longer * caps->long_frames : 0);
-        int64_t middle = ttf_clock_now_ns(clock_of(state)) + lead + (i * 7 + 1) * MS;
-        struct ttf_frame *frame;
+        int64_t off = off_by(state, i);
 
-        assert_int_equal(submit(camera, 1 + 3 * i, 1, middle), 0);
-        assert_int_equal(ttf_camera_next(camera, soon(state), &frame, NULL), 0);
-        assert_true(llabs((frame->start_ns + frame->end_ns) / 2 - middle) <= caps->timing_bound_ns);
-        ttf_camera_release(camera, frame);
+        for (int again = 1; off > caps->timing_bound_ns && again < tries; again++)
+            off = off_by(state, i);
+        assert_true(off <= caps->timing_bound_ns);
     }
 }
 
