@@ -36,7 +36,8 @@ static void count_anew(struct ttf_session *s, int64_t index)
 
 bool ttf_session_has_slot(struct ttf_session *s, int64_t index)
 {
-    if (s->pulse.corrected && ttf_plan_ends_in_time(&s->plan))
+    /* Also of a plan of so many slots: one that ends in time may take its place. */
+    if (s->pulse.corrected)
         count_anew(s, index);
     s->pulse.corrected = false;
     return index < s->plan.count;

@@ -26,6 +26,10 @@ void ttf_clock_trust_host(struct ttf_clock *clock, struct ttf_host_time *host_ti
 void ttf_clock_utc(struct ttf_clock *clock, struct ttf_utc *ret)
 {
     clock->ops->utc(clock, ret);
+    if (ret->utc_ns >= TTF_UTC_EARLIEST_NS)
+        return;
+    ret->trust = TTF_TRUST_NONE;
+    ret->uncertainty_ns = TTF_NS_UNKNOWN;
 }
 
 int64_t ttf_clock_monotonic_offset_ns(struct ttf_clock *clock, int64_t *ret_uncertainty_ns)

@@ -6,7 +6,6 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#define EARLIEST_NS    (INT64_C(1704067200) * TTF_NS_PER_S) /* 2024: no ttfbox is that old */
 #define LATEST_NS      (INT64_C(4102444800) * TTF_NS_PER_S) /* 2100 */
 #define UNCERTAINTY_NS (2 * TTF_NS_PER_S)                   /* of a PC, and of its word's way */
 #define DRIFT_PPM      100                                  /* of a crystal that nobody corrects */
@@ -42,7 +41,7 @@ int ttf_host_time_offer(struct ttf_host_time *h, struct ttf_clock *clock, int64_
     struct ttf_utc own;
     int r = 0;
 
-    if (utc_ns < EARLIEST_NS || utc_ns > LATEST_NS)
+    if (utc_ns < TTF_UTC_EARLIEST_NS || utc_ns > LATEST_NS)
         return ttf_err_set(err, -EINVAL, "utc_ns", "lies before 2024 or after 2100");
     ttf_clock_utc(clock, &own);
     if (own.trust != TTF_TRUST_NONE && own.trust != TTF_TRUST_HOST)

@@ -8,8 +8,6 @@
 #include <sys/timex.h>
 #include <time.h>
 
-/* A wall clock earlier than 2024-01-01 was never set: no ttfbox is that old. */
-#define PLAUSIBLE_UTC_NS   (INT64_C(1704067200) * TTF_NS_PER_S)
 /* An RTC may be seconds off; two, as it is read in whole seconds and drifts. */
 #define RTC_UNCERTAINTY_NS (2 * TTF_NS_PER_S)
 #define STEP_NS            (5 * TTF_NS_PER_MS)
@@ -58,9 +56,10 @@ void real_utc_init(struct real_utc *u, const char *sys)
     dir = opendir(path);
     /* NOLINTNEXTLINE(concurrency-mt-unsafe): of a stream of its own */
     while (dir && !u->rtc && (entry = readdir(dir)) != NULL)
-        u->rtc = strncmp(entry->d_name, "rtc", 3) == 0 &&
-                 read_number(sys, entry->d_name, "hctosys") == 1 &&
-                 read_number(sys, entry->d_name, "since_epoch") >= PLAUSIBLE_UTC_NS / TTF_NS_PER_S;
+        u->rtc =
+            strncmp(entry->d_name, "rtc", 3) == 0 &&
+            read_number(sys, entry->d_name, "hctosys") == 1 &&
+            read_number(sys, entry->d_name, "since_epoch") >= TTF_UTC_EARLIEST_NS / TTF_NS_PER_S;
     if (dir)
         closedir(dir);
 }
@@ -118,7 +117,7 @@ void real_utc_look(struct real_utc *u, struct ttf_utc *ret)
     ret->steps = u->steps;
     ret->trust = TTF_TRUST_NONE;
     ret->uncertainty_ns = TTF_NS_UNKNOWN;
-    if (utc < PLAUSIBLE_UTC_NS)
+    if (utc < TTF_UTC_EARLIEST_NS)
         return;
     if (state >= 0 && state != TIME_ERROR && !(tx.status & STA_UNSYNC)) {
         ret->trust = TTF_TRUST_NTP;

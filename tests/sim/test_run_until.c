@@ -253,6 +253,33 @@ static void asked_for_while_it_runs_it_holds_over_all_of_that(void **state)
     living_finish(&run);
 }
 
+/* So many slots, and an outage whose length is known only later; then it is to take so long, or to end then, after all. */
+static void asked_for_after_an_outage_it_counts_the_outage(void **state)
+{
+    static const enum ttf_plan_end ends[] = {TTF_END_UNTIL, TTF_END_LENGTH};
+
+    (void)state;
+    for (unsigned i = 0; i < 2; i++) {
+        struct ttf_ask ask = {.kind = TTF_ASK_PLAN, .from_index = 7};
+        struct sim_run run;
+        int64_t n;
+
+        /* Slots 0 to 3; dark until 6:40; slots at 6:52, 7:52 (the clock is back at 8:10), 8:52, 9:52. */
+        until_init(&run, ends[i], 10);
+        ask.plan = run.plan;
+        run.plan.end = TTF_END_COUNT;
+        run.plan.until_utc_ns = run.plan.length_ns = 0;
+        n = living_ask(&run, &ask);
+        dark(&run, 180, 90 * S);
+        assert_int_equal(sim_run_through_cuts(&run), 0);
+        living_expect_done(&run, n);
+        sim_run_expect_text(&run, "plans/1.json", i == 0 ? "\"count\": 8" : "\"count\": 7");
+        until_expect_end(&run, i == 0 ? "cccccccc" : "ccccccc",
+                         "until"); /* of a length until 9:42 */
+        living_finish(&run);
+    }
+}
+
 static void a_clock_that_is_corrected_moves_it(void **state)
 {
     static const struct {
@@ -426,6 +453,7 @@ int main(void)
         cmocka_unit_test(an_outage_of_known_length_changes_nothing),
         cmocka_unit_test(another_interval_ends_at_the_same_instant),
         cmocka_unit_test(asked_for_while_it_runs_it_holds_over_all_of_that),
+        cmocka_unit_test(asked_for_after_an_outage_it_counts_the_outage),
         cmocka_unit_test(a_clock_that_is_corrected_moves_it),
         cmocka_unit_test(a_clock_corrected_in_the_last_slot_makes_it_another_than_the_last),
         cmocka_unit_test(once_ended_it_has_ended_whatever_the_clock_says_later),

@@ -217,6 +217,33 @@ static void a_panel_without_light_and_switch_says_so(void **state)
     assert_int_equal(ttf_panel_held(&panel), -ENOTSUP);
 }
 
+static int64_t shown_ns;
+
+static void sure_utc(struct ttf_clock *clock, struct ttf_utc *ret)
+{
+    (void)clock;
+    *ret = (struct ttf_utc){
+        .boot_ns = 5, .utc_ns = shown_ns, .uncertainty_ns = 7, .trust = TTF_TRUST_NTP};
+}
+
+static void a_clock_that_was_never_set_is_vouched_for_by_nobody(void **state)
+{
+    const struct ttf_clock_ops ops = {.name = "sure", .utc = sure_utc};
+    struct ttf_clock clock = {.ops = &ops};
+    struct ttf_utc utc;
+
+    (void)state;
+    shown_ns = TTF_UTC_EARLIEST_NS;
+    ttf_clock_utc(&clock, &utc);
+    assert_int_equal(utc.trust, TTF_TRUST_NTP);
+    assert_int_equal(utc.uncertainty_ns, 7);
+    shown_ns = TTF_UTC_EARLIEST_NS - 1;
+    ttf_clock_utc(&clock, &utc);
+    assert_int_equal(utc.trust, TTF_TRUST_NONE);
+    assert_int_equal(utc.uncertainty_ns, TTF_NS_UNKNOWN);
+    assert_int_equal(utc.utc_ns, shown_ns);
+}
+
 static void levels_are_rounded_to_the_nearest_a_lamp_can_do(void **state)
 {
     const struct ttf_lamp_info steps3 = {.kind = TTF_LAMP_STEPS, .steps = 3};
@@ -257,6 +284,7 @@ int main(void)
         cmocka_unit_test(destroying_stops_what_streams),
         cmocka_unit_test(nothing_at_all_may_be_destroyed),
         cmocka_unit_test(a_panel_without_light_and_switch_says_so),
+        cmocka_unit_test(a_clock_that_was_never_set_is_vouched_for_by_nobody),
         cmocka_unit_test(levels_are_rounded_to_the_nearest_a_lamp_can_do),
         cmocka_unit_test(names_are_the_ones_that_datasets_store),
     };

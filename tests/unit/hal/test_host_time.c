@@ -18,6 +18,8 @@ struct box_clock {
     struct ttf_clock base; /* first */
     struct ttf_host_time *host;
     int64_t boot_ns;
+    int64_t
+        own_ns; /* its UTC of boot 0: 1970, as a board without a battery has it, or one that was set */
     enum ttf_trust own;
 };
 
@@ -25,11 +27,10 @@ static void own_utc(struct ttf_clock *base, struct ttf_utc *ret)
 {
     struct box_clock *clock = (struct box_clock *)base;
 
-    *ret =
-        (struct ttf_utc){.boot_ns = clock->boot_ns,
-                         .utc_ns = clock->boot_ns, /* 1970, as a board without a battery has it */
-                         .uncertainty_ns = TTF_NS_UNKNOWN,
-                         .trust = clock->own};
+    *ret = (struct ttf_utc){.boot_ns = clock->boot_ns,
+                            .utc_ns = clock->boot_ns + clock->own_ns,
+                            .uncertainty_ns = TTF_NS_UNKNOWN,
+                            .trust = clock->own};
     if (clock->host)
         ttf_host_time_apply(clock->host, ret);
 }
@@ -73,7 +74,8 @@ static void a_pc_s_time_is_taken_where_there_is_none_and_goes_on_by_the_boot_clo
 
 static void a_better_clock_is_kept_and_takes_over_when_it_comes(void **state)
 {
-    struct box_clock clock = {.base.ops = &OPS, .own = TTF_TRUST_RTC};
+    struct box_clock clock = {
+        .base.ops = &OPS, .own = TTF_TRUST_RTC, .own_ns = NOW_NS - TTF_NS_PER_H};
     struct ttf_host_time *host = ttf_host_time_create();
 
     (void)state;
@@ -83,13 +85,13 @@ static void a_better_clock_is_kept_and_takes_over_when_it_comes(void **state)
     }
     ttf_clock_trust_host(&clock.base, host);
     assert_int_equal(ttf_host_time_offer(host, &clock.base, NOW_NS, NULL), -EALREADY);
-    assert_true(utc_of(&clock).utc_ns == clock.boot_ns);
+    assert_true(utc_of(&clock).utc_ns == clock.boot_ns + clock.own_ns);
     clock.own = TTF_TRUST_NONE;
     assert_int_equal(ttf_host_time_offer(host, &clock.base, NOW_NS, NULL), 0);
     assert_int_equal(utc_of(&clock).trust, TTF_TRUST_HOST);
     clock.own = TTF_TRUST_NTP;
     assert_int_equal(utc_of(&clock).trust, TTF_TRUST_NTP);
-    assert_true(utc_of(&clock).utc_ns == clock.boot_ns);
+    assert_true(utc_of(&clock).utc_ns == clock.boot_ns + clock.own_ns);
     ttf_host_time_destroy(host);
 }
 

@@ -55,7 +55,10 @@ enum ttf_work {
 /* Now, on the boot clock. */
 int64_t ttf_clock_now_ns(struct ttf_clock *clock);
 
-/* What the clock believes of UTC now. */
+/* 2024: a clock that shows less was never set, as no ttfbox is that old. */
+#define TTF_UTC_EARLIEST_NS (INT64_C(1704067200) * TTF_NS_PER_S)
+
+/* What the clock believes of UTC now. Nobody vouches for one before TTF_UTC_EARLIEST_NS, whatever the back-end says. */
 void ttf_clock_utc(struct ttf_clock *clock, struct ttf_utc *ret);
 
 /*
