@@ -22,8 +22,8 @@
 #define OLD_LINE "{\"type\":\"slot\",\"seq\":70000,\"index\":69990,\"crc\":\"03377955\"}"
 
 /* The end of an old line, a whole one of another file, the beginning of one. */
-static const char old_block[] = "00,\"ok\":true}],\"crc\":\"4b825dc6\"}\n" OLD_LINE
-                                "\n{\"type\":\"slot\",\"seq\":70001,\"in";
+static const char old_block[] =
+    "00,\"ok\":true}],\"crc\":\"4b825dc6\"}\n" OLD_LINE "\n{\"type\":\"slot\",\"seq\":70001,\"in";
 
 /* Three slots, closed, not sealed: its path, which stays. */
 static const char *three_slots(void **state)
@@ -110,8 +110,8 @@ static void an_old_log_in_the_place_of_a_newline_spares_the_line(void **state)
     char path[300];
 
     snprintf(path, sizeof(path), "%s/d", three_slots(state));
-    assert_int_equal(
-        truncate(in(path, "records.jsonl"), size_of(in(path, "records.jsonl")) - 1), 0);
+    assert_int_equal(truncate(in(path, "records.jsonl"), size_of(in(path, "records.jsonl")) - 1),
+                     0);
     append(in(path, "records.jsonl"), old_block, sizeof(old_block) - 1);
     assert_goes_on(path, 2);
 }
@@ -119,7 +119,8 @@ static void an_old_log_in_the_place_of_a_newline_spares_the_line(void **state)
 /* What the next line's first sector holds is its own. */
 static void an_old_log_behind_the_beginning_of_a_line_is_set_aside(void **state)
 {
-    static const char begun[] = "{\"type\":\"slot\",\"seq\":5,\"index\":3,\"segment\":0,\"due_ns\":";
+    static const char begun[] =
+        "{\"type\":\"slot\",\"seq\":5,\"index\":3,\"segment\":0,\"due_ns\":";
     char path[300];
 
     snprintf(path, sizeof(path), "%s/d", three_slots(state));
@@ -155,8 +156,10 @@ static size_t three_lines(char *text, size_t room, size_t *ret_last)
         size_t from = n;
 
         *ret_last = from;
-        n += (size_t)snprintf(text + n, room - n, "{\"type\":\"x\",\"seq\":%d,\"text\":\"one JJ of them\"", i);
-        n += (size_t)snprintf(text + n, room - n, ",\"crc\":\"%08x\"}\n", ttf_crc32(0, text + from, n - from));
+        n += (size_t)snprintf(text + n, room - n,
+                              "{\"type\":\"x\",\"seq\":%d,\"text\":\"one JJ of them\"", i);
+        n += (size_t)snprintf(text + n, room - n, ",\"crc\":\"%08x\"}\n",
+                              ttf_crc32(0, text + from, n - from));
     }
     return n;
 }
@@ -189,7 +192,8 @@ static void a_line_of_rot_before_others_is_damage(void **state)
     text[20] = '\n';
     assert_true(wrong_lines(path, text, n - 1) > 0);
     n = three_lines(text, sizeof(text), &last);
-    text[last - 1] = '\v'; /* the newline before the last one, and the power went at the next line */
+    text[last - 1] =
+        '\v'; /* the newline before the last one, and the power went at the next line */
     n += (size_t)snprintf(text + n, sizeof(text) - n, "{\"type\":\"x\",\"se");
     assert_true(wrong_lines(path, text, n) > 0);
 }
