@@ -8,6 +8,7 @@
 
 #include "io_path.h"
 #include "lines.h"
+#include "manifest_rules.h"
 #include "named_files.h"
 #include "record_line.h"
 
@@ -136,6 +137,35 @@ static bool some_file_has(const struct ttf_named_files *named, const char *sha25
     return false;
 }
 
+/* The list's line of this file, as far as its end: the one at `line` but for one bit? */
+static bool is_but_for_a_bit(const struct ttf_named *file, const char *line, size_t n)
+{
+    size_t bytes = TTF_SUMS_PREFIX + strlen(file->path), i;
+    unsigned bits = 0;
+
+    for (i = 0; i < bytes && i < n && bits < 2; i++)
+        bits += (unsigned)__builtin_popcount(
+            (unsigned char)(line[i] ^ (i < 64   ? file->sha256[i]
+                                       : i < 66 ? ' '
+                                                : file->path[i - 66])));
+    if (n == bytes)
+        return bits == 1;
+    /* or, where another line follows, but for its newline */
+    return n > bytes + TTF_SUMS_PREFIX && bits == 0 &&
+           __builtin_popcount((unsigned char)(line[bytes] ^ '\n')) == 1;
+}
+
+/* Of a line that is none: a bit of it has changed. Bytes that did not reach the disk are more. */
+static bool has_wrong_bit(const struct ttf_named_files *named, const char *line, size_t n)
+{
+    size_t i;
+
+    for (i = 0; i < named->n; i++)
+        if (is_but_for_a_bit(&named->items[i], line, n))
+            return true;
+    return false;
+}
+
 /* What one whole line of the list says that the records do not. */
 static enum ttf_sums_state judge_line(const struct ttf_named_files *named, const char *line,
                                       size_t n, int64_t offset, char *path, size_t path_size)
@@ -143,9 +173,11 @@ static enum ttf_sums_state judge_line(const struct ttf_named_files *named, const
     const struct ttf_named *known;
     const char *at;
 
-    if (!ttf_sums_parse(line, n, &at))
-        return is_hole(line, n, offset) ? TTF_SUMS_BEHIND : TTF_SUMS_WRONG;
-    snprintf(path, path_size, "%.*s", (int)(n - TTF_SUMS_PREFIX), at);
+    if (ttf_sums_parse(line, n, &at))
+        snprintf(path, path_size, "%.*s", (int)(n - TTF_SUMS_PREFIX), at);
+    if (n - TTF_SUMS_PREFIX >= path_size || !ttf_path_ok(path))
+        return !is_hole(line, n, offset) && has_wrong_bit(named, line, n) ? TTF_SUMS_WRONG
+                                                                          : TTF_SUMS_BEHIND;
     known = ttf_named_files_find(named, path);
     if (known && memcmp(known->sha256, line, 64) != 0)
         return TTF_SUMS_WRONG;

@@ -72,7 +72,10 @@ int listing_text(struct ttf_io *io, const char *path, const char *what, char **r
     size_t bytes;
     int r = ttf_io_slurp(io, path, TEXT_MAX, ret, &bytes, err);
 
-    return r == -ENOENT ? ttf_err_set(err, r, NULL, "there is no %s of this name", what) : r;
+    if (r == -ENOENT)
+        return ttf_err_set(err, r, NULL, "there is no %s of this name", what);
+    /* It is not what was asked that is too large: -EFBIG is a request's. */
+    return r == -EFBIG ? ttf_err_set(err, -EIO, path, "is longer than a %s may be", what) : r;
 }
 
 int listing_remove(struct ttf_io *io, const char *folder, const char *path, const char *what,

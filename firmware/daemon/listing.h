@@ -22,7 +22,7 @@ struct listing {
 TTF_MUST_USE int listing_read(struct ttf_io *io, const char *folder, unsigned max, bool folders,
                               struct listing *ret);
 
-/* A file's text, by malloc. -ENOENT: there is no `what` of this name. */
+/* A file's text, by malloc. -ENOENT: there is no `what` of this name; -EIO: it is longer than one that can be sent. */
 TTF_MUST_USE int listing_text(struct ttf_io *io, const char *path, const char *what, char **ret,
                               struct ttf_err *err);
 

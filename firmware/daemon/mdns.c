@@ -7,6 +7,8 @@
 #define POINTER   0xc0   /* of a name's end that stands elsewhere: RFC 1035, 4.1.4 */
 #define OUR_NAME  0xc00c /* the first name behind the head, which is always ours */
 #define JUMPS_MAX 8
+#define LABELS_MAX \
+    4500 /* of all names of a datagram: what the largest holds without pointers; by pointers a hostile one has 180,000 */
 #define TYPE_A    1
 #define TYPE_NSEC 47
 #define TYPE_ANY  255
@@ -22,6 +24,7 @@
 struct reader {
     const uint8_t *data;
     size_t n, at;
+    unsigned labels; /* read so far */
 };
 
 struct writer {
@@ -100,7 +103,7 @@ static bool take_name(struct reader *r, const char *name, bool *ret_ours)
     *ret_ours = true;
     while ((label = next_label(r, &at, &jumps, &n))) {
         *ret_ours = *ret_ours && labels < 2 && same(label, n, wanted[labels]);
-        if (++labels > 128)
+        if (++labels > 128 || ++r->labels > LABELS_MAX)
             return false;
     }
     *ret_ours = *ret_ours && labels == 2;

@@ -10,6 +10,8 @@
 #include "ttf/dataset/develop.h"
 #include "ttf/dataset/image_file.h"
 
+/* Of lamps: light to see by, within some per cent of a run's, which waits the minutes of their warm_up. */
+#define SETTLE_NS   (200 * TTF_NS_PER_MS)
 #define OPEN_NS     (10 * TTF_NS_PER_S) /* that devices are kept for the next picture */
 #define FIRST_NS    (20 * TTF_NS_PER_MS)
 #define LONGEST_NS  (2 * TTF_NS_PER_S)  /* an exposure */
@@ -113,6 +115,7 @@ static int take(struct daemon *d, const struct ttf_http_view *view, struct ttf_r
     struct ttf_plan_shot shot = {0};
     struct ttf_guided_config config = {.box = &d->view,
                                        .shot = &shot,
+                                       .settle_ns = SETTLE_NS,
                                        .frames = 1,
                                        .stop = &d->view_stop,
                                        .patience_ns = PATIENCE_NS};

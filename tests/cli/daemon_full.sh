@@ -88,6 +88,16 @@ until_is 's["state"] == "capturing" and s["disk"]["free_bytes"] == 0 and alarms'
 get "$URL/datasets/grass" 200 "${ME[@]}"
 is sealed false
 
+# What is sent now is refused, and no half of it stays.
+sed 's/^board: .*/board: mine/' box.yaml >mine.yaml
+send() { # STATUS
+    get "$URL/boards/mine" "$1" "${ME[@]}" -H 'Content-Type: application/yaml' -X PUT --data-binary @mine.yaml
+}
+send 500
+grep -q 'No space left on device' out || fail "it does not say why: $(cat out)"
+get "$URL/boards/mine" 404 "${ME[@]}"
+[ -z "$(find data/.ttfbox/boards -type f)" ] || fail "half of it stays: $(find data/.ttfbox)"
+
 # ---- killed there it begins anew: the line that says so finds room in a block of its file, and records wait for theirs, or it is tried again ----
 end_daemon KILL
 start
@@ -100,6 +110,7 @@ expect 0 "$TTFBOX" verify data/grass
 seen=$(grep -c '"result":"captured"' data/grass/records.jsonl)
 rm data/ballast.*
 until_is 's["state"] == "capturing" and n.get("captured", 0) >= '$((seen + 3))' and not alarms'
+send 200
 end_daemon
 expect 0 "$TTFBOX" verify data/grass --json
 (cd data/grass && sha256sum --quiet -c) <before || fail "what was committed is not there any more"

@@ -169,7 +169,46 @@ rm -r boards/late
 mkdir data/.ttfbox/boards/folder.yaml
 get "$URL/boards/folder" 404 "${ME[@]}"
 get "$URL/boards/folder" 404 "${ME[@]}" -X DELETE
+sed 's/^board: .*/board: folder/' box.yaml >folder.yaml
+json_of folder.yaml "$URL/boards/folder" 500 -X PUT
 rmdir data/.ttfbox/boards/folder.yaml
+[ -z "$(find data/.ttfbox/boards -name '*.tmp')" ] || fail "what could not be put in place stays"
+# Nor is one that is too long to have been one.
+mkdir boards/long
+{ cat mine.yaml && yes '# nothing' | head -c 300000; } >boards/long/board.yaml
+get "$URL/boards/long" 500 "${ME[@]}"
+json_of boards/long/board.yaml "$URL/boards/toolong" 413 -X PUT
+rm -r boards/long
+# Of many who send one of the same name at once one is served, and what lies there is theirs whole.
+sed 's/^board: .*/board: race/' box.yaml >race.yaml
+"$PYTHON" - "$URL" "$TOKEN" race.yaml data/.ttfbox/boards/race.yaml <<'END' || fail "of many who send at once"
+import http.client, os, socket, sys, threading, urllib.parse
+url, token, path, there = sys.argv[1:]
+at, board = urllib.parse.urlsplit(url), open(path, "rb").read()
+head = {"Authorization": "Bearer " + token, "Content-Type": "application/yaml"}
+def send(k, gate, answers):
+    body = board + b"# %d\n" % k * (1000 * k)
+    line = http.client.HTTPConnection(at.hostname, at.port, timeout=60)
+    line.putrequest("PUT", at.path + "/boards/race")
+    for name, value in {**head, "Content-Length": str(len(body))}.items():
+        line.putheader(name, value)
+    line.endheaders(body[:-1])
+    line.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    gate.wait()
+    line.send(body[-1:])
+    answers[k] = line.getresponse().status, body
+for turn in range(20):
+    answers, gate = {}, threading.Barrier(6)
+    crowd = [threading.Thread(target=send, args=(k, gate, answers)) for k in range(1, 7)]
+    for one in crowd: one.start()
+    for one in crowd: one.join()
+    taken = [body for status, body in answers.values() if status == 200]
+    assert sorted(status for status, _ in answers.values()) == [200] + [409] * 5, (turn, [a[0] for a in answers.values()])
+    assert open(there, "rb").read() == taken[0], turn
+    line = http.client.HTTPConnection(at.hostname, at.port, timeout=60)
+    line.request("DELETE", at.path + "/boards/race", headers=head)
+    assert line.getresponse().status == 200, turn
+END
 json_of mine.yaml "$URL/boards/..%2f..%2fmine" 404 -X PUT --path-as-is
 get "$URL/boards/mine" 401 -X DELETE
 cp ttfboxd.yaml kept.yaml

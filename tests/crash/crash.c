@@ -177,7 +177,7 @@ static bool campaigns(const struct asked *asked)
 static int usage(void)
 {
     fputs("usage: crash [exhaustive|troubled|random|deep|--quick] [--depth 1|2] [--seed N]\n"
-          "             [--states N] [--processes N]\n",
+          "             [--states N] [--processes N] [--fresh 1|2|3]\n",
           stderr);
     return 2;
 }
@@ -242,7 +242,8 @@ static bool options(int argc, char **argv, struct asked *asked)
 
 int main(int argc, char **argv)
 {
-    struct asked asked = {.depth = 2, .fresh_kinds = 2, .seed = 1, .states = STATES_DEFAULT};
+    struct asked asked = {
+        .depth = 2, .fresh_kinds = DISK_FRESH_COUNT, .seed = 1, .states = STATES_DEFAULT};
     unsigned i;
     bool any;
 

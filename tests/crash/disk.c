@@ -10,7 +10,7 @@
 #include "disk_private.h"
 
 /* Whose lines hold no crc: README.md, "The disk". */
-#define ZEROED "SHA256SUMS"
+#define NO_CRC "SHA256SUMS"
 
 static struct disk *of(struct ttf_io *io)
 {
@@ -101,7 +101,7 @@ static int op_open(struct ttf_io *io, const char *path, enum ttf_io_mode mode)
         if (r)
             return r;
         node = disk_node_add(disk, false, strcmp(name, disk->hollow) == 0);
-        disk->nodes[node]->zeroed = strncmp(name, ZEROED, strlen(ZEROED)) == 0;
+        disk->nodes[node]->no_crc = strncmp(name, NO_CRC, strlen(NO_CRC)) == 0;
         disk_names_set(&disk->nodes[folder]->names[0], name, node);
         disk_effect_name(disk, DISK_LINK, folder, name, NULL, node);
     }

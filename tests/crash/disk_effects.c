@@ -82,23 +82,33 @@ static void apply_name(struct disk_names *names, const struct disk_effect *effec
     disk_names_set(names, effect->to, effect->target);
 }
 
-/* What was in a block before it was this file's. */
-static void put_old(unsigned char *at, size_t from, size_t to, enum disk_fresh fresh)
-{
-    static const char log[] =
-        "00,\"ok\":true}],\"crc\":\"4b825dc6\"}\n{\"type\":\"slot\",\"seq\":7,\"in";
+/* An old log: the end of a line, a whole one whose crc holds, the beginning of one. */
+static const char old_log[] =
+    "00,\"ok\":true}],\"crc\":\"4b825dc6\"}\n"
+    "{\"type\":\"slot\",\"seq\":70000,\"index\":69990,\"crc\":\"03377955\"}\n"
+    "{\"type\":\"slot\",\"seq\":70001,\"in";
 
+/* What was in a block before it was this file's. README.md, "The disk", has what is left out. */
+static void put_old(unsigned char *at, size_t from, size_t to, enum disk_fresh fresh, bool no_crc)
+{
     for (size_t i = from; i < to; i++) {
         unsigned char noise = (unsigned char)(i * 2654435761u >> 13 ^ i * 97);
 
-        at[i] = fresh == DISK_LINES ? (unsigned char)log[i % (sizeof(log) - 1)]
-                : noise == '\n'     ? 0xff
-                                    : noise;
+        if (no_crc)
+            at[i] = (noise & 0x1f) == ('\n' & 0x1f) ? 0x80 : 0x80 | (noise & 0x1f);
+        else if (fresh == DISK_LINES)
+            at[i] = (unsigned char)old_log[i % (sizeof(old_log) - 1)];
+        else
+            at[i] = noise == '\n' ? 0xff : noise;
     }
+    if (at[to - 1] == '\n')
+        at[to - 1] = ' ';
+    if (at[from] == '{')
+        at[from] = ' ';
 }
 
 static void apply_length(struct disk_bytes **bytes, size_t length, bool longer,
-                         enum disk_fresh fresh)
+                         enum disk_fresh fresh, bool no_crc)
 {
     struct disk_bytes *own;
     size_t was = (*bytes)->n;
@@ -107,7 +117,7 @@ static void apply_length(struct disk_bytes **bytes, size_t length, bool longer,
         return;
     own = disk_bytes_own(bytes, length > was ? length : was);
     if (fresh != DISK_ZEROS && length > was)
-        put_old(own->at, was, length, fresh);
+        put_old(own->at, was, length, fresh, no_crc);
     if (length < own->n) /* bytes that are written behind the end are seen if it is moved later */
         memset(own->at + length, 0, own->room - length);
     own->n = length;
@@ -148,7 +158,7 @@ static void apply(struct disk_node *node, const struct disk_effect *effect, stru
         apply_hollow(&node->bytes[1], effect->offset, effect->kind == DISK_LONGER);
     else if (effect->kind != DISK_DATA)
         apply_length(&node->bytes[1], effect->offset, effect->kind == DISK_LONGER,
-                     effect->hole || node->zeroed ? DISK_ZEROS : fresh);
+                     effect->hole ? DISK_ZEROS : fresh, node->no_crc);
 }
 
 static struct disk_kept all_of(const struct disk_effect *effect)
@@ -254,7 +264,7 @@ static int copy_reached(struct disk *to, const struct disk *from, struct disk_no
         return map[i];
     map[i] = made = disk_node_add(to, node->is_dir, node->hollow);
     copy = to->nodes[made];
-    copy->zeroed = node->zeroed;
+    copy->no_crc = node->no_crc;
     if (!node->is_dir) {
         disk_bytes_release(copy->bytes[0]);
         disk_bytes_release(copy->bytes[1]);

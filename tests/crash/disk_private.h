@@ -30,7 +30,7 @@ struct disk_names {
 /* [0] as seen, [1] as it would be found after a cut. */
 struct disk_node {
     bool is_dir, hollow;
-    bool zeroed; /* what is not written reads as zeros on any disk */
+    bool no_crc; /* its old blocks hold nothing that its lines hold */
     struct disk_bytes *bytes[2];
     struct disk_names names[2];
 };

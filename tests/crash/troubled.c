@@ -63,8 +63,7 @@ static bool one_run(struct cuts *cuts, enum trouble_kind kind, unsigned at, bool
     snprintf(cuts->trouble, sizeof(cuts->trouble), "%s at step %u, then %s", trouble_name(kind), at,
              begin_anew ? "opened anew" : "gone on with");
     run_init(&t.run, run_fresh_disk());
-    if (cuts->fresh_kinds > 1 && at % 2)
-        disk_fresh_blocks(t.run.disk, DISK_NOISE);
+    disk_fresh_blocks(t.run.disk, (enum disk_fresh)(at % (unsigned)cuts->fresh_kinds));
     disk_on_step(t.run.disk, troubled_step, &t);
     for (i = 0; i < cuts->n_steps && since < CALLS_SINCE_MOST && !t.run.broken[0]; i++) {
         if (t.run.writer || i == 0)

@@ -141,6 +141,18 @@ def lose_line(n):
     return lambda folder: put_lines(folder, [l for i, l in enumerate(lines_of(folder)) if i != n])
 
 
+def patched(path, at, n):
+    """n bytes of rot."""
+    def change(folder):
+        data = bytearray(read(folder + "/" + path))
+        at_end = at + n == 0
+        data[at:None if at_end else at + n] = b"\xc3" * n
+        write(folder + "/" + path, bytes(data))
+    return change
+
+
+OLD = b'{"type":"slot","seq":70000,"index":69990,"crc":"03377955"}'
+OLD_LOG = b'00,"ok":true}],"crc":"4b825dc6"}\n' + OLD + b'\n{"type":"slot","seq":70001,"in'
 SHA = "0" * 64
 SPOILED = [  # of which dataset, name, what is done to a copy of it
     ("bracket", "flip-frame", flip("frames/main/000001.b1.tif", 190)),
@@ -163,6 +175,16 @@ SPOILED = [  # of which dataset, name, what is done to a copy of it
         read(d + "/SHA256SUMS").split(b"\n")[1:]))),
     ("three-segments", "torn", more("records.jsonl", b'{"type":"slot","se')),
     ("three-segments", "torn-event", more("events.jsonl", b'{"ty')),
+    ("three-segments", "old-log", more("records.jsonl", OLD_LOG)),
+    ("three-segments", "old-log-for-a-newline", both(cut("records.jsonl", 1), more("records.jsonl", OLD_LOG))),
+    ("three-segments", "old-log-of-events", more("events.jsonl", OLD_LOG)),
+    ("three-segments", "old-log-of-a-line", more("records.jsonl", OLD_LOG[:32])),
+    ("three-segments", "old-log-that-may-be-ours", lambda d: more("records.jsonl", b"\xc3\n" + edited(
+        b'{"crc":0}', type="x", seq=len(lines_of(d)) + 1) + b"\n{")(d)),
+    ("three-segments", "old-log-behind-a-flip", both(flip("records.jsonl", -40), more("records.jsonl", b'{"type":"sl'))),
+    ("three-segments", "rot-before-a-fragment", both(patched("records.jsonl", -60, 20), more("records.jsonl", b'{"type":"sl'))),
+    ("three-segments", "rot-before-others", both(patched("records.jsonl", 700, 20), cut("records.jsonl", 1))),
+    ("bracket", "old-log-behind-the-seal", more("records.jsonl", OLD_LOG)),
     ("three-segments", "no-newline", cut("records.jsonl", 1)),
     ("three-segments", "newline-lost-between", lambda d: write(
         d + "/records.jsonl", read(d + "/records.jsonl")[:-1] + b'\0{"type":"slot","seq":')),
@@ -176,6 +198,11 @@ SPOILED = [  # of which dataset, name, what is done to a copy of it
     ("three-segments", "sums-path", flip("SHA256SUMS", 80)),
     ("three-segments", "sums-hole", lambda d: write(
         d + "/SHA256SUMS", bytes(30) + read(d + "/SHA256SUMS")[30:])),
+    ("three-segments", "sums-noise", patched("SHA256SUMS", -50, 50)),
+    ("three-segments", "sums-noise-in-a-path", patched("SHA256SUMS", 70, 9)),
+    ("three-segments", "sums-wrong-blank", flip("SHA256SUMS", 64)),
+    ("three-segments", "sums-wrong-newline", lambda d: flip("SHA256SUMS", read(d + "/SHA256SUMS").index(b"\n"))(d)),
+    ("three-segments", "sums-wrong-in-a-path", flip("SHA256SUMS", 72, 7)),
     ("three-segments", "sums-ahead", more("SHA256SUMS", SHA.encode() + b"  frames/main/000099.tif\n")),
     ("three-segments", "sums-of-a-seal", more("SHA256SUMS", SHA.encode() + b"  events.jsonl\n")),
     ("three-segments", "one-newer-file", put("frames/main/000009.tif", b"x")),

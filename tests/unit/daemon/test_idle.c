@@ -170,7 +170,7 @@ static void what_was_decided_before_the_wait_began_is_not_slept_through(void **s
     end(&f);
 }
 
-/* A lamp that warms up for long: its picture is under way when a run is asked for. */
+/* An exposure of some seconds: its picture is under way when a run is asked for. */
 static void *start_soon(void *ctx)
 {
     struct fixture *f = ctx;
@@ -183,14 +183,12 @@ static void *start_soon(void *ctx)
     return NULL;
 }
 
-static void *look_by_lamplight(void *ctx)
+static void *look_for_long(void *ctx)
 {
     struct fixture *f = ctx;
-    struct ttf_http_view view = {.exposure_ns = TTF_NS_PER_MS, .n_lamps = 1};
+    const struct ttf_http_view view = {.exposure_ns = 2 * TTF_NS_PER_S};
     struct workshop_job job = {.view = &view};
 
-    (void)snprintf(view.lamps[0].name, sizeof view.lamps[0].name, "left");
-    view.lamps[0].level_permille = 1000;
     f->seen = workshop_ask(f->d.workshop, &job, NULL);
     free(job.shown.jpeg);
     return NULL;
@@ -205,10 +203,8 @@ static void a_picture_that_takes_its_time_ends_when_a_run_is_asked_for(void **st
 
     (void)state;
     begin(&f);
-    for (unsigned i = 0; i < f.d.view_board.sim.n_lamps; i++)
-        f.d.view_board.sim.lamps[i].info.warm_up_ns = LONG_NS;
     began_ns = ttf_clock_now_ns(f.d.clock);
-    assert_int_equal(pthread_create(&viewer, NULL, look_by_lamplight, &f), 0);
+    assert_int_equal(pthread_create(&viewer, NULL, look_for_long, &f), 0);
     assert_int_equal(pthread_create(&starter, NULL, start_soon, &f), 0);
     idle(&f.d, orders_generation(f.d.orders), TTF_NS_NEVER, TTF_LED_IDLE);
     assert_true(ttf_clock_now_ns(f.d.clock) - began_ns < LONG_NS / 2);
@@ -217,6 +213,41 @@ static void a_picture_that_takes_its_time_ends_when_a_run_is_asked_for(void **st
     (void)pthread_join(starter, &failed);
     assert_null(failed);
     assert_int_equal(f.seen, -EBUSY);
+    end(&f);
+}
+
+/* What it asks for is what ends the wait. */
+static void *look_by_lamplight(void *ctx)
+{
+    struct fixture *f = ctx;
+    struct ttf_http_view view = {.exposure_ns = TTF_NS_PER_MS, .n_lamps = 1};
+    struct workshop_job job = {.view = &view};
+
+    (void)snprintf(view.lamps[0].name, sizeof view.lamps[0].name, "left");
+    view.lamps[0].level_permille = 1000;
+    f->seen = workshop_ask(f->d.workshop, &job, NULL);
+    free(job.shown.jpeg);
+    return start_soon(ctx);
+}
+
+/* Every board's do; and who looks moves a lens, or waits for the first picture. */
+static void lamps_that_warm_up_for_minutes_keep_no_picture_waiting(void **state)
+{
+    struct fixture f;
+    pthread_t viewer;
+    int64_t began_ns;
+
+    (void)state;
+    begin(&f);
+    for (unsigned i = 0; i < f.d.view_board.sim.n_lamps; i++)
+        f.d.view_board.sim.lamps[i].info.warm_up_ns = LONG_NS;
+    began_ns = ttf_clock_now_ns(f.d.clock);
+    assert_int_equal(pthread_create(&viewer, NULL, look_by_lamplight, &f), 0);
+    idle(&f.d, orders_generation(f.d.orders), LONG_NS, TTF_LED_IDLE);
+    assert_true(ttf_clock_now_ns(f.d.clock) - began_ns < LONG_NS / 2);
+    workshop_open(f.d.workshop, false);
+    (void)pthread_join(viewer, NULL);
+    assert_int_equal(f.seen, 0);
     end(&f);
 }
 
@@ -405,6 +436,7 @@ int main(void)
         cmocka_unit_test(a_run_begins_while_others_look_through_the_camera_without_an_end),
         cmocka_unit_test(a_wait_ends_on_time_while_others_look_through_the_camera),
         cmocka_unit_test(what_was_decided_before_the_wait_began_is_not_slept_through),
+        cmocka_unit_test(lamps_that_warm_up_for_minutes_keep_no_picture_waiting),
         cmocka_unit_test(a_picture_that_takes_its_time_ends_when_a_run_is_asked_for),
         cmocka_unit_test(the_manager_hears_how_long_a_step_of_a_calibration_may_take),
         cmocka_unit_test(the_manager_hears_how_long_a_picture_may_take),

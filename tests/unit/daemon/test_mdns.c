@@ -232,9 +232,39 @@ static void the_longest_name_fits(void **state)
     assert_true(n <= sizeof got);
 }
 
+/* As many questions of one long name as fit, each but the first by a pointer, and then ours: they are not read for a hostile host's sake. */
+static void what_takes_too_long_to_read_is_not_read(void **state)
+{
+    static const uint8_t LABEL[] = {1, 'x'}, END[] = {0, 0, 1, 0, 1},
+                         AGAIN[] = {0xc0, 12, 0, 1, 0, 1};
+    static uint8_t data[9000];
+    struct datagram first = asks("", 0, A, IN), ours = asks(NAME, NAME_N, A, IN);
+    uint8_t got[MDNS_SIZE];
+    size_t bytes = 0, n = 12, labels = 126;
+    unsigned questions = 1;
+
+    (void)state;
+    memcpy(data, first.data, n);
+    for (size_t i = 0; i < labels; i++, n += 2)
+        memcpy(data + n, LABEL, sizeof LABEL);
+    memcpy(data + n, END, sizeof END);
+    n += sizeof END;
+    for (; questions < 4500 / labels; questions++, n += 6)
+        memcpy(data + n, AGAIN, sizeof AGAIN);
+    memcpy(data + n, ours.data + 12, ours.n - 12); /* two labels */
+    data[5] = (uint8_t)(questions + 1);
+    assert_int_equal(mdns_answer(&HOST, data, n + ours.n - 12, false, got, &bytes), MDNS_ALL);
+    memcpy(data + n, AGAIN, sizeof AGAIN);
+    n += sizeof AGAIN;
+    memcpy(data + n, ours.data + 12, ours.n - 12);
+    data[5]++;
+    assert_int_equal(mdns_answer(&HOST, data, n + ours.n - 12, false, got, &bytes), MDNS_NOBODY);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_takes_too_long_to_read_is_not_read),
         cmocka_unit_test(who_asks_for_the_address_is_told_it_and_that_there_is_no_other),
         cmocka_unit_test(who_asks_for_another_kind_hears_that_there_is_none_and_the_address),
         cmocka_unit_test(other_names_are_none_of_its_business),
