@@ -109,9 +109,11 @@ static int may_be_lines(const char *text, size_t n, int64_t due_seq)
     if (!lf || text[n - 1] == '\n' || ttf_line_nearly_holds(text, (size_t)(lf - text)))
         return 1;
     next = memchr(lf + 1, '\n', n - (size_t)(lf + 1 - text));
+    /* the newline is the bit */
     if (next && ttf_line_nearly_holds(text, (size_t)(next - text)))
-        return 1;                    /* the newline is the bit */
-    r = is_own(text, 1, n, due_seq); /* the newline before it has changed */
+        return 1;
+    /* the newline before it has changed */
+    r = is_own(text, 1, n, due_seq);
     for (; r == 0 && lf; lf = memchr(lf + 1, '\n', n - at)) {
         at = (size_t)(lf + 1 - text);
         r = is_own(text, at, n, due_seq);

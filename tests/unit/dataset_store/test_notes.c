@@ -13,6 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "meddled.h"
 #include "store_ios.h"
 #include "store_test.h"
 #include "ttf/base/time.h"
@@ -25,14 +26,9 @@ enum beside {
     IS_CUT_OFF
 };
 
-/* A dataset, and a disk that lists what is done to it and fails on cue. */
+/* A store that is meddled with (n.m), also by another process that adds. */
 struct noted {
-    const char *path;
-    char log[4096];
-    struct cue cue;
-    struct ttf_io *io;
-    /* just before the new file is synced: a command of somebody's tool, in the dataset; another one */
-    const char *meddles;
+    struct meddled m;
     enum beside beside;
     bool cut; /* this process goes with the next bytes to write */
     int beside_code;
@@ -55,36 +51,28 @@ static void be_cut_off(struct noted *n)
     assert_int_equal(status, 0);
 }
 
-static int fault(void *ctx, const char *op, const char *path)
+static void before(void *ctx, const char *op)
 {
     struct noted *n = ctx;
-    const char *meddles = n->meddles;
+    enum beside beside = n->beside;
 
-    if (strcmp(op, "sync") == 0) {
-        n->meddles = NULL;
-        if (meddles)
-            assert_int_equal(run("cd '%s' && %s", n->path, meddles), 0);
-        if (n->beside == ADDS) {
-            n->beside = NOBODY;
-            n->beside_code = add(n, "beside");
-        } else if (n->beside == IS_CUT_OFF) {
-            n->beside = NOBODY;
-            be_cut_off(n);
-        }
-    }
     if (n->cut && strcmp(op, "append") == 0)
         _exit(0);
-    return cue_fault(&n->cue, op, strstr(path, "/.notes-new-") ? ".notes-new" : path);
+    if (strcmp(op, "sync") != 0)
+        return;
+    n->beside = NOBODY;
+    if (beside == ADDS)
+        n->beside_code = add(n, "beside");
+    else if (beside == IS_CUT_OFF)
+        be_cut_off(n);
 }
 
 static void begin(struct noted *n, void **state)
 {
     memset(n, 0, sizeof(*n));
-    n->path = in(*state, "d");
-    ttf_writer_close(small_create(quick_io(), n->path));
-    n->cue = (struct cue){.log = n->log, .log_room = sizeof(n->log)};
-    n->io = ttf_io_faulty_create(quick_io(), fault, n);
-    assert_non_null(n->io);
+    meddled_begin(&n->m, state, ".notes-new");
+    n->m.before = before;
+    n->m.ctx = n;
 }
 
 static int add(struct noted *n, const char *text)
@@ -92,17 +80,17 @@ static int add(struct noted *n, const char *text)
     struct ttf_note note = {.utc_ns = TTF_NS_UNKNOWN};
 
     snprintf(note.text, sizeof(note.text), "%s", text);
-    return ttf_note_append(n->io, n->path, &note, NULL);
+    return ttf_note_append(n->m.io, n->m.path, &note, NULL);
 }
 
 static void expect(struct noted *n, const char *wanted)
 {
-    char *text = file_text(in(n->path, "notes.jsonl"), NULL);
+    char *text = file_text(in(n->m.path, "notes.jsonl"), NULL);
 
     assert_string_equal(text, wanted);
     free(text);
-    assert_int_equal(run("! ls -A '%s' | grep -q notes-new", n->path), 0);
-    ttf_io_faulty_destroy(n->io);
+    meddled_expect_no_new_file(&n->m);
+    meddled_end(&n->m);
 }
 
 static void a_note_is_on_the_disk_before_it_takes_its_name(void **state)
@@ -111,11 +99,11 @@ static void a_note_is_on_the_disk_before_it_takes_its_name(void **state)
 
     begin(&n, state);
     assert_int_equal(add(&n, "one"), 0);
-    n.log[n.cue.log_used = 0] = '\0';
+    meddled_forget_log(&n.m);
     assert_int_equal(add(&n, "two"), 0);
-    assert_string_equal(n.log, "open .notes-new\nappend .notes-new\nappend "
-                               ".notes-new\nappend .notes-new\nsync .notes-new\nrename "
-                               "notes.jsonl\nsync_dir d\n");
+    assert_string_equal(n.m.log, "open .notes-new\nappend .notes-new\nappend "
+                                 ".notes-new\nappend .notes-new\nsync .notes-new\nrename "
+                                 "notes.jsonl\nsync_dir d\n");
     expect(&n, "{\"text\":\"one\"}\n{\"text\":\"two\"}\n");
 }
 
@@ -129,20 +117,20 @@ static void a_note_after_one_whose_sync_failed_stands_on_nothing_of_it(void **st
 
         begin(&n, state);
         assert_int_equal(add(&n, "one"), 0);
-        n.cue.op = syncs[i];
-        n.cue.error = EIO;
-        n.cue.n = 0;
-        n.cue.at = 1;
+        n.m.cue.op = syncs[i];
+        n.m.cue.error = EIO;
+        n.m.cue.n = 0;
+        n.m.cue.at = 1;
         assert_int_equal(add(&n, "two"), -EIO);
-        n.cue.op = NULL;
-        n.cue.at = 0;
-        n.log[n.cue.log_used = 0] = '\0';
+        n.m.cue.op = NULL;
+        n.m.cue.at = 0;
+        meddled_forget_log(&n.m);
         assert_int_equal(add(&n, "three"), 0);
-        assert_non_null(strstr(n.log, "sync .notes-new\nrename notes.jsonl\nsync_dir d\n"));
-        assert_null(strstr(n.log, "append notes.jsonl"));
+        assert_non_null(strstr(n.m.log, "sync .notes-new\nrename notes.jsonl\nsync_dir d\n"));
+        assert_null(strstr(n.m.log, "append notes.jsonl"));
         expect(&n, i ? "{\"text\":\"one\"}\n{\"text\":\"two\"}\n{\"text\":\"three\"}\n"
                      : "{\"text\":\"one\"}\n{\"text\":\"three\"}\n");
-        assert_int_equal(run("rm -r '%s'", n.path), 0);
+        assert_int_equal(run("rm -r '%s'", n.m.path), 0);
     }
 }
 
@@ -153,19 +141,19 @@ static void a_note_that_fails_leaves_those_before_it(void **state)
 
     begin(&n, state);
     assert_int_equal(add(&n, "one"), 0);
-    n.cue.error = ENOSPC;
-    for (n.cue.at = 1; r; n.cue.at++) {
+    n.m.cue.error = ENOSPC;
+    for (n.m.cue.at = 1; r; n.m.cue.at++) {
         char *text;
 
-        n.cue.n = 0;
+        n.m.cue.n = 0;
         r = add(&n, "two");
-        text = file_text(in(n.path, "notes.jsonl"), NULL);
+        text = file_text(in(n.m.path, "notes.jsonl"), NULL);
         assert_int_equal(strncmp(text, "{\"text\":\"one\"}\n", 15), 0);
         free(text);
         assert_true(r == 0 || r == -ENOSPC);
     }
-    assert_true(n.cue.at > 8);
-    ttf_io_faulty_destroy(n.io);
+    assert_true(n.m.cue.at > 8);
+    meddled_end(&n.m);
 }
 
 static void a_line_that_somebody_left_unfinished_is_ended_first(void **state)
@@ -173,9 +161,9 @@ static void a_line_that_somebody_left_unfinished_is_ended_first(void **state)
     struct noted n;
 
     begin(&n, state);
-    write_text(in(n.path, "notes.jsonl"), "{\"text\":\"to", 11);
-    write_text(in(n.path, ".notes-new"), "{\"text\":\"cut", 12); /* of those that were cut off */
-    write_text(in(n.path, ".notes-new-0123456789abcdef"), "{\"text\":\"cut", 12);
+    write_text(in(n.m.path, "notes.jsonl"), "{\"text\":\"to", 11);
+    write_text(in(n.m.path, ".notes-new"), "{\"text\":\"cut", 12); /* of those that were cut off */
+    write_text(in(n.m.path, ".notes-new-0123456789abcdef"), "{\"text\":\"cut", 12);
     assert_int_equal(add(&n, "two"), 0);
     expect(&n, "{\"text\":\"to\n{\"text\":\"two\"}\n");
 }
@@ -188,13 +176,13 @@ static void only_one_adds_a_note_at_a_time(void **state)
     int file;
 
     begin(&n, state);
-    file = io->ops->open(io, in(n.path, "dataset.json"), TTF_IO_READ);
+    file = io->ops->open(io, in(n.m.path, "dataset.json"), TTF_IO_READ);
     assert_true(file >= 0);
     assert_int_equal(io->ops->lock(io, file), 0);
     assert_int_equal(add(&n, "one"), -EAGAIN);
-    assert_false(exists(in(n.path, "notes.jsonl")));
+    assert_false(exists(in(n.m.path, "notes.jsonl")));
     io->ops->close(io, file);
-    assert_int_equal(ttf_writer_open(io, n.path, &writer, NULL), 0); /* whose lock is another */
+    assert_int_equal(ttf_writer_open(io, n.m.path, &writer, NULL), 0); /* whose lock is another */
     assert_int_equal(add(&n, "one"), 0);
     ttf_writer_close(writer);
     expect(&n, "{\"text\":\"one\"}\n");
@@ -217,13 +205,13 @@ static void what_a_tool_writes_meanwhile_is_not_lost(void **state)
         struct noted n;
 
         begin(&n, state);
-        write_text(in(n.path, "notes.jsonl"), "A\n", 2);
-        n.meddles = meddling[i];
+        write_text(in(n.m.path, "notes.jsonl"), "A\n", 2);
+        n.m.meddles = meddling[i];
         assert_int_equal(add(&n, "two"), -EAGAIN);
         assert_int_equal(add(&n, "two"), 0);
         snprintf(wanted, sizeof(wanted), "%s{\"text\":\"two\"}\n", left[i]);
         expect(&n, wanted);
-        assert_int_equal(run("rm -r '%s'", n.path), 0);
+        assert_int_equal(run("rm -r '%s'", n.m.path), 0);
     }
 }
 
@@ -232,7 +220,7 @@ static void notes_that_a_tool_began_meanwhile_are_not_lost(void **state)
     struct noted n;
 
     begin(&n, state);
-    n.meddles = "printf 'B\\n' > notes.jsonl";
+    n.m.meddles = "printf 'B\\n' > notes.jsonl";
     assert_int_equal(add(&n, "one"), -EAGAIN);
     assert_int_equal(add(&n, "one"), 0);
     expect(&n, "B\n{\"text\":\"one\"}\n");
@@ -252,9 +240,9 @@ static void where_nobody_can_lock_no_acknowledged_note_is_lost(void **state)
         struct noted n;
 
         begin(&n, state);
-        ops = *n.io->ops;
+        ops = *n.m.io->ops;
         ops.lock = no_lock;
-        n.io->ops = &ops;
+        n.m.io->ops = &ops;
         if (i)
             assert_int_equal(add(&n, "one"), 0);
         n.beside = ADDS;
@@ -263,7 +251,7 @@ static void where_nobody_can_lock_no_acknowledged_note_is_lost(void **state)
         assert_int_equal(add(&n, "two"), 0);
         expect(&n, i ? "{\"text\":\"one\"}\n{\"text\":\"beside\"}\n{\"text\":\"two\"}\n"
                      : "{\"text\":\"beside\"}\n{\"text\":\"two\"}\n");
-        assert_int_equal(run("rm -r '%s'", n.path), 0);
+        assert_int_equal(run("rm -r '%s'", n.m.path), 0);
     }
 }
 
@@ -274,9 +262,9 @@ static void where_nobody_can_lock_what_is_renamed_is_one_s_own(void **state)
     struct noted n;
 
     begin(&n, state);
-    ops = *n.io->ops;
+    ops = *n.m.io->ops;
     ops.lock = no_lock;
-    n.io->ops = &ops;
+    n.m.io->ops = &ops;
     assert_int_equal(add(&n, "one"), 0);
     n.beside = IS_CUT_OFF;
     assert_int_equal(add(&n, "two"), -EAGAIN); /* its own was taken for a leftover */
@@ -292,17 +280,17 @@ static void a_person_s_notes_keep_their_mode_and_group(void **state)
         struct noted n;
 
         begin(&n, state);
-        write_text(in(n.path, "notes.jsonl"), "A\n", 2);
-        assert_int_equal(run("chmod %o '%s/notes.jsonl'", modes[i], n.path), 0);
+        write_text(in(n.m.path, "notes.jsonl"), "A\n", 2);
+        assert_int_equal(run("chmod %o '%s/notes.jsonl'", modes[i], n.m.path), 0);
         if (geteuid() == 0) /* who else has a group to give? */
-            assert_int_equal(run("chown 12345:12346 '%s/notes.jsonl'", n.path), 0);
+            assert_int_equal(run("chown 12345:12346 '%s/notes.jsonl'", n.m.path), 0);
         assert_int_equal(add(&n, "one"), 0);
-        assert_int_equal(run("test $(stat -c %%a '%s/notes.jsonl') = %o", n.path, modes[i]), 0);
+        assert_int_equal(run("test $(stat -c %%a '%s/notes.jsonl') = %o", n.m.path, modes[i]), 0);
         if (geteuid() == 0)
-            assert_int_equal(run("test $(stat -c %%u:%%g '%s/notes.jsonl') = 12345:12346", n.path),
-                             0);
+            assert_int_equal(
+                run("test $(stat -c %%u:%%g '%s/notes.jsonl') = 12345:12346", n.m.path), 0);
         expect(&n, "A\n{\"text\":\"one\"}\n");
-        assert_int_equal(run("rm -r '%s'", n.path), 0);
+        assert_int_equal(run("rm -r '%s'", n.m.path), 0);
     }
 }
 
@@ -312,13 +300,13 @@ static void a_link_is_not_replaced(void **state)
     struct noted n;
 
     begin(&n, state);
-    write_text(in(n.path, "elsewhere"), "A\n", 2);
+    write_text(in(n.m.path, "elsewhere"), "A\n", 2);
     for (unsigned i = 0; i < 2; i++) {
-        assert_int_equal(run("ln -sfn %s '%s/notes.jsonl'", ends[i], n.path), 0);
+        assert_int_equal(run("ln -sfn %s '%s/notes.jsonl'", ends[i], n.m.path), 0);
         assert_int_equal(add(&n, "one"), -ELOOP);
-        assert_int_equal(run("test -L '%s/notes.jsonl'", n.path), 0);
+        assert_int_equal(run("test -L '%s/notes.jsonl'", n.m.path), 0);
     }
-    assert_int_equal(run("mv '%s/elsewhere' '%s/notes.jsonl'", n.path, n.path), 0);
+    assert_int_equal(run("mv '%s/elsewhere' '%s/notes.jsonl'", n.m.path, n.m.path), 0);
     expect(&n, "A\n");
 }
 

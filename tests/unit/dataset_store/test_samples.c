@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "meddled.h"
 #include "store_ios.h"
 #include "store_test.h"
 #include "ttf/base/time.h"
@@ -20,38 +21,12 @@
 
 static const struct ttf_sample_rect corner = {0, 0, 2, 2}, whole = {0, 0, 4, 3};
 
-/* A dataset (of 4 x 3 pixels), and a disk that lists what is done to it and fails on cue. */
-struct named {
-    const char *path;
-    char log[4096];
-    struct cue cue;
-    struct ttf_io *io;
-    const char *meddles; /* just before the new file is synced: a command of somebody's tool */
-};
-
-static int fault(void *ctx, const char *op, const char *path)
+static void begin(struct meddled *n, void **state)
 {
-    struct named *n = ctx;
-    const char *meddles = n->meddles;
-
-    if (meddles && strcmp(op, "sync") == 0) {
-        n->meddles = NULL;
-        assert_int_equal(run("cd '%s' && %s", n->path, meddles), 0);
-    }
-    return cue_fault(&n->cue, op, strstr(path, "/.samples-new-") ? ".samples-new" : path);
+    meddled_begin(n, state, ".samples-new");
 }
 
-static void begin(struct named *n, void **state)
-{
-    memset(n, 0, sizeof(*n));
-    n->path = in(*state, "d");
-    ttf_writer_close(small_create(quick_io(), n->path));
-    n->cue = (struct cue){.log = n->log, .log_room = sizeof(n->log)};
-    n->io = ttf_io_faulty_create(quick_io(), fault, n);
-    assert_non_null(n->io);
-}
-
-static int name(struct named *n, const char *id, const char *title,
+static int name(struct meddled *n, const char *id, const char *title,
                 const struct ttf_sample_rect *region)
 {
     const struct ttf_sample_change change = {.id = id, .title = title, .region = region};
@@ -59,13 +34,13 @@ static int name(struct named *n, const char *id, const char *title,
     return ttf_samples_change(n->io, n->path, &change, 1, NULL);
 }
 
-static void put(struct named *n, const char *text)
+static void put(struct meddled *n, const char *text)
 {
     write_text(in(n->path, "samples.json"), text, strlen(text));
 }
 
 /* What a reader says: "id x,y,wxh title treatment; ..." */
-static void expect(struct named *n, const char *wanted)
+static void expect(struct meddled *n, const char *wanted)
 {
     struct ttf_sample_region *samples;
     char text[1024] = "";
@@ -81,10 +56,10 @@ static void expect(struct named *n, const char *wanted)
                              (int)samples[i].region.height, samples[i].title, samples[i].treatment);
     free(samples);
     assert_string_equal(text, wanted);
-    assert_int_equal(run("! ls -A '%s' | grep -q samples-new", n->path), 0);
+    meddled_expect_no_new_file(n);
 }
 
-static void expect_clean(const struct named *n, unsigned notes)
+static void expect_clean(const struct meddled *n, unsigned notes)
 {
     const struct ttf_verify_options options = {0};
     struct ttf_verify_report report;
@@ -96,24 +71,19 @@ static void expect_clean(const struct named *n, unsigned notes)
     ttf_verify_report_free(&report);
 }
 
-static void end(struct named *n)
-{
-    ttf_io_faulty_destroy(n->io);
-}
-
 static void what_is_named_is_on_the_disk_before_it_takes_its_name(void **state)
 {
-    struct named n;
+    struct meddled n;
 
     begin(&n, state);
     assert_int_equal(name(&n, "A1", "Lolium", &corner), 0);
-    n.log[n.cue.log_used = 0] = '\0';
+    meddled_forget_log(&n);
     assert_int_equal(name(&n, "A2", "Poa", &whole), 0);
     assert_string_equal(n.log, "open .samples-new\nappend .samples-new\nsync .samples-new\nrename "
                                "samples.json\nsync_dir d\n");
     expect(&n, "A1 0,0,2x2 Lolium ; A2 0,0,4x3 Poa ");
     expect_clean(&n, 0);
-    end(&n);
+    meddled_end(&n);
 }
 
 static void only_what_is_said_of_a_sample_is_changed(void **state)
@@ -123,20 +93,20 @@ static void only_what_is_said_of_a_sample_is_changed(void **state)
         {.id = "A1", .title = "", .region = &whole},
         {.id = "A3", .region = &corner},
     };
-    struct named n;
+    struct meddled n;
 
     begin(&n, state);
     assert_int_equal(name(&n, "A1", "Lolium", &corner), 0);
     assert_int_equal(name(&n, "A2", "Poa", &corner), 0);
     assert_int_equal(ttf_samples_change(n.io, n.path, changes, 3, NULL), 0);
     expect(&n, "A1 0,0,4x3  ; A2 0,0,2x2 Poa dry since 4; A3 0,0,2x2  ");
-    end(&n);
+    meddled_end(&n);
 }
 
 static void a_sample_is_taken_out_again(void **state)
 {
     const struct ttf_sample_change out = {.id = "A1", .remove = true};
-    struct named n;
+    struct meddled n;
 
     begin(&n, state);
     assert_int_equal(name(&n, "A1", "Lolium", &corner), 0);
@@ -144,7 +114,7 @@ static void a_sample_is_taken_out_again(void **state)
     assert_int_equal(ttf_samples_change(n.io, n.path, &out, 1, NULL), 0);
     assert_int_equal(ttf_samples_change(n.io, n.path, &out, 1, NULL), -ENOENT);
     expect(&n, "A2 0,0,2x2 Poa ");
-    end(&n);
+    meddled_end(&n);
 }
 
 /* Of the file, of samples, of regions; also of the one that is changed. */
@@ -155,7 +125,7 @@ static void what_other_tools_wrote_is_kept(void **state)
         "\"pot\":7,\"region\":{\"x\":1,\"y\":1,\"width\":2,\"height\":2,\"angle\":30}},"
         "{\"id\":\"A2\",\"region\":{\"x\":0,\"y\":0,\"width\":1,\"height\":1},\"sown\":\"May\"}]}";
     char *text;
-    struct named n;
+    struct meddled n;
 
     begin(&n, state);
     put(&n, before);
@@ -175,7 +145,7 @@ static void what_other_tools_wrote_is_kept(void **state)
                            "{\"id\":\"A2\",\"region\":{\"x\":0,\"y\":0,\"width\":1,\"height\":"
                            "1},\"sown\":\"May\"}"));
     free(text);
-    end(&n);
+    meddled_end(&n);
 }
 
 static void nothing_is_written_that_no_reader_takes(void **state)
@@ -186,7 +156,7 @@ static void nothing_is_written_that_no_reader_takes(void **state)
                                               {.id = "A1", .region = &whole}};
     char longer[200];
     struct ttf_err err = {0};
-    struct named n;
+    struct meddled n;
 
     begin(&n, state);
     memset(longer, 'x', sizeof(longer));
@@ -202,7 +172,7 @@ static void nothing_is_written_that_no_reader_takes(void **state)
     assert_non_null(strstr(err.what, "twice"));
     assert_false(exists(in(n.path, "samples.json")));
     assert_int_equal(run("! ls -A '%s' | grep -q samples-new", n.path), 0);
-    end(&n);
+    meddled_end(&n);
 }
 
 /* Whoever wrote it may mend it; what was in it is not lost. */
@@ -216,7 +186,7 @@ static void what_is_not_understood_is_left_alone(void **state)
     for (unsigned i = 0; i < sizeof(bad) / sizeof(*bad); i++) {
         struct ttf_err err = {0};
         const struct ttf_sample_change change = {.id = "A1", .region = &corner};
-        struct named n;
+        struct meddled n;
         char *text;
 
         begin(&n, state);
@@ -227,20 +197,20 @@ static void what_is_not_understood_is_left_alone(void **state)
         assert_string_equal(text, bad[i]);
         free(text);
         expect_clean(&n, 1);
-        end(&n);
+        meddled_end(&n);
         assert_int_equal(run("rm -r '%s'", n.path), 0);
     }
 }
 
 static void a_region_outside_of_the_picture_is_told_and_no_damage(void **state)
 {
-    struct named n;
+    struct meddled n;
 
     begin(&n, state);
     put(&n,
         "{\"samples\":[{\"id\":\"A1\",\"region\":{\"x\":3,\"y\":0,\"width\":2,\"height\":1}}]}");
     expect_clean(&n, 1);
-    end(&n);
+    meddled_end(&n);
 }
 
 static void whatever_fails_the_samples_before_are_whole(void **state)
@@ -248,7 +218,7 @@ static void whatever_fails_the_samples_before_are_whole(void **state)
     static const int errors[] = {ENOSPC, EIO, EROFS};
 
     for (unsigned e = 0; e < 3; e++) {
-        struct named n;
+        struct meddled n;
         int r = -1;
 
         begin(&n, state);
@@ -269,7 +239,7 @@ static void whatever_fails_the_samples_before_are_whole(void **state)
         assert_true(n.cue.at > 5);
         n.cue.at = 0;
         expect(&n, "A1 0,0,2x2 Lolium ; A2 0,0,4x3 Poa ");
-        end(&n);
+        meddled_end(&n);
         assert_int_equal(run("rm -r '%s'", n.path), 0);
     }
 }
@@ -279,7 +249,7 @@ static void only_one_names_samples_at_a_time(void **state)
 {
     struct ttf_io *io = quick_io();
     struct ttf_writer *writer;
-    struct named n;
+    struct meddled n;
     int file;
 
     begin(&n, state);
@@ -293,12 +263,12 @@ static void only_one_names_samples_at_a_time(void **state)
     assert_int_equal(name(&n, "A1", NULL, &corner), 0);
     ttf_writer_close(writer);
     expect(&n, "A1 0,0,2x2  ");
-    end(&n);
+    meddled_end(&n);
 }
 
 static void what_a_tool_writes_meanwhile_is_not_lost(void **state)
 {
-    struct named n;
+    struct meddled n;
 
     begin(&n, state);
     assert_int_equal(name(&n, "A1", "Lolium", &corner), 0);
@@ -306,13 +276,13 @@ static void what_a_tool_writes_meanwhile_is_not_lost(void **state)
     assert_int_equal(name(&n, "A2", "Poa", &corner), -EAGAIN);
     assert_int_equal(name(&n, "A2", "Poa", &corner), 0);
     expect(&n, "A1 0,0,2x2 Festuca ; A2 0,0,2x2 Poa ");
-    end(&n);
+    meddled_end(&n);
 }
 
 static void a_sealed_dataset_keeps_its_seal(void **state)
 {
     struct ttf_writer *writer;
-    struct named n;
+    struct meddled n;
 
     begin(&n, state);
     assert_int_equal(ttf_writer_open(quick_io(), n.path, &writer, NULL), 0);
@@ -322,12 +292,12 @@ static void a_sealed_dataset_keeps_its_seal(void **state)
     assert_int_equal(name(&n, "A1", "Lolium", &corner), 0);
     assert_int_equal(sha256sum_check(n.path), 0);
     expect_clean(&n, 0);
-    end(&n);
+    meddled_end(&n);
 }
 
 static void what_was_cut_off_is_removed_by_the_next(void **state)
 {
-    struct named n;
+    struct meddled n;
 
     begin(&n, state);
     write_text(in(n.path, ".samples-new-0123456789abcdef"), "{\"sam", 6);
@@ -335,18 +305,18 @@ static void what_was_cut_off_is_removed_by_the_next(void **state)
     assert_int_equal(name(&n, "A1", "Lolium", &corner), 0);
     expect(&n, "A1 0,0,2x2 Lolium ");
     assert_true(exists(in(n.path, ".notes-new-0123456789abcdef"))); /* the next note's affair */
-    end(&n);
+    meddled_end(&n);
 }
 
 static void a_link_is_not_replaced(void **state)
 {
-    struct named n;
+    struct meddled n;
 
     begin(&n, state);
     assert_int_equal(run("ln -s elsewhere '%s/samples.json'", n.path), 0);
     assert_int_equal(name(&n, "A1", NULL, &corner), -ELOOP);
     assert_int_equal(run("test -L '%s/samples.json'", n.path), 0);
-    end(&n);
+    meddled_end(&n);
 }
 
 #define T(test) cmocka_unit_test_setup_teardown(test, folder_setup, folder_teardown)
