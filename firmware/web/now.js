@@ -188,6 +188,16 @@ export function now(main, box) {
     }
   }
 
+  /* What is there when the page comes to know of it (a token given, a first status): no slot may come for hours, or ever. */
+  let known = "";
+  function first_picture() {
+    const run = box.status?.run;
+    if (run?.dataset === known || !(run?.results?.captured || run?.results?.partial))
+      return;
+    known = run.dataset;
+    picture();
+  }
+
   /* A run goes on whatever its frames are like: who looks at it is to see on the first that a week of these is no use. */
   async function look_at(blob) {
     warn(spoiled(histogram(await pixelsOf(blob, 256))));
@@ -211,7 +221,7 @@ export function now(main, box) {
   }
 
   const off = box.on({
-    status: refresh, lost: tick, stale: () => picture(), session: () => { drawn = ""; refresh(); },
+    status: () => { refresh(); first_picture(); }, lost: tick, stale: () => picture(), session: () => { drawn = ""; refresh(); },
     slot: ({ detail }) => {
       if (detail.result === "captured" || detail.result === "partial")
         picture(true);
@@ -224,7 +234,7 @@ export function now(main, box) {
   const timer = setInterval(tick, 200);
   refresh();
   tick();
-  picture();
+  first_picture();
   return () => {
     ended = true;
     clearInterval(timer);

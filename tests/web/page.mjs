@@ -330,6 +330,13 @@ async function a_killed_daemon_is_missed_and_found_again() {
   const { results } = await run();
   assert.equal(Object.values(results).reduce((a, b) => a + b), SLOTS, "every slot has its record");
   await browser.everywhere("now-done", shots);
+  await browser.context.clearCookies(); /* who comes now, and is asked for the token, sees what was captured: no slot will come any more */
+  browser.expected = AWAY;
+  await page.reload();
+  await page.getByRole("textbox", { name: "Token" }).fill(daemon.token);
+  await page.getByRole("button", { name: "Use it" }).click();
+  await page.getByRole("img", { name: /^The last picture: slot/ }).waitFor();
+  browser.expected = null;
 }
 
 async function the_dataset_is_scrubbed_and_charted() {
