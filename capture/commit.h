@@ -57,9 +57,10 @@ struct ttf_committer {
     /* what the session's numbers are ahead of the dataset's, once it goes on in a second one; of plans perhaps behind */
     int segment_base, plan_base;
     int64_t slot0_ns; /* set before begin: where the run's slot 0 was, or would have been, due */
-    int n_plans;      /* by the session's numbers, written so far */
-    bool moved;       /* to the second storage */
-    struct ttf_segment continued; /* the first one there, if it was begun by this session */
+    const struct ttf_run_past *past; /* likewise: what the segments before said of its time */
+    int n_plans;                     /* by the session's numbers, written so far */
+    bool moved;                      /* to the second storage */
+    struct ttf_segment continued;    /* the first one there, if it was begun by this session */
     bool has_continued;
     bool second_failed; /* it was tried, and told */
     bool calibration_lost;

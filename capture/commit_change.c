@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Plans and segments on their way to the disk: a changed plan's files and line, then the segment that puts it in force. */
 #include <errno.h>
+#include <string.h>
 
 #include "asks.h"
 #include "commit_storage.h"
@@ -101,6 +102,8 @@ int ttf_committer_write_correction(struct ttf_committer *c, const struct ttf_seg
         segment.origin_ns = c->continued.origin_ns;
         segment.first_index = c->continued.first_index;
         segment.run_ns = c->continued.run_ns;
+        segment.run_utc_ns = c->continued.run_utc_ns;
+        memcpy(segment.run_trust, c->continued.run_trust, sizeof(segment.run_trust));
         segment.gap_ns = 0;
         segment.origin_utc_ns += segment.origin_utc_ns == TTF_NS_UNKNOWN ? 0 : later_ns;
     }

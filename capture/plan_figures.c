@@ -257,6 +257,7 @@ void ttf_plan_figures_fill(const struct ttf_plan *plan, const struct ttf_box *bo
     if (box) {
         const struct ttf_stock_size slots = ttf_stock_size_of(plan);
 
+        f.ready_ns = ttf_first_settle_ns(plan, box) + ttf_slot_lead_ns(plan, box);
         f.memory_bytes += ttf_stock_bytes(&slots);
     }
     *ret = f;
@@ -271,6 +272,7 @@ void ttf_plan_figures_put(const struct ttf_plan *plan, const struct ttf_plan_fig
     ttf_json_kint(j, "slots", f->slots);
     ttf_json_kint(j, "interval_ns", plan->interval_ns);
     ttf_json_kint(j, "duration_ns", f->duration_ns);
+    ttf_json_kint(j, "ready_ns", f->ready_ns);
     ttf_json_kint(j, "bytes", f->bytes);
     ttf_json_kint(j, "slot_bytes", f->slot_bytes);
     ttf_json_kint(j, "slot_busy_ns", f->slot_busy_ns);

@@ -83,6 +83,7 @@ static void next_segment(const struct ttf_session *s, const struct ttf_grid *gri
         ret->origin_utc_ns += grid->origin_ns - s->pulse.segment.origin_ns;
     ret->plan = s->next_plan;
     ret->gap_ns = 0;
+    ret->run_ns = ret->run_utc_ns = 0; /* the first one says it */
     ret->corrects = false;
 }
 

@@ -183,8 +183,10 @@ static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int p
     segment->plan = plan;
     snprintf(segment->zone, sizeof(segment->zone), "%s", s->plan.zone);
     segment->zone_offset_s = s->plan.zone_offset_s;
-    if (s->from_first)
+    if (s->from_first) {
         segment->run_ns = ttf_timeline_run_ns(segment, s->run.slot0_ns);
+        ttf_timeline_run_utc(segment, &s->past);
+    }
     snprintf(segment->box, sizeof(segment->box), "%s", s->box->description);
     segment->gap_ns = s->resume.gap_ns;
     if (segment->gap_ns == TTF_NS_UNKNOWN && s->pulse.has_before)
@@ -321,6 +323,7 @@ static int set_in_force(struct ttf_session *s, const struct ttf_manifest *manife
     c->given = s->config->plan;
     c->given_yaml = s->config->plan_yaml;
     c->slot0_ns = s->run.slot0_ns;
+    c->past = &s->past;
     c->total = s->plan.count; /* as resolved */
     c->in_force->slot_bytes = s->figures.slot_bytes;
     c->n_plans = s->next_plan = ttf_writer_state(c->writer)->n_plans;

@@ -2,6 +2,7 @@
 #include "timeline.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,12 +44,17 @@ int64_t ttf_timeline_slot0_utc_ns(const struct ttf_segment *segments, int n)
     return TTF_NS_UNKNOWN;
 }
 
-enum ttf_trust ttf_segment_trust(const struct ttf_segment *segment)
+static enum ttf_trust trust_of(const char *name)
 {
     for (int trust = TTF_TRUST_NONE + 1; trust < TTF_TRUST_COUNT; trust++)
-        if (strcmp(segment->trust, ttf_trust_name((enum ttf_trust)trust)) == 0)
+        if (strcmp(name, ttf_trust_name((enum ttf_trust)trust)) == 0)
             return (enum ttf_trust)trust;
     return TTF_TRUST_NONE;
+}
+
+enum ttf_trust ttf_segment_trust(const struct ttf_segment *segment)
+{
+    return trust_of(segment->trust);
 }
 
 static bool by_host(const struct ttf_segment *segment)
@@ -85,6 +91,7 @@ static void learn_of_last(struct ttf_run_past *past, const struct ttf_segment *s
 /* Outages and UTC of slot 0 as known up to a segment. */
 struct known {
     int64_t gaps_ns, slot0_utc_ns;
+    enum ttf_trust trust;
     bool open;
 };
 
@@ -106,15 +113,48 @@ static void go_on(struct known *known, const struct ttf_segment *segment, bool n
     else if (segment->gap_ns > 0)
         known->gaps_ns += segment->gap_ns;
     known->slot0_utc_ns = slot0_utc_ns;
+    known->trust = ttf_segment_trust(segment);
     known->open = false;
+}
+
+/* What the dataset that a run moved on from knew: outages up to the first segment are what UTC of slot 0 is later by. */
+static void go_on_from_before(struct known *all, struct known *sure, struct ttf_run_past *past,
+                              const struct ttf_segment *first)
+{
+    const enum ttf_trust trust = trust_of(first->run_trust);
+
+    if (first->run_utc_ns <= 0)
+        return;
+    *all = (struct known){0, first->run_utc_ns, trust, true};
+    if (trust != TTF_TRUST_HOST)
+        *sure = *all;
+    past->last_trust = trust;
+    past->last_utc_ns = first->run_utc_ns + ttf_timeline_elapsed_ns(first, 1) - first->interval_ns;
+}
+
+void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past *past)
+{
+    const bool sure = past->sure_slot0_utc_ns != TTF_NS_UNKNOWN;
+
+    segment->run_utc_ns = 0;
+    segment->run_trust[0] = '\0';
+    if (past->slot0_utc_ns == TTF_NS_UNKNOWN)
+        return;
+    segment->run_utc_ns =
+        sure ? past->sure_slot0_utc_ns - past->sure_gaps_ns : past->slot0_utc_ns - past->gaps_ns;
+    snprintf(segment->run_trust, sizeof(segment->run_trust), "%s",
+             ttf_trust_name(sure ? past->sure_trust : TTF_TRUST_HOST));
 }
 
 int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, int64_t slot0_utc_ns,
                              bool gap_unknown)
 {
     const bool sure = past->sure_slot0_utc_ns != TTF_NS_UNKNOWN;
-    const struct known all = {past->gaps_ns, past->slot0_utc_ns, past->open};
-    const struct known better = {past->sure_gaps_ns, past->sure_slot0_utc_ns, past->sure_open};
+    const struct known all = {
+        .gaps_ns = past->gaps_ns, .slot0_utc_ns = past->slot0_utc_ns, .open = past->open};
+    const struct known better = {.gaps_ns = past->sure_gaps_ns,
+                                 .slot0_utc_ns = past->sure_slot0_utc_ns,
+                                 .open = past->sure_open};
     const struct known *known = sure ? &better : &all;
 
     if (known->slot0_utc_ns == TTF_NS_UNKNOWN || slot0_utc_ns == TTF_NS_UNKNOWN ||
@@ -129,6 +169,8 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
     struct known all = {.slot0_utc_ns = TTF_NS_UNKNOWN}, sure = all;
     struct ttf_run_past past = {0};
 
+    if (n > 0)
+        go_on_from_before(&all, &sure, &past, &segments[0]);
     for (int i = 0; i < n; i++) {
         const struct ttf_segment *s = &segments[i];
         bool new_boot = i > 0 && strcmp(s->boot_id, segments[i - 1].boot_id) != 0;
@@ -149,6 +191,7 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
     past.sure_gaps_ns = sure.gaps_ns;
     past.sure_slot0_utc_ns = sure.slot0_utc_ns;
     past.sure_open = sure.open;
+    past.sure_trust = sure.trust;
     return past;
 }
 

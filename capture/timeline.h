@@ -20,6 +20,11 @@ int64_t ttf_timeline_elapsed_ns(const struct ttf_segment *segments, int n);
 /* What the first segment of a dataset that goes on with a run says of the run's time: 0 where it goes without saying. */
 int64_t ttf_timeline_run_ns(const struct ttf_segment *segment, int64_t slot0_ns);
 
+struct ttf_run_past;
+
+/* The same of UTC: when slot 0 was due, as known before this boot; 0 where nobody knew. */
+void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past *past);
+
 /* UTC of slot 0, by the last of n segments that knows; TTF_NS_UNKNOWN. */
 int64_t ttf_timeline_slot0_utc_ns(const struct ttf_segment *segments, int n);
 
@@ -31,6 +36,7 @@ struct ttf_run_past {
     /* Without what a PC's word alone says. */
     int64_t sure_gaps_ns, sure_slot0_utc_ns;
     bool sure_open;
+    enum ttf_trust sure_trust; /* who says that UTC of slot 0 */
     /* UTC - boot clock by the clock trusted most in this boot so far, the last of such; NONE: no run in it knew. */
     enum ttf_trust boot_trust;
     int64_t boot_offset_ns, boot_uncertainty_ns;

@@ -247,6 +247,8 @@ int ttf_segment_get(const struct ttf_line *line, struct ttf_segment *ret, struct
     if (s.dataset_sha256[0] && !ttf_sha256_is_hex(s.dataset_sha256))
         ttf_in_wrong(&in, "dataset_sha256", "must be 64 hex digits");
     s.run_ns = ttf_in_int(&in, o, "run_ns", 0, INT64_MAX, 0, TTF_JSON_OPTIONAL);
+    s.run_utc_ns = ttf_in_int(&in, o, "run_utc_ns", 0, INT64_MAX, 0, TTF_JSON_OPTIONAL);
+    ttf_in_text(&in, o, "run_trust", s.run_trust, sizeof(s.run_trust), TTF_JSON_CUT);
     ttf_in_text(&in, o, "box", s.box, sizeof(s.box), TTF_JSON_CUT);
     if (in.code == 0)
         *ret = s;

@@ -227,6 +227,10 @@ void ttf_segment_put(struct ttf_json *json, const struct ttf_segment *s)
     put_text(json, "dataset_sha256", s->dataset_sha256);
     if (s->run_ns > 0)
         ttf_json_kint(json, "run_ns", s->run_ns);
+    if (s->run_utc_ns > 0) {
+        ttf_json_kint(json, "run_utc_ns", s->run_utc_ns);
+        ttf_json_kstring(json, "run_trust", s->run_trust);
+    }
     put_text(json, "box", s->box);
 }
 

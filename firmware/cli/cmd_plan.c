@@ -122,7 +122,8 @@ static void say(const struct cli *cli, const struct check *c)
 {
     const struct ttf_plan *plan = ttf_plan_file_plan(c->file);
     const struct ttf_plan_figures *f = &c->figures;
-    int64_t start = plan->start_utc_ns ? plan->start_utc_ns : c->now_utc_ns;
+    /* At once means when the lamps have settled. */
+    int64_t start = plan->start_utc_ns ? plan->start_utc_ns : c->now_utc_ns + f->ready_ns;
     char a[64], b[64];
 
     if (c->box.simulated)

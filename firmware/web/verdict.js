@@ -9,10 +9,10 @@ export function startOf(text) {
   return said === undefined || said === "now" ? undefined : Number.isNaN(at) ? null : at;
 }
 
-function until(ns, start) {
+function until(ns, ready_ns, start) {
   if (start === null)
     return "";
-  return start === undefined ? `, until ${when(Date.now() * 1e6 + ns)} if begun now` : `, from ${when(start * 1e6)} until ${when(start * 1e6 + ns)}`;
+  return start === undefined ? `, until ${when(Date.now() * 1e6 + ready_ns + ns)} if begun now` : `, from ${when(start * 1e6)} until ${when(start * 1e6 + ns)}`;
 }
 
 /* Whether it can be done, and what is in the way. */
@@ -29,7 +29,7 @@ export function figures(f, start) {
   const fits = f.slots_that_fit === undefined || f.slots_that_fit >= f.slots;
   return facts([
     ["Pictures", f.slots.toLocaleString()],
-    ["Time", `${span(f.duration_ns)}${until(f.duration_ns, start)}`],
+    ["Time", `${span(f.duration_ns)}${until(f.duration_ns, f.ready_ns, start)}`],
     ["Storage", `${bytes(f.bytes)}, ${bytes(f.slot_bytes)} a slot`],
     f.disk_free_bytes !== undefined && ["On this disk", h("span", { class: fits ? "" : "bad" },
       `${bytes(f.disk_free_bytes)} free${f.slots_that_fit !== undefined ? `, room for ${count(f.slots_that_fit, "slot")}` : ""}${fits ? "" : ": not enough"}`)],

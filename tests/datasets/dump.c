@@ -174,6 +174,8 @@ static json_t *segment_of(const struct ttf_segment *s)
         not_0(o, "gap_ns", s->gap_ns);
     text(o, "dataset_sha256", s->dataset_sha256);
     not_0(o, "run_ns", s->run_ns);
+    not_0(o, "run_utc_ns", s->run_utc_ns);
+    text(o, "run_trust", s->run_trust);
     text(o, "box", s->box);
     return o;
 }

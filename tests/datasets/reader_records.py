@@ -55,6 +55,7 @@ class Records:
             interval_ns=get(o, "interval_ns", "int", True, 0), plan=plan,
             zone=text_of(o, "zone", 63), zone_offset_s=get(o, "zone_offset_s", "int"),
             corrects=get(o, "corrects", "bool") or None, run_ns=get(o, "run_ns", "int", False, 0) or None,
+            run_utc_ns=get(o, "run_utc_ns", "int", False, 0) or None, run_trust=text_of(o, "run_trust", 7),
             dataset_sha256=get(o, "dataset_sha256", "text"), box=text_of(o, "box", 255))
         sha = get(o, "dataset_sha256", "text")
         if sha is not None:

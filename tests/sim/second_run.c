@@ -7,14 +7,19 @@
 #include <string.h>
 #include <sys/stat.h>
 
-void second_run_init(struct sim_run *run)
+void second_run_make(struct sim_run *run)
 {
     char path[96];
 
-    sim_run_init(run);
     snprintf(path, sizeof(path), "%s/second", run->folder);
     assert_int_equal(mkdir(path, 0755), 0);
     snprintf(run->plan.second_storage, sizeof(run->plan.second_storage), "%s", path);
+}
+
+void second_run_init(struct sim_run *run)
+{
+    sim_run_init(run);
+    second_run_make(run);
 }
 
 struct sim_run second_run_of(const struct sim_run *run)

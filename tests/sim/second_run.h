@@ -5,6 +5,9 @@
 
 #include "sim_run.h"
 
+/* Gives a run that was begun with a folder such a storage: a folder in it. */
+void second_run_make(struct sim_run *run);
+
 /* As sim_run_init; the second storage is a folder in its folder, and is there. */
 void second_run_init(struct sim_run *run);
 

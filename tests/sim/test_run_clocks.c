@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "second_run.h"
 #include "until_run.h"
 
 #define S   TTF_NS_PER_S
@@ -313,6 +314,62 @@ static void a_clock_that_stands_before_the_last_slot_labels_none(void **state)
     }
 }
 
+/* From 8:40 on the first storage can only be read; so in the boots to come. */
+static int first_can_only_be_read(struct sim_run *run, const char *op, const char *path)
+{
+    (void)op;
+    return run->box && !second_run_holds(path) &&
+                   ttf_sim_elapsed_ns(run->box, ttf_clock_now_ns(run->box->clock)) >
+                       8 * MIN + 40 * S
+               ? EROFS
+               : 0;
+}
+
+/* An outage whose length is known before it moves, or after; or only in the boot behind it. */
+static void a_length_counts_the_outages_of_before_the_run_moved(void **state)
+{
+    static const struct {
+        struct until_belief beliefs[5];
+        unsigned n;
+    } cases[] = {{{{0, TTF_TRUST_NTP, 0},
+                   {4 * MIN, TTF_TRUST_NONE, 0},
+                   {8 * MIN + 10 * S, TTF_TRUST_NTP, 0},
+                   {10 * MIN + 30 * S, TTF_TRUST_NONE, 0},
+                   {12 * MIN + 50 * S, TTF_TRUST_NTP, 0}},
+                  5},
+                 {{{0, TTF_TRUST_NTP, 0},
+                   {4 * MIN, TTF_TRUST_NONE, 0},
+                   {9 * MIN + 10 * S, TTF_TRUST_NTP, 0},
+                   {10 * MIN + 30 * S, TTF_TRUST_NONE, 0},
+                   {12 * MIN + 50 * S, TTF_TRUST_NTP, 0}},
+                  5},
+                 {{{0, TTF_TRUST_NTP, 0},
+                   {4 * MIN, TTF_TRUST_NONE, 0},
+                   {12 * MIN + 50 * S, TTF_TRUST_NTP, 0}},
+                  3},
+                 {{{0, TTF_TRUST_HOST, 0},
+                   {4 * MIN, TTF_TRUST_NONE, 0},
+                   {12 * MIN + 50 * S, TTF_TRUST_HOST, 0}},
+                  3}};
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct until_clock b;
+
+        /* Slots at 0:12 to 3:12; at 6:52 to 9:52; at 11:32 to 13:32; the end at 13:42. */
+        until_clock_init(&b, TTF_END_LENGTH, 14, cases[i].beliefs, cases[i].n);
+        second_run_make(&b.run);
+        b.run.fault = first_can_only_be_read;
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 10 * MIN + 20 * S)->amount = 60;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        assert_true(b.run.result.second_storage);
+        assert_true(b.run.result.sealed);
+        second_run_expect_both(&b.run, "ccccccccccc");
+        living_finish(&b.run);
+    }
+}
+
 /* It would come half an hour late. */
 static void an_instant_by_a_clock_that_is_behind_is_refused(void **state)
 {
@@ -346,6 +403,7 @@ int main(void)
         cmocka_unit_test(what_labels_the_slots_of_a_boot_is_its_best_clock),
         cmocka_unit_test(a_clock_that_stands_before_the_last_slot_labels_none),
         cmocka_unit_test(an_instant_by_a_clock_that_is_behind_is_refused),
+        cmocka_unit_test(a_length_counts_the_outages_of_before_the_run_moved),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

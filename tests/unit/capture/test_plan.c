@@ -75,6 +75,7 @@ static void a_good_plan_has_figures(void **state)
     assert_int_equal(f.bytes, f.slot_bytes * 1008);
     assert_true(f.memory_bytes > 0);
     assert_true(f.slot_busy_ns > 20 * TTF_NS_PER_MS);
+    assert_in_range(f.ready_ns, 10 * TTF_NS_PER_MS, TTF_NS_PER_S); /* nothing to settle */
 }
 
 /* Lamps that stay on need no settling in each slot: paint every 5 s under warm lamps. */
@@ -94,6 +95,8 @@ static void lamps_that_burn_all_the_time_settle_once(void **state)
     plan.count = 60;
     assert_int_equal(ttf_plan_check(&plan, &box, &f, NULL), 0);
     assert_true(f.slot_busy_ns < TTF_NS_PER_S);
+    /* Begun now, the first slot waits for them, and so is the end later. */
+    assert_in_range(f.ready_ns, plan.settle_ns, plan.settle_ns + TTF_NS_PER_S);
     /* Another shot in another light: now every slot waits. */
     plan.n_shots = 2;
     plan.shots[1] = plan.shots[0];

@@ -132,6 +132,45 @@ static void outages_without_a_clock_between_are_told_by_the_next_clock(void **st
     assert_int_equal(ttf_timeline_past(s, 4, "x", 12).sure_gaps_ns, 2 * gap);
 }
 
+/* NTP, an outage, NTP; an outage, and it moves on there: to a dataset that has but its own segments. */
+static void what_was_known_before_a_move_is_known_after_it(void **state)
+{
+    const int64_t slot0 = 1000 * TTF_NS_PER_S, gap = TTF_NS_PER_H;
+    struct ttf_segment before[2] = {segment("a", 0, 100), segment("b", 10, 20)};
+    struct ttf_segment after[2] = {segment("c", 12, 20), segment("d", 14, 20)};
+    struct ttf_run_past past = ttf_timeline_past(before, 2, "c", 12);
+
+    (void)state;
+    ttf_timeline_run_utc(&after[0], &past);
+    assert_int_equal(after[0].run_utc_ns, 0); /* nobody knew */
+    before[0].origin_utc_ns = slot0;
+    before[1].origin_utc_ns = slot0 + 600 * TTF_NS_PER_S + gap;
+    before[1].gap_ns = gap;
+    snprintf(before[0].trust, sizeof(before[0].trust), "ntp");
+    snprintf(before[1].trust, sizeof(before[1].trust), "host");
+    past = ttf_timeline_past(before, 2, "c", 12);
+    ttf_timeline_run_utc(&after[0], &past);
+    assert_int_equal(after[0].run_utc_ns, slot0);
+    assert_string_equal(after[0].run_trust, "ntp");
+    /* Both outages, as soon as somebody says when it is. */
+    past = ttf_timeline_past(after, 1, "d", 14);
+    assert_true(past.open && past.sure_open);
+    assert_int_equal(past.last_trust, TTF_TRUST_NTP);
+    assert_int_equal(past.last_utc_ns, slot0 + 11 * TTF_NS_PER_MIN); /* at least */
+    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + 3 * gap, true), 3 * gap);
+    after[0].origin_utc_ns = slot0 + 12 * TTF_NS_PER_MIN + 2 * gap;
+    snprintf(after[0].trust, sizeof(after[0].trust), "rtc");
+    past = ttf_timeline_past(after, 1, "d", 14);
+    assert_false(past.open || past.sure_open);
+    assert_int_equal(past.sure_gaps_ns, 2 * gap);
+    /* A PC's word alone stays one. */
+    after[0].origin_utc_ns = TTF_NS_UNKNOWN;
+    snprintf(after[0].run_trust, sizeof(after[0].run_trust), "host");
+    past = ttf_timeline_past(after, 1, "d", 14);
+    assert_int_equal(past.slot0_utc_ns, slot0);
+    assert_int_equal(past.sure_slot0_utc_ns, TTF_NS_UNKNOWN);
+}
+
 static void the_best_that_this_boot_knew_is_remembered(void **state)
 {
     static const struct {
@@ -221,6 +260,7 @@ int main(void)
         cmocka_unit_test(slot_0_is_where_the_last_segment_with_utc_says),
         cmocka_unit_test(what_a_pc_alone_says_of_the_past_is_told_apart),
         cmocka_unit_test(outages_without_a_clock_between_are_told_by_the_next_clock),
+        cmocka_unit_test(what_was_known_before_a_move_is_known_after_it),
         cmocka_unit_test(the_best_that_this_boot_knew_is_remembered),
         cmocka_unit_test(when_the_last_slot_of_the_boots_before_was_is_known),
         cmocka_unit_test(a_due_time_beyond_all_time_is_never),

@@ -103,6 +103,7 @@ void ttf_plan_defaults(struct ttf_plan *plan);
 struct ttf_plan_figures {
     int64_t slots;
     int64_t duration_ns; /* first to last slot */
+    int64_t ready_ns;    /* from a beginning at once to the first slot, at least: lamps settle */
     int64_t bytes;       /* of the dataset, estimated */
     int64_t slot_bytes;
     int64_t slot_busy_ns; /* from the first lamp command to the last exposure's end */

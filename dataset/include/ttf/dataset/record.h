@@ -116,6 +116,9 @@ struct ttf_segment {
         [65]; /* of dataset.json, hex; empty: of a writer of format 1.0. The writer fills it in */
     /* of a run's time since its slot 0, where that is not first_index * interval_ns; 0: it is */
     int64_t run_ns;
+    /* of a first segment with which a run is gone on with: UTC of its slot 0, and who says so; 0: not known */
+    int64_t run_utc_ns;
+    char run_trust[8];
     char box[256]; /* how the box was described to whoever captured; empty: not said */
 };
 
