@@ -104,7 +104,7 @@ static void each_is_one_farther_than_the_one_it_joins(void **state)
 
     strcpy(p->manifest.group_uuid, "0a0b0c0d-0000-4000-8000-000000000000");
     for (size_t i = 0; i < sizeof(members) / sizeof(*members); i++) {
-        strcpy(p->manifest.group_member, members[i][0]);
+        snprintf(p->manifest.group_member, sizeof(p->manifest.group_member), "%s", members[i][0]);
         make(p, p->beside);
         assert_int_equal(look(p), 0);
         assert_string_equal(p->group.uuid, p->manifest.group_uuid);
