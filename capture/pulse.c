@@ -114,13 +114,17 @@ void ttf_pulse_tell_behind(struct ttf_pulse *pulse, const struct ttf_utc *utc)
 /*
  * A clock that was set is believed: were the segment left as it is, the step would look like an outage after the
  * next power cut, and slots would be given up as lost to it. One that is vouched for less than another was before
- * in this boot is not: it says nothing that the boot clock has not kept. Nor is one that contradicts a boot before.
+ * in this boot is not: it says nothing that the boot clock has not kept. Nor is one that contradicts a boot before,
+ * unless it is the box's own that has labelled this one so far: that it was set has been seen.
  */
 static bool corrects(struct ttf_pulse *pulse, const struct ttf_utc *utc)
 {
-    if (!pulse->has_segment || utc->trust == TTF_TRUST_NONE ||
-        utc->trust < ttf_segment_trust(&pulse->segment))
+    const enum ttf_trust known = ttf_segment_trust(&pulse->segment);
+
+    if (!pulse->has_segment || utc->trust == TTF_TRUST_NONE || utc->trust < known)
         return false;
+    if (utc->trust == known && known > TTF_TRUST_HOST)
+        return true;
     if (ttf_resume_clock_behind(pulse->past, utc, pulse->began_ns)) {
         ttf_pulse_tell_behind(pulse, utc);
         return false;

@@ -26,29 +26,52 @@ int ttf_queue_init(struct ttf_queue *queue, struct ttf_clock *clock,
     return 0;
 }
 
+/* Memory for frames of that format, if it has less. */
+static int enlarge(struct ttf_raw_sum *raw, const struct ttf_frame_format *format)
+{
+    struct ttf_raw_sum larger;
+    int r;
+
+    if (raw->sum && ttf_raw_sum_refit(raw, format) == 0)
+        return 0;
+    r = ttf_raw_sum_init(&larger, format);
+    if (r < 0)
+        return r;
+    /* Written to, so that it is there: the kernel only promises what nobody has touched. */
+    memset(larger.sum, 0xff, larger.room * sizeof(*larger.sum));
+    ttf_raw_sum_free(raw);
+    *raw = larger;
+    return 0;
+}
+
+/* How many there may be of the first one's size. */
+static unsigned raws_of(const struct ttf_raw_sum *first)
+{
+    size_t n = TTF_QUEUE_RAW_BYTES / (first->room * sizeof(*first->sum));
+
+    if (n < TTF_QUEUE_RAW)
+        return TTF_QUEUE_RAW;
+    return n < TTF_QUEUE_RAW_MOST ? (unsigned)n : TTF_QUEUE_RAW_MOST;
+}
+
 int ttf_queue_reserve_raw(struct ttf_queue *queue, const struct ttf_frame_format *format)
 {
-    for (unsigned i = 0; i < TTF_QUEUE_RAW; i++) {
-        struct ttf_raw_sum *raw = &queue->raw[i];
-        struct ttf_raw_sum larger;
-        int r;
+    unsigned n = 0, wanted = TTF_QUEUE_RAW;
+    int r = 0;
 
-        if (raw->sum && ttf_raw_sum_refit(raw, format) == 0)
-            continue;
-        r = ttf_raw_sum_init(&larger, format);
-        if (r < 0)
-            return r;
-        /* Written to, so that it is there: the kernel only promises what nobody has touched. */
-        memset(larger.sum, 0xff, larger.room * sizeof(*larger.sum));
-        ttf_raw_sum_free(raw);
-        *raw = larger;
+    while (n < wanted && r == 0) {
+        r = enlarge(&queue->raw[n], format);
+        wanted = r == 0 && n == 0 ? raws_of(&queue->raw[0]) : wanted;
+        n += r == 0;
     }
-    return 0;
+    for (queue->n_raw = n; n < TTF_QUEUE_RAW_MOST; n++)
+        ttf_raw_sum_free(&queue->raw[n]);
+    return queue->n_raw < TTF_QUEUE_RAW ? r : 0;
 }
 
 void ttf_queue_finish(struct ttf_queue *queue)
 {
-    for (unsigned i = 0; i < TTF_QUEUE_RAW; i++)
+    for (unsigned i = 0; i < queue->n_raw; i++)
         ttf_raw_sum_free(&queue->raw[i]);
     ttf_gate_destroy(queue->work);
     ttf_gate_destroy(queue->room);
@@ -163,7 +186,7 @@ int ttf_queue_take_raw(struct ttf_queue *queue, const struct ttf_frame_format *f
     int r;
 
     pthread_mutex_lock(&queue->mutex);
-    for (unsigned i = 0; i < TTF_QUEUE_RAW && !raw; i++) {
+    for (unsigned i = 0; i < queue->n_raw && !raw; i++) {
         if (!queue->raw_taken[i]) {
             queue->raw_taken[i] = true;
             raw = &queue->raw[i];
@@ -186,7 +209,7 @@ void ttf_queue_give_raw(struct ttf_queue *queue, struct ttf_raw_sum *raw)
     if (!raw)
         return;
     pthread_mutex_lock(&queue->mutex);
-    for (unsigned i = 0; i < TTF_QUEUE_RAW; i++) {
+    for (unsigned i = 0; i < queue->n_raw; i++) {
         if (raw == &queue->raw[i])
             queue->raw_taken[i] = false;
     }

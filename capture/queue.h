@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * queue.h: between exposing and committing. Jobs pass in order from the loop to
- * the committer; raw sums, the only large thing, exist twice and no more.
+ * the committer; raw sums, the only large thing, exist twice, and more often only
+ * where they are small.
  *
  * Threads: one loop, one committer; each function says whose it is.
  */
@@ -16,7 +17,14 @@
 #include "ttf/dataset/calibration.h"
 #include "ttf/hal/clock.h"
 
-#define TTF_QUEUE_RAW 2 /* raw sums: one being exposed, one being committed */
+#define TTF_QUEUE_RAW 2 /* raw sums at the least: one being exposed, one being committed */
+
+/*
+ * Small frames have more, so that a disk that stands still for some intervals (a card that tidies up, a host that
+ * writes much) costs no slot: as many as there is room for in so many bytes.
+ */
+#define TTF_QUEUE_RAW_MOST  16
+#define TTF_QUEUE_RAW_BYTES (16u << 20)
 
 /* Events beyond this many unwritten jobs are lost (a disk that hangs), and counted; records never are. */
 #define TTF_QUEUE_EVENTS_MAX 1024
@@ -30,8 +38,9 @@ struct ttf_queue {
     unsigned length;
     struct ttf_lost lost;   /* events, since the last one that found a place */
     struct ttf_stock stock; /* the memory of all that passes, and of what waits beyond */
-    struct ttf_raw_sum raw[TTF_QUEUE_RAW];
-    bool raw_taken[TTF_QUEUE_RAW];
+    struct ttf_raw_sum raw[TTF_QUEUE_RAW_MOST];
+    bool raw_taken[TTF_QUEUE_RAW_MOST];
+    unsigned n_raw;
     /* told by the committer, read by the loop */
     bool disk_full;
     int fatal; /* 0, or the errno that ends the run */
@@ -42,7 +51,10 @@ struct ttf_queue {
 TTF_MUST_USE int ttf_queue_init(struct ttf_queue *queue, struct ttf_clock *clock,
                                 const struct ttf_stock_size *size);
 
-/* Makes the raw sums, of frames of that format and of the larger of those told before. As ttf_raw_sum_init. */
+/*
+ * Makes the raw sums, of frames of that format and of the larger of those told before; none is taken meanwhile. As
+ * ttf_raw_sum_init, of which -ENOMEM is told only of the least that there must be.
+ */
 TTF_MUST_USE int ttf_queue_reserve_raw(struct ttf_queue *queue,
                                        const struct ttf_frame_format *format);
 

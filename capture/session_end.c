@@ -17,11 +17,19 @@ static void count_anew(struct ttf_session *s, int64_t index)
     struct ttf_run_clock clock = s->run;
     enum ttf_trust trust = ttf_segment_trust(segment);
     int64_t before = s->plan.count;
+    const struct ttf_utc utc = {
+        .boot_ns = segment->origin_ns, .utc_ns = segment->origin_utc_ns, .trust = trust};
 
     clock.trust = trust;
     clock.utc_offset_ns = segment->origin_utc_ns - segment->origin_ns;
     clock.gaps_ns = ttf_timeline_gaps_ns(&s->past, clock.slot0_ns + clock.utc_offset_ns,
                                          s->resume.gap_ns == TTF_NS_UNKNOWN);
+    if (ttf_resume_clock_behind(&s->past, &utc, s->began_ns)) {
+        ttf_events_emit(
+            &s->events, "plan",
+            "UTC lies before the last slot of before: the plan's end is not moved by it");
+        return;
+    }
     if (!ttf_run_clock_believed(&s->plan, &s->grid, index, &clock, trust == TTF_TRUST_HOST)) {
         ttf_events_emit(&s->events, "plan",
                         "a PC's clock says that the plan's end has passed: not believed alone");

@@ -22,7 +22,8 @@
 
 /*
  * Slots with images that wait for a storage that is away: as many as come in the time that it is
- * given, and the strikes that the run is ended by; one is exposed and two are committed.
+ * given, and the strikes that the run is ended by; one is exposed and the others that have a raw
+ * sum are committed.
  */
 static unsigned rooms_of(const struct ttf_plan *plan)
 {
@@ -30,7 +31,7 @@ static unsigned rooms_of(const struct ttf_plan *plan)
 
     if (waiting > TTF_COMMIT_PENDING)
         waiting = TTF_COMMIT_PENDING;
-    return (unsigned)waiting + 1 + TTF_QUEUE_RAW;
+    return (unsigned)waiting + 1 + TTF_QUEUE_RAW_MOST;
 }
 
 struct ttf_stock_size ttf_stock_size_of(const struct ttf_plan *plan)
@@ -42,7 +43,7 @@ struct ttf_stock_size ttf_stock_size_of(const struct ttf_plan *plan)
         size.n_shots += ttf_shot_images(&plan->shots[i]) * plan->shots[i].average * TTF_SHOOT_TRIES;
     }
     /* What a job passes on is free again before the job itself is: one more of each. */
-    size.jobs[TTF_JOB_IMAGE] = TTF_QUEUE_RAW + 1;
+    size.jobs[TTF_JOB_IMAGE] = TTF_QUEUE_RAW_MOST + 1;
     size.jobs[TTF_JOB_SLOT] = size.slots + 1;
     size.jobs[TTF_JOB_EVENT] = TTF_QUEUE_EVENTS_MAX;
     size.jobs[TTF_JOB_SEGMENT] = SEGMENTS;

@@ -402,7 +402,7 @@ void session_cut_run(struct session_cuts *cuts, const struct session_plan *plan)
     b->plan = plan;
     b->trouble = plan->trouble;
     b->disk = session_fresh_disk();
-    disk_fresh_blocks(b->disk, plan->noise ? DISK_NOISE : DISK_ZEROS);
+    disk_fresh_blocks(b->disk, plan->fresh);
     b->cutting = true;
     session_box_init(&b->box, NULL, plan->slots, plan->second);
     b->box.plan.keep = plan->keep;

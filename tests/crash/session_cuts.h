@@ -71,7 +71,7 @@ struct session_plan {
         int64_t from, value;
     } asks[LIVING_ASKS_MAX]; /* of living_ask */
     bool drawn;              /* asks are drawn instead */
-    bool noise;              /* unwritten blocks read as DISK_NOISE */
+    enum disk_fresh fresh;   /* what unwritten blocks read as */
     enum ttf_keep keep;
     struct session_trouble trouble;
     unsigned cut_permille; /* at random: of the steps */

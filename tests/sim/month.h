@@ -9,10 +9,7 @@
 #define MONTH_DAY_SLOTS   144
 #define MONTH_DAYS_MAX    60
 
-/*
- * All kinds but a storage that can only be read: that ends a run at once, by policy
- * (test_run_storage.c), and is not one of a run that goes on.
- */
+/* All kinds but a storage that can only be read: it stays so, so it is one of a month, not of a day. */
 #define MONTH_PLAIN_KINDS TTF_FAULT_READ_ONLY
 
 /* Hangs of the four kinds count as kinds of their own. */
@@ -31,7 +28,18 @@ struct month_fault {
     unsigned lost; /* of these, not captured */
 };
 
+/*
+ * In the block of a step of the clock, which leaves no mark in a record, people ask for things: a pause of two slots,
+ * and when that is over another day, the interval once more, and a note.
+ */
+#define MONTH_PAUSE_FIRST 3
+#define MONTH_PAUSE_SLOTS 2
+#define MONTH_ASK_AFTER   5
+#define MONTH_ASKS        5
+
 struct month {
+    struct ttf_fault
+        read_only; /* of the first storage, in the first block, behind all that is asked there */
     uint64_t seed, state;
     int64_t days;
     int64_t due0_ns; /* of slot 0, since the first power-on */
@@ -44,6 +52,12 @@ const char *month_kind_name(unsigned kind);
 
 /* Draws all faults of so many days. */
 void month_draw(struct month *m, uint64_t seed, int64_t days, int64_t due0_ns);
+
+/* The fault of the block that a slot is of. */
+const struct month_fault *month_fault_of(const struct month *m, int64_t index);
+
+/* Whether people paused it. */
+bool month_paused(const struct month *m, int64_t index);
 
 /* Hands the box those that a boot beginning then can meet, as many as it takes. */
 void month_fill(const struct month *m, struct ttf_sim_config *config, int64_t power_on_ns);

@@ -97,6 +97,10 @@ void month_draw(struct month *m, uint64_t seed, int64_t days, int64_t due0_ns)
     m->seed = m->state = seed;
     m->days = days;
     m->due0_ns = due0_ns;
+    m->read_only = (struct ttf_fault){.kind = TTF_FAULT_READ_ONLY,
+                                      .at_ns = due0_ns + (MONTH_BLOCK - 1) * MONTH_INTERVAL_NS -
+                                               between(m, -10 * 60, 5 * 60) * S / 5,
+                                      .target = "first"};
     for (int64_t day = 0; day < days; day++) {
         unsigned kinds[MONTH_KINDS];
 
@@ -109,6 +113,12 @@ void month_draw(struct month *m, uint64_t seed, int64_t days, int64_t due0_ns)
             kinds[k] = kinds[other];
             kinds[other] = kind;
         }
+        for (unsigned k = 1; day == 0 && k < MONTH_KINDS; k++)
+            if (kind_of(kinds[k]) ==
+                TTF_FAULT_CLOCK_STEP) { /* with the move, which others come behind */
+                kinds[k] = kinds[0];
+                kinds[0] = TTF_FAULT_CLOCK_STEP;
+            }
         for (unsigned k = 0; k < MONTH_KINDS; k++) {
             struct month_fault *f = &m->faults[m->n++];
 
@@ -118,6 +128,20 @@ void month_draw(struct month *m, uint64_t seed, int64_t days, int64_t due0_ns)
             draw_fault(m, f, due0_ns + (f->first + 1) * MONTH_INTERVAL_NS);
         }
     }
+}
+
+const struct month_fault *month_fault_of(const struct month *m, int64_t index)
+{
+    return &m->faults[index / MONTH_BLOCK];
+}
+
+bool month_paused(const struct month *m, int64_t index)
+{
+    const struct month_fault *f = month_fault_of(m, index);
+    int64_t in_block = index - f->first;
+
+    return f->fault.kind == TTF_FAULT_CLOCK_STEP && in_block >= MONTH_PAUSE_FIRST &&
+           in_block < MONTH_PAUSE_FIRST + MONTH_PAUSE_SLOTS;
 }
 
 void month_fill(const struct month *m, struct ttf_sim_config *config, int64_t power_on_ns)
@@ -133,6 +157,7 @@ void month_fill(const struct month *m, struct ttf_sim_config *config, int64_t po
             stepped->amount += m->faults[i].fault.amount;
     if (stepped->amount != 0)
         config->n_faults = 1;
+    config->faults[config->n_faults++] = m->read_only;
     for (unsigned i = 0; i < m->n && config->n_faults < TTF_SIM_FAULTS_MAX; i++) {
         const struct ttf_fault *fault = &m->faults[i].fault;
 

@@ -75,7 +75,7 @@ static int no_sync_dir(struct ttf_io *io, const char *path)
 static int storage_fault(void *ctx, const char *op, const char *path)
 {
     struct sim_run *run = ctx;
-
+    const unsigned storage = strstr(path, "/second") != NULL;
     int error = 0;
 
     if (!run->box)
@@ -90,9 +90,11 @@ static int storage_fault(void *ctx, const char *op, const char *path)
         run->failing--;
         return EIO;
     }
-    if (ttf_sim_storage_fault(run->box, TTF_FAULT_DISK_FULL))
+    if (ttf_sim_storage_fault_at(run->box, TTF_FAULT_READ_ONLY, storage))
+        return EROFS;
+    if (ttf_sim_storage_fault_at(run->box, TTF_FAULT_DISK_FULL, storage))
         return ENOSPC;
-    return ttf_sim_storage_fault(run->box, TTF_FAULT_IO_ERROR) ? EIO : 0;
+    return ttf_sim_storage_fault_at(run->box, TTF_FAULT_IO_ERROR, storage) ? EIO : 0;
 }
 
 static void told(void *ctx, const struct ttf_progress *progress)

@@ -370,6 +370,28 @@ static void a_length_counts_the_outages_of_before_the_run_moved(void **state)
     }
 }
 
+/* Seen to be set, it is the same clock: no later boot takes the step for an outage. It moves no end. */
+static void the_box_s_own_clock_set_back_in_a_boot_leaves_the_grid(void **state)
+{
+    static const struct until_belief beliefs[] = {{0, TTF_TRUST_RTC, 0},
+                                                  {8 * MIN, TTF_TRUST_RTC, -30 * MIN}};
+
+    (void)state;
+    for (unsigned i = 0; i < 2; i++) {
+        struct until_clock b;
+
+        until_clock_init(&b, i == 0 ? TTF_END_COUNT : TTF_END_UNTIL, 12, beliefs, 2);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
+        if (i == 0)
+            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 8 * MIN + 40 * S)->amount = 60;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        expect_label(&b, 11, "rtc", -30 * MIN);
+        until_expect_end(&b.run, i == 0 ? "ccccwwwccwcc" : "ccccwwwccccc",
+                         i == 0 ? "count" : "until");
+        living_finish(&b.run);
+    }
+}
+
 /* It would come half an hour late. */
 static void an_instant_by_a_clock_that_is_behind_is_refused(void **state)
 {
@@ -402,6 +424,7 @@ int main(void)
         cmocka_unit_test(a_pc_s_word_tells_the_end_where_nothing_better_was_known),
         cmocka_unit_test(what_labels_the_slots_of_a_boot_is_its_best_clock),
         cmocka_unit_test(a_clock_that_stands_before_the_last_slot_labels_none),
+        cmocka_unit_test(the_box_s_own_clock_set_back_in_a_boot_leaves_the_grid),
         cmocka_unit_test(an_instant_by_a_clock_that_is_behind_is_refused),
         cmocka_unit_test(a_length_counts_the_outages_of_before_the_run_moved),
     };

@@ -556,26 +556,6 @@ static void a_lamp_that_a_door_put_out_between_slots_is_lit_again(void **state)
     sim_run_finish(&run);
 }
 
-static void storage_slower_than_the_plan_misses_slots_and_says_so(void **state)
-{
-    struct sim_run run;
-    char results[64];
-
-    (void)state;
-    sim_run_init(&run);
-    run.plan.count = 12;
-    run.config.cost_commit_ns = 100 * TTF_NS_PER_S;
-    assert_int_equal(sim_run_boot(&run), 0);
-    sim_run_results(&run, results, sizeof(results));
-    assert_int_equal(strlen(results), 12);
-    assert_non_null(strchr(results, 'm'));
-    assert_null(strchr(results, 'f'));
-    sim_run_expect_reason(&run, strchr(results, 'm') - results, "storage too slow");
-    assert_true(run.result.captured >= 6);
-    sim_run_expect_whole(&run, true);
-    sim_run_finish(&run);
-}
-
 /* Two before it begins, a third while it goes on. */
 static void errors_come(struct sim_run *run, const struct ttf_progress *progress)
 {
@@ -653,7 +633,6 @@ int main(void)
         cmocka_unit_test(a_clock_step_moves_labels_not_slots),
         cmocka_unit_test(an_open_door_flags_and_the_lamp_comes_back),
         cmocka_unit_test(a_lamp_that_a_door_put_out_between_slots_is_lit_again),
-        cmocka_unit_test(storage_slower_than_the_plan_misses_slots_and_says_so),
         cmocka_unit_test(errors_that_the_file_system_found_are_told_and_the_run_goes_on),
         cmocka_unit_test(checked_storage_ends_the_alarm_of_the_run_before),
     };

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "month.h"
+#include "second_run.h"
 #include "ttf/base/attr.h"
 
 #define S TTF_NS_PER_S
@@ -24,6 +25,10 @@
 
 /* From a device, or the box, that is back to the first slot it can take. */
 #define RETURN_NS (30 * S)
+
+static const struct month *month;   /* of the run */
+static int64_t numbers[MONTH_ASKS]; /* of what was asked in this block */
+static unsigned n_numbers;
 
 static int64_t days = 2;
 static uint64_t seed = 1;
@@ -80,13 +85,21 @@ static bool marked(const struct ttf_slot_record *record)
 /* A slot that is not as it should be is some fault's, and lost only for that fault's reason. */
 static void check_slot(struct month *m, const struct ttf_slot_record *record)
 {
+    const bool paused = month_paused(m, record->index);
+
     struct month_fault *f = &m->faults[record->index / MONTH_BLOCK];
     const char *reason = reason_of(f);
 
     assert_in_range(record->index, f->first, f->last);
-    if (!marked(record))
+    assert_int_equal(record->result == TTF_RESULT_PAUSED, paused);
+    if (paused)
+        assert_string_equal(record->reason, "paused by a person");
+    if (!marked(record) || paused)
         return;
     f->seen++;
+    for (unsigned i = 0; !touches(m, f, record->index) && i < record->n_images; i++)
+        print_error("its image %u: %s, %u shots\n", i, record->images[i].flags,
+                    record->images[i].n_shots);
     if (!touches(m, f, record->index))
         print_error("slot %d: %s, %s; the fault of its block is a %s at %.3f s for %.3f s, it was "
                     "due at %.3f s\n",
@@ -108,21 +121,24 @@ static void check_slot(struct month *m, const struct ttf_slot_record *record)
     assert_string_equal(record->reason, reason);
 }
 
-static void check_records(struct month *m, const struct sim_run *run)
+/* Those of one of the two datasets, the next one being that of slot `next`. The next one then. */
+static int64_t check_records(struct month *m, const char *path, int64_t next,
+                             int64_t counts[TTF_RESULT_COUNT])
 {
     struct ttf_reader *reader;
 
-    assert_int_equal(ttf_reader_open(ttf_io_posix(), run->path, &reader, NULL), 0);
-    assert_int_equal(ttf_reader_summary(reader)->slots, run->plan.count);
-    for (int64_t k = 0; k < run->plan.count; k++) {
+    assert_int_equal(ttf_reader_open(ttf_io_posix(), path, &reader, NULL), 0);
+    for (int64_t k = 0; k < ttf_reader_summary(reader)->slots; k++) {
         struct ttf_slot_record record;
 
         assert_int_equal(ttf_reader_slot(reader, k, &record, NULL), 0);
-        assert_int_equal(record.index, k);
+        assert_int_equal(record.index, next++);
         check_slot(m, &record);
+        counts[record.result]++;
         ttf_slot_record_free(&record);
     }
     ttf_reader_close(reader);
+    return next;
 }
 
 /* A fault that strikes once costs one slot at most; one that lasts no more than it touches. */
@@ -139,15 +155,17 @@ static void check_costs(const struct month *m)
     }
 }
 
-static void tell(const struct month *m, const struct sim_run *run, unsigned boots)
+static void tell(const struct month *m, const int64_t n[TTF_RESULT_COUNT], int64_t in_first,
+                 unsigned boots)
 {
     unsigned lost_of_all = 0;
 
-    printf("%d days, seed %llu: %d slots, %d captured, %d partial, %d missed, %d failed, %d power; "
-           "%u boots\n",
-           (int)m->days, (unsigned long long)m->seed, (int)run->result.slots,
-           (int)run->result.captured, (int)run->result.partial, (int)run->result.missed,
-           (int)run->result.failed, (int)run->result.power, boots);
+    printf("%d days, seed %llu: %d slots, %d captured, %d partial, %d missed, %d failed, %d power, "
+           "%d paused; %u boots; the first %d before the storage could only be read\n",
+           (int)m->days, (unsigned long long)m->seed, (int)(m->days * MONTH_DAY_SLOTS),
+           (int)n[TTF_RESULT_CAPTURED], (int)n[TTF_RESULT_PARTIAL], (int)n[TTF_RESULT_MISSED],
+           (int)n[TTF_RESULT_FAILED], (int)n[TTF_RESULT_POWER], (int)n[TTF_RESULT_PAUSED], boots,
+           (int)in_first);
     printf("%-22s %7s %7s %7s %7s %7s  %s\n", "fault", "drawn", "marked", "slots", "lost", "most",
            "reason");
     for (unsigned kind = 0; kind < MONTH_KINDS; kind++) {
@@ -170,13 +188,16 @@ static void tell(const struct month *m, const struct sim_run *run, unsigned boot
         printf("%-22s %7u %7u %7u %7u %7u  %s\n", month_kind_name(kind), drawn, struck, seen, lost,
                most, reason ? reason : "-");
     }
-    printf("%u of %d slots lost\n", lost_of_all, (int)run->result.slots);
-    assert_int_equal(lost_of_all, run->result.slots - run->result.captured);
+    printf("%u slots lost\n", lost_of_all);
+    assert_int_equal(lost_of_all,
+                     m->days * MONTH_DAY_SLOTS - n[TTF_RESULT_CAPTURED] - n[TTF_RESULT_PAUSED]);
+    assert_int_equal(n[TTF_RESULT_PAUSED], m->days * MONTH_PAUSE_SLOTS);
 }
 
 /* What leaves a mark at the latest in the slot that it is drawn for did so each day. */
 static void check_struck(const struct month *m, const struct sim_run *run)
 {
+    const struct sim_run second = second_run_of(run);
     unsigned steps = 0;
 
     for (unsigned i = 0; i < m->n; i++) {
@@ -193,17 +214,77 @@ static void check_struck(const struct month *m, const struct sim_run *run)
                         (double)f->fault.at_ns / 1e9);
         assert_true(f->seen > 0);
     }
-    assert_int_equal(sim_run_events(run, "clock-step", NULL), steps);
+    assert_int_equal(sim_run_events(run, "clock-step", NULL) +
+                         sim_run_events(&second, "clock-step", NULL),
+                     steps);
+}
+
+/* ---- what people ask ---- */
+
+static void ask(struct sim_run *run, const struct ttf_ask *what)
+{
+    assert_true(n_numbers < MONTH_ASKS);
+    numbers[n_numbers] = ttf_control_ask(run->control, what);
+    assert_true(numbers[n_numbers++] > 0);
+}
+
+/* When the last slot but one of the block has its record, all that was asked in it is done. */
+static void expect_done(struct sim_run *run)
+{
+    assert_int_equal(n_numbers, MONTH_ASKS);
+    for (unsigned i = 0; i < n_numbers; i++) {
+        struct ttf_err err = {0};
+        int r = ttf_control_answer(run->control, numbers[i], &err);
+
+        if (r < 0)
+            print_error("ask %u of its block: %d: %s: %s\n", i, r, err.where, err.what);
+        assert_int_equal(r, 0);
+    }
+    n_numbers = 0;
+}
+
+static void people(struct sim_run *run, const struct ttf_progress *p)
+{
+    const struct month_fault *f;
+    int64_t slot, next;
+
+    if (!month || p->kind != TTF_PROGRESS_SLOT)
+        return;
+    f = month_fault_of(month, p->index);
+    slot = p->index - f->first;
+    next = p->index + 1;
+    if (f->fault.kind != TTF_FAULT_CLOCK_STEP)
+        return;
+    if (slot == MONTH_PAUSE_FIRST - 1)
+        ask(run, &(struct ttf_ask){.kind = TTF_ASK_PAUSE, .from_index = next});
+    if (slot == MONTH_PAUSE_FIRST + MONTH_PAUSE_SLOTS - 1)
+        ask(run, &(struct ttf_ask){.kind = TTF_ASK_CONTINUE, .from_index = next});
+    if (slot == MONTH_ASK_AFTER) {
+        int64_t day = p->index / MONTH_DAY_SLOTS + 2;
+        struct ttf_ask note = {.kind = TTF_ASK_NOTE};
+
+        snprintf(note.note.text, sizeof(note.note.text), "seen on day %d", (int)day - 2);
+        note.note.utc_ns = TTF_NS_UNKNOWN;
+        ask(run, &(struct ttf_ask){.kind = TTF_ASK_COUNT,
+                                   .count = (day < days ? day : days) * MONTH_DAY_SLOTS});
+        ask(run, &(struct ttf_ask){.kind = TTF_ASK_INTERVAL, .interval_ns = MONTH_INTERVAL_NS});
+        ask(run, &note);
+    }
+    if (slot == MONTH_BLOCK - 2)
+        expect_done(run);
 }
 
 static void begin(struct sim_run *run)
 {
-    sim_run_init(run);
+    second_run_init(run);
+    run->control = ttf_control_create();
+    assert_non_null(run->control);
+    run->on_progress = people;
     run->scene = "chart";
     run->config.width = 26;
     run->config.height = 22;
     run->plan.interval_ns = MONTH_INTERVAL_NS;
-    run->plan.count = days * MONTH_DAY_SLOTS;
+    run->plan.count = MONTH_DAY_SLOTS; /* each day another is asked for */
     for (unsigned i = 0; i < run->config.n_lamps; i++)
         run->config.lamps[i].info.max_temp_mdegc = 60000;
 }
@@ -218,6 +299,7 @@ static int64_t find_due0(void)
     run.plan.count = 1;
     assert_int_equal(sim_run_boot(&run), 0);
     due = sim_run_due_ns(&run, 0);
+    ttf_control_destroy(run.control);
     sim_run_finish(&run);
     return due;
 }
@@ -225,13 +307,16 @@ static int64_t find_due0(void)
 static void one_of_every_fault_each_day_costs_what_it_lasts_and_no_more(void **state)
 {
     struct month *m = malloc(sizeof(*m));
-    struct sim_run run;
+    int64_t counts[TTF_RESULT_COUNT] = {0};
+    struct sim_run run, second;
     unsigned boots = 0;
+    int64_t in_first;
     int r;
 
     (void)state;
     assert_non_null(m);
     month_draw(m, seed, days, find_due0());
+    month = m;
     begin(&run);
     do {
         month_fill(m, &run.config, run.config.power_on_ns);
@@ -243,12 +328,18 @@ static void one_of_every_fault_each_day_costs_what_it_lasts_and_no_more(void **s
         run.config.power_on_ns = run.back_ns;
         boots++;
     } while (r == -ESHUTDOWN);
-    sim_run_expect_whole(&run, true);
-    check_records(m, &run);
-    tell(m, &run, boots);
+    second = second_run_of(&run);
+    sim_run_expect_undamaged(&run, false);
+    sim_run_expect_undamaged(&second, true);
+    in_first = check_records(m, run.path, 0, counts);
+    assert_true(in_first >= MONTH_BLOCK - 2 && in_first <= MONTH_BLOCK);
+    assert_int_equal(check_records(m, second.path, in_first, counts), days * MONTH_DAY_SLOTS);
+    tell(m, counts, in_first, boots);
     check_costs(m);
     check_struck(m, &run);
     assert_int_equal(boots, days + 1);
+    month = NULL;
+    ttf_control_destroy(run.control);
     sim_run_finish(&run);
     free(m);
 }

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -226,6 +227,70 @@ static void a_line_that_may_be_the_files_own_is_damage(void **state)
     }
 }
 
+/* A crc that holds is no accident, whatever it is of. */
+static void a_whole_line_of_no_json_is_damage(void **state)
+{
+    const char *path = in(*state, "log");
+    char text[1000];
+    size_t last, n = three_lines(text, sizeof(text), &last);
+
+    n += (size_t)snprintf(text + n, sizeof(text) - n, "\xc3\n{\"type\":,\"crc\":\"%08x\"}\n{\"t",
+                          ttf_crc32(0, "{\"type\":", 8));
+    assert_true(wrong_lines(path, text, n) > 0);
+}
+
+/* As long as the longest line, and no longer, a cut's leftovers may be. */
+static void an_end_longer_than_any_line_is_damage(void **state)
+{
+    const char *path = in(*state, "log");
+    size_t last, n, room = TTF_LINE_MAX + 1000;
+    char *text = calloc(1, room);
+
+    assert_non_null(text);
+    n = three_lines(text, 1000, &last);
+    memset(text + n, '\xc3', room - n);
+    text[n + 9] = '\n';
+    text[n + 300000] = '\n';
+    assert_int_equal(wrong_lines(path, text, n + TTF_LINE_MAX + 1), 0);
+    assert_true(wrong_lines(path, text, n + TTF_LINE_MAX + 2) > 0);
+    free(text);
+}
+
+/* A disk of which only so many pieces can be read. */
+struct few_reads {
+    struct ttf_io base;
+    int left;
+};
+
+static int64_t read_few(struct ttf_io *io, int file, void *buf, size_t n, int64_t offset)
+{
+    struct few_reads *few = (struct few_reads *)io;
+
+    return few->left-- > 0 ? quick_io()->ops->pread(quick_io(), file, buf, n, offset) : -EIO;
+}
+
+static void an_end_that_cannot_be_read_is_no_damage(void **state)
+{
+    const char *path = in(*state, "log");
+    struct ttf_io_ops ops = *quick_io()->ops;
+    struct few_reads io = {.base.ops = &ops};
+    struct ttf_lines_tail tail;
+    char text[1000];
+    size_t last, n = three_lines(text, sizeof(text), &last);
+    int reads = 0, r;
+
+    write_text(path, text, n + (size_t)snprintf(text + n, sizeof(text) - n, "\xc3\n{\"type"));
+    ops.pread = read_few;
+    do {
+        io.left = reads;
+        r = ttf_lines_scan(&io.base, path, NULL, NULL, NULL, &tail, NULL);
+        assert_true(r == 0 || r == -EIO);
+    } while (r != 0 && reads++ < 20);
+    assert_int_equal(r, 0);
+    assert_true(reads > 1);
+    assert_int_equal(tail.good_bytes, n);
+}
+
 /* ---- SHA256SUMS ---- */
 
 static void noise_in_the_sums_is_what_a_cut_left(void **state)
@@ -277,6 +342,9 @@ int main(void)
         T(a_line_of_rot_before_others_is_damage),
         T(what_ends_in_a_newline_is_damage),
         T(a_line_that_may_be_the_files_own_is_damage),
+        T(a_whole_line_of_no_json_is_damage),
+        T(an_end_longer_than_any_line_is_damage),
+        T(an_end_that_cannot_be_read_is_no_damage),
         T(noise_in_the_sums_is_what_a_cut_left),
         T(every_flipped_bit_of_the_running_sums_is_damage),
     };
