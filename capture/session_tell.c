@@ -109,6 +109,10 @@ static void tell_armed(struct ttf_session *s)
                              .error_ns = TTF_NS_UNKNOWN,
                              .wakeup_ns = TTF_NS_UNKNOWN};
 
+    if (s->first_settle_ns > 0) { /* one that goes on is behind its begin, and lights them now */
+        p.lit_ns = begin_ns > now_ns ? begin_ns : now_ns;
+        p.settled_ns = p.lit_ns + s->first_settle_ns;
+    }
     ttf_committer_tell(&s->committer, &p);
 }
 

@@ -2,6 +2,7 @@
 /* cmd_sample.c: `ttfbox sample`: which part of the picture is which sample, in a dataset's samples.json. */
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "commands.h"
@@ -89,6 +90,24 @@ static int change_by_table(struct cli *cli, const char *path, unsigned *ret_n)
     return r;
 }
 
+/* What was changed, and what the file holds by now. */
+static int say(struct cli *cli, const char *path, unsigned changed)
+{
+    struct ttf_sample_region *regions = NULL;
+    unsigned n = 0;
+    int r = ttf_samples_read(cli->io, path, &regions, &n, &cli->err);
+
+    free(regions);
+    if (r < 0)
+        return r;
+    cli_say(cli, "samples           %u %s, %u now in %s/samples.json", changed,
+            cli->opt.remove ? "removed" : "set", n, path);
+    ttf_json_kstring(&cli->out, "dataset", path);
+    ttf_json_kint(&cli->out, "samples", changed);
+    ttf_json_kint(&cli->out, "samples_now", n);
+    return 0;
+}
+
 int cmd_sample(struct cli *cli)
 {
     const char *path = cli->opt.args[0];
@@ -101,11 +120,5 @@ int cmd_sample(struct cli *cli)
         r = change_one(cli, path, cli->opt.args[1]);
     else
         r = cli_need(cli, NULL, "ID", "say which sample, or --table FILE for many");
-    if (r == 0) {
-        cli_say(cli, "%-17s %u in %s/samples.json", cli->opt.remove ? "removed" : "samples", n,
-                path);
-        ttf_json_kstring(&cli->out, "dataset", path);
-        ttf_json_kint(&cli->out, "samples", n);
-    }
-    return r;
+    return r ? r : say(cli, path, n);
 }

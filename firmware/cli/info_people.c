@@ -10,7 +10,7 @@
 #include "ttf/dataset/notes.h"
 #include "ttf/dataset/samples.h"
 
-/* "3-5,9", "" of the whole. */
+/* "slots 3-5,9", "" of the whole. */
 static const char *slots_text(const struct ttf_note *note, char *buf, size_t size)
 {
     size_t n = 0;
@@ -32,7 +32,7 @@ static const char *tags_text(const struct ttf_note *note, char *buf, size_t size
 
     buf[0] = '\0';
     for (unsigned i = 0; i < note->n_tags && n < size; i++)
-        n += (size_t)snprintf(buf + n, size - n, "%s%s", i ? ", " : " [", note->tags[i]);
+        n += (size_t)snprintf(buf + n, size - n, "%s%s", i ? ", " : "[", note->tags[i]);
     if (note->n_tags && n < size)
         (void)snprintf(buf + n, size - n, "]");
     return buf;
@@ -68,9 +68,9 @@ static void on_note(void *ctx, const struct ttf_note *note)
     struct cli *cli = ctx;
     char slots[256], tags[320];
 
-    cli_say(cli, "note              %s%s%s%s%s%s", slots_text(note, slots, sizeof slots),
-            note->n_slots ? ": " : "", note->text, tags_text(note, tags, sizeof tags),
-            *note->author ? " -- " : "", note->author);
+    cli_say(cli, "note              %s%s%s%s%s%s%s", slots_text(note, slots, sizeof slots),
+            note->n_slots ? ": " : "", note->text, *note->text && note->n_tags ? " " : "",
+            tags_text(note, tags, sizeof tags), *note->author ? " -- " : "", note->author);
     put_note(&cli->out, note);
 }
 

@@ -23,6 +23,10 @@ void course_letter(struct course *c, const struct letter *letter)
         letter->kind != TTF_PROGRESS_EVENT)
         return;
     c->total = letter->total;
+    if (letter->kind == TTF_PROGRESS_ARMED) {
+        c->lit_ns = letter->lit_ns;
+        c->settled_ns = letter->settled_ns;
+    }
     if (letter->kind != TTF_PROGRESS_SLOT)
         return;
     c->last = *letter;
@@ -168,6 +172,8 @@ void course_put(const struct course *c, bool moving, int64_t now_ns, struct ttf_
     if (moving && g && c->total > 0)
         ttf_json_kint(json, "ends_in_ns",
                       g->origin_ns + (c->total - 1 - g->first_index) * g->interval_ns - now_ns);
+    if (moving && c->lit_ns <= now_ns && now_ns < c->settled_ns)
+        ttf_json_kint(json, "settled_in_ns", c->settled_ns - now_ns);
     if (c->has_last) {
         ttf_json_key(json, "last");
         ttf_json_object(json);

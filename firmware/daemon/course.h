@@ -36,8 +36,9 @@ struct course_records {
 };
 
 struct course {
-    int64_t total;      /* slots; 0: not known */
-    int64_t next_index; /* -1: not known */
+    int64_t total;              /* slots; 0: not known */
+    int64_t next_index;         /* -1: not known */
+    int64_t lit_ns, settled_ns; /* from when until when lamps settle before slots begin; 0: never */
     struct course_records records[COURSE_PARTS];
     bool has_last;
     struct letter last; /* of a slot */
@@ -57,7 +58,7 @@ void course_segment(struct course *course, enum course_part part,
 void course_record(struct course *course, enum course_part part,
                    const struct ttf_slot_record *record, const char *readings);
 
-/* Members of the status' run: slots, done, results, interval_ns, next, ends_in_ns, last. moving: slots come. */
+/* Members of the status' run: slots, done, results, interval_ns, next, ends_in_ns, settled_in_ns, last. moving: slots come. */
 void course_put(const struct course *course, bool moving, int64_t now_ns, struct ttf_json *json);
 /* The member next, where slots come and another one does. */
 void course_put_next(const struct course *course, bool moving, int64_t now_ns,

@@ -16,6 +16,8 @@ void mailbox_put(struct mailbox *box, const struct ttf_progress *progress)
                               .result = progress->result,
                               .until = progress->until,
                               .waits = progress->waits,
+                              .lit_ns = progress->lit_ns,
+                              .settled_ns = progress->settled_ns,
                               .run = box->run,
                               .index = progress->index,
                               .total = progress->total,

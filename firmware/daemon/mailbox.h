@@ -19,6 +19,7 @@ struct letter {
     int result;
     bool waits;
     int64_t run; /* of the mailbox, then */
+    int64_t lit_ns, settled_ns;
     int64_t index, total, now_ns, error_ns, wakeup_ns;
     char text[256]; /* cut */
 };

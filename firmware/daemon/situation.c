@@ -71,13 +71,15 @@ static bool is_about(const struct situation *s, const char *dataset)
     return strcmp(s->dataset, dataset) == 0;
 }
 
-/* How many slots there are to be, the run has said itself. */
+/* How many slots there are to be, and when its lamps have settled, the run has said itself. */
 static void forget_records(struct situation *s)
 {
-    int64_t total = s->course.total;
+    const struct course said = s->course;
 
     course_forget(&s->course);
-    s->course.total = total;
+    s->course.total = said.total;
+    s->course.lit_ns = said.lit_ns;
+    s->course.settled_ns = said.settled_ns;
 }
 
 void situation_forget(struct situation *s, const char *dataset)

@@ -256,7 +256,7 @@ export class Box extends EventTarget {
   /* Times that are left, as of now. */
   pass() {
     const now = performance.now(), passed_ns = (now - this.received) * 1e6, { status } = this;
-    for (const [of, key] of [[status, "retry_in_ns"], [status.run, "ends_in_ns"]])
+    for (const [of, key] of [[status, "retry_in_ns"], [status.run, "ends_in_ns"], [status.run, "settled_in_ns"]])
       if (of[key] !== undefined)
         of[key] -= passed_ns;
     this.received = now;
@@ -326,7 +326,16 @@ export class Box extends EventTarget {
   }
 
   ends_in_ns() {
-    const ns = this.status?.run?.ends_in_ns;
+    return this.left_ns("ends_in_ns");
+  }
+
+  /* While the lamps warm up before slots begin: until they have. */
+  settled_in_ns() {
+    return this.left_ns("settled_in_ns");
+  }
+
+  left_ns(key) {
+    const ns = this.status?.run?.[key];
     return ns === undefined ? undefined : ns - (performance.now() - this.received) * 1e6;
   }
 }

@@ -35,7 +35,7 @@ export function now(main, box) {
     else if (status.why)
       parts.push(status.why);
     else if (word === null)
-      parts.push(`until slot ${run.next.index}${run.slots ? ` of ${run.slots}` : ""}`);
+      parts.push(`until slot ${run.next.index}${run.slots ? ` of ${run.slots}` : ""}`, ...(box.settled_in_ns() > 0 ? ["the lamps warm up"] : []));
     if (!lost && status.retry_in_ns !== undefined)
       parts.push(`looked at again in ${countdown(status.retry_in_ns - (performance.now() - box.received) * 1e6)}`);
     say(under, parts.join("; "));

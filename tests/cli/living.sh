@@ -97,6 +97,10 @@ expect 2 "$TTFBOX" note grass --tag "two words"
 expect 0 "$TTFBOX" info grass
 said out "note              slots 2-3,5: all"
 said out "interval          30s from slot 4 on"
+said out 'all "well" [exclude, mine] -- Jo'
+expect 0 "$TTFBOX" note grass --slots 4 --tag wet,cold
+expect 0 "$TTFBOX" info grass
+said out "note              slots 4: [wet, cold]"
 expect 0 "$TTFBOX" export grass -o grass.y4m
 said out "excluded          2 slots"
 expect 2 "$TTFBOX" note grass
@@ -119,6 +123,9 @@ expect 0 "$TTFBOX" sample grass A1 --treatment "dry since 4"
 printf '\357\273\277id,species,x,y,width,height\r\nA2,"Poa, annua",48,0,48,32\r\n\r\nA3,,0,32,96,32\r\n' >pots.csv
 expect 0 "$TTFBOX" sample grass --table pots.csv --json
 is samples 2
+is samples_now 3
+expect 0 "$TTFBOX" sample grass --table pots.csv
+said out "samples           2 set, 3 now in grass/samples.json"
 expect 0 "$TTFBOX" info grass
 said out "sample A1         48 x 32 at 0, 0, Lolium perenne, dry since 4"
 said out "sample A2         48 x 32 at 48, 0, Poa, annua"
@@ -140,6 +147,7 @@ expect 0 "$TTFBOX" sample grass A1 --treatment ""
 expect 0 "$TTFBOX" info grass
 if grep -q "Lolium\|dry since" out; then fail "an empty text takes nothing back: $(cat out)"; fi
 expect 0 "$TTFBOX" sample grass A3 --remove
+said out "samples           1 removed, 2 now in"
 expect 0 "$TTFBOX" verify grass
 expect 2 "$TTFBOX" sample grass
 expect 2 "$TTFBOX" sample grass A1

@@ -180,6 +180,19 @@ static void thousands_of_lost_slots_have_their_records(void **state)
     sim_run_finish(&run);
 }
 
+static unsigned warmed; /* boots that said how long their lamps settle */
+
+static void say_warming(struct sim_run *run, const struct ttf_progress *progress)
+{
+    (void)run;
+    if (progress->kind != TTF_PROGRESS_ARMED)
+        return;
+    assert_true(progress->lit_ns >= progress->now_ns);
+    assert_true(progress->lit_ns <= progress->now_ns + 2 * TTF_NS_PER_S); /* arming's margin */
+    assert_true(progress->settled_ns - progress->lit_ns == 180 * TTF_NS_PER_S);
+    warmed++;
+}
+
 /* Lamps that must warm up for three minutes first: what is due meanwhile was not lost to the power. */
 static void slots_due_while_lamps_settle_are_not_called_without_power(void **state)
 {
@@ -190,6 +203,8 @@ static void slots_due_while_lamps_settle_are_not_called_without_power(void **sta
     run.plan.count = 14;
     run.plan.lamps = TTF_LAMPS_CONTINUOUS;
     run.plan.settle_ns = 180 * TTF_NS_PER_S;
+    run.on_progress = say_warming;
+    warmed = 0;
     sim_run_fault(&run, TTF_FAULT_POWER_CUT, 6 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S)->amount = 130;
     assert_int_equal(sim_run_through_cuts(&run), 0);
     sim_run_expect(&run, "ccccwwmmmccccc");
@@ -197,6 +212,7 @@ static void slots_due_while_lamps_settle_are_not_called_without_power(void **sta
     sim_run_expect_reason(&run, 6, "the box was getting ready");
     sim_run_expect_reason(&run, 8, "the box was getting ready");
     assert_int_equal(sim_run_events(&run, "resume", "3 slots lost: the box was getting ready"), 1);
+    assert_int_equal(warmed, 2);
     sim_run_expect_whole(&run, true);
     sim_run_finish(&run);
 }

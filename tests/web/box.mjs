@@ -76,12 +76,13 @@ async function an_order_that_nobody_answers_ends() {
 
 async function the_time_left_goes_on_when_a_slot_comes() {
   const box = new Box();
-  box.status = { state: "capturing", retry_in_ns: 60e9, run: { ends_in_ns: 100e9 } };
+  box.status = { state: "capturing", retry_in_ns: 60e9, run: { ends_in_ns: 100e9, settled_in_ns: 35e9 } };
   box.received = performance.now() - 30000;
   box.happened("slot", { index: 3, total: 9, next: { index: 4, in_ns: 40e9 } });
   assert.ok(Math.abs(box.ends_in_ns() - 70e9) < 1e9, "it does not jump back");
   assert.ok(Math.abs(box.status.retry_in_ns - 30e9) < 1e9);
   assert.ok(Math.abs(box.next_in_ns() - 40e9) < 1e9);
+  assert.ok(Math.abs(box.settled_in_ns() - 5e9) < 1e9);
 }
 
 async function a_slot_of_another_run_is_not_counted_to_this_one() {

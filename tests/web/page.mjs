@@ -277,6 +277,17 @@ async function a_run_is_started_from_the_wizard() {
   await until("it captures", async () => /^Capturing \d+\/40/.test(await state()), 60000);
 }
 
+async function that_lamps_warm_up_is_said() {
+  const words = page.getByText(/^until slot \d+ of 40; the lamps warm up$/);
+  await page.route("**/api/v1/status", async (route) => {
+    const status = await (await route.fetch()).json();
+    await route.fulfill({ json: { ...status, run: { ...status.run, settled_in_ns: 1e12 } } });
+  });
+  await words.waitFor();
+  await page.unroute("**/api/v1/status");
+  await page.getByText(/^until slot \d+ of 40$/).waitFor();
+}
+
 async function slots_arrive_and_the_countdown_runs() {
   await page.locator(".picture img").waitFor({ state: "visible" });
   const first = await page.locator("figcaption").textContent(), to_dataset = page.getByRole("link", { name: NAME });
@@ -515,7 +526,7 @@ async function a_stopped_box_says_stopped() {
 }
 
 try {
-  for (const part of [nothing_is_shown_without_the_token, a_region_is_drawn_in_live_view, a_button_stays_while_pictures_come, live_view_asks_for_one_at_a_time, focus_is_measured_in_the_cameras_own_pixels, a_charts_corners_go_into_the_calibration, a_calibration_is_made_and_used, a_run_is_started_from_the_wizard, slots_arrive_and_the_countdown_runs,
+  for (const part of [nothing_is_shown_without_the_token, a_region_is_drawn_in_live_view, a_button_stays_while_pictures_come, live_view_asks_for_one_at_a_time, focus_is_measured_in_the_cameras_own_pixels, a_charts_corners_go_into_the_calibration, a_calibration_is_made_and_used, a_run_is_started_from_the_wizard, that_lamps_warm_up_is_said, slots_arrive_and_the_countdown_runs,
     a_second_page_asks_for_no_second_stream, a_killed_daemon_is_missed_and_found_again, the_dataset_is_scrubbed_and_charted, the_preview_is_beside_what_was_captured, what_is_downloaded_verifies, a_stopped_box_says_stopped]) {
     const begun = Date.now();
     await part();

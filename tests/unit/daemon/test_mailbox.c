@@ -17,7 +17,8 @@
 
 static void put(struct mailbox *box, int64_t index)
 {
-    const struct ttf_progress p = {.kind = TTF_PROGRESS_SLOT, .index = index, .text = "why"};
+    const struct ttf_progress p = {
+        .kind = TTF_PROGRESS_SLOT, .index = index, .lit_ns = 5, .settled_ns = 9, .text = "why"};
 
     mailbox_put(box, &p);
 }
@@ -41,6 +42,7 @@ static void what_finds_no_room_is_dropped_and_counted(void **state)
         assert_true(letter.index == i);
     }
     assert_string_equal(letter.text, "why");
+    assert_true(letter.lit_ns == 5 && letter.settled_ns == 9);
     assert_false(mailbox_take(box, &letter));
     free(box);
 }

@@ -167,6 +167,8 @@ static void a_run_waits_for_its_plans_start_and_captures_from_its_first_slot_on(
         return;
     }
     letter.waits = true;
+    letter.lit_ns = 200 * TTF_NS_PER_S;
+    letter.settled_ns = 490 * TTF_NS_PER_S;
     (void)situation_run(s, &order, NULL);
     (void)situation_set(s, DOING_ARMING, NULL, TTF_NS_UNKNOWN);
     situation_segment(s, "grass", COURSE_FIRST, &segment);
@@ -176,6 +178,17 @@ static void a_run_waits_for_its_plans_start_and_captures_from_its_first_slot_on(
     assert_string_equal(word(status, "why"), "");
     assert_int_equal(number(status, "run.next.index"), 0);
     assert_true(number(status, "run.next.in_ns") == 400 * TTF_NS_PER_S);
+    assert_int_equal(number(status, "run.settled_in_ns"), -1); /* not lit yet */
+    json_decref(status);
+    clock.now_ns = 200 * TTF_NS_PER_S;
+    situation_forget(s, "grass"); /* its records are read anew */
+    situation_segment(s, "grass", COURSE_FIRST, &segment);
+    status = status_of(s);
+    assert_true(number(status, "run.settled_in_ns") == 290 * TTF_NS_PER_S);
+    json_decref(status);
+    clock.now_ns = 490 * TTF_NS_PER_S;
+    status = status_of(s);
+    assert_int_equal(number(status, "run.settled_in_ns"), -1);
     json_decref(status);
     letter = letter_of(TTF_PROGRESS_SLOT, 0, TTF_RESULT_CAPTURED);
     assert_true(situation_letter(s, &letter));

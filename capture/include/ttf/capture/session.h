@@ -43,6 +43,8 @@ struct ttf_progress {
     enum ttf_alarm_until until; /* of an alarm */
     int64_t index, total;       /* slots that the run comes to, as is known by now */
     bool waits;                 /* armed: for the plan's start, which is still to come */
+    int64_t lit_ns, settled_ns; /* armed: from when until when lamps that burn all the time settle,
+                                   boot clock; 0: none do */
     int result;                 /* enum ttf_result of a slot */
     const char *text;           /* reason or event; valid during the call */
     int64_t now_ns;             /* boot clock */
