@@ -96,6 +96,10 @@ static int take_segment(struct ttf_reader *reader, const struct ttf_line *line, 
         return ttf_err_set(err, -TTF_EDAMAGED, line->where,
                            "segment %d comes where segment %d is due", segment.segment,
                            sum->n_segments);
+    if (segment.plan >= sum->n_plans)
+        return ttf_err_set(err, -TTF_EDAMAGED, line->where,
+                           "segment %d follows plan %d, which has no line before it",
+                           segment.segment, segment.plan);
     r = grow((void *)&reader->segments, &reader->segments_room, (size_t)sum->n_segments,
              sizeof(*reader->segments));
     if (r)

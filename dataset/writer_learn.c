@@ -73,6 +73,10 @@ static int learn_segment(struct ttf_writer *writer, const struct ttf_line *line,
         return ttf_err_set(err, -TTF_EDAMAGED, writer->path,
                            "dataset.json has changed: segment %d gives another sha256 of it",
                            segment.segment);
+    if (segment.plan >= writer->state.n_plans)
+        return ttf_err_set(err, -TTF_EDAMAGED, line->where,
+                           "segment %d follows plan %d, which has no line before it",
+                           segment.segment, segment.plan);
     if (ttf_writer_learn_segment(writer, &segment) != 0)
         return ttf_err_set(err, -TTF_EDAMAGED, line->where,
                            "segment %d comes where segment %d is due", segment.segment,

@@ -179,6 +179,8 @@ SPOILED = [  # of which dataset, name, what is done to a copy of it
     ("three-segments", "old-log-for-a-newline", both(cut("records.jsonl", 1), more("records.jsonl", OLD_LOG))),
     ("three-segments", "old-log-of-events", more("events.jsonl", OLD_LOG)),
     ("three-segments", "old-log-of-a-line", more("records.jsonl", OLD_LOG[:32])),
+    ("three-segments", "bad-sector-at-the-end", patched("records.jsonl", -512, 512)),
+    ("three-segments", "bad-sector-with-lines-at-the-end", both(cut("records.jsonl", 700), more("records.jsonl", b"\xc3\xc3\n" * 233 + b"\xc3"))),
     ("three-segments", "old-log-that-may-be-ours", lambda d: more("records.jsonl", b"\xc3\n" + edited(
         b'{"crc":0}', type="x", seq=len(lines_of(d)) + 1) + b"\n{")(d)),
     ("three-segments", "old-log-behind-a-flip", both(flip("records.jsonl", -40), more("records.jsonl", b'{"type":"sl'))),
@@ -225,6 +227,11 @@ SPOILED = [  # of which dataset, name, what is done to a copy of it
     ("three-segments", "index-falls", edit_line("slot", 7, index=2)),
     ("three-segments", "segment-unknown", edit_line("slot", 7, segment=9)),
     ("three-segments", "plan-unknown", edit_line("segment", 1, plan=4)),
+    ("three-segments", "plan-comes-later", both(
+        edit_line("segment", 1, plan=1), added(kind="plan", plan=1, files=[]))),
+    ("gone-on-with", "run-of-no-instant", edit_line("segment", 0, run_utc_ns="noon")),
+    ("gone-on-with", "run-before-1970", edit_line("segment", 0, run_utc_ns=-1)),
+    ("gone-on-with", "run-of-no-trust", edit_line("segment", 0, run_trust=7)),
     ("three-segments", "trust-unknown", edit_line("segment", 1, trust="me")),
     ("three-segments", "no-trust", edit_line("segment", 1, trust=None)),
     ("three-segments", "segment-left-out", edit_line("segment", 1, segment=5)),
@@ -292,7 +299,8 @@ SPOILED = [  # of which dataset, name, what is done to a copy of it
 # What both must say of these, lest they agree in overlooking it: their exit.
 EXIT = {name: code for code, names in ((3, (
     "plan-number-wrong", "plan-without-number", "plan-without-files", "plan-twice", "plan-left-out",
-    "plan-behind-damage", "calibration-without-id", "calibration-of-no-name",
+    "plan-behind-damage", "plan-unknown", "plan-comes-later", "run-of-no-instant", "run-before-1970",
+    "run-of-no-trust", "calibration-without-id", "calibration-of-no-name",
     "calibration-without-files", "calibration-only-a-folder", "calibration-comes-later",
     "calibration-line-damaged", "relative-exposure-0", "group-of-no-uuid",
     "group-without-uuid", "parent-of-no-digest",

@@ -290,6 +290,19 @@ def three_segments(folder):
         for image in l.get("images", []) for file in image["files"]).encode())
 
 
+def gone_on_with(folder):
+    """In a second storage, after 20 s of outages for which no slot stands; when slot 0 was is by a PC's word."""
+    d = Dataset(folder, "gone-on-with", [stream()],
+                group={"uuid": "f00dcafe-0000-4000-8000-000000000098", "member": "second"})
+    d.plan(0, "interval: 10s\ncount: 5\n")
+    d.segment(0, first=3, utc=UTC0 + 50 * SECOND, trust="ntp", plan=0, run_ns=30 * SECOND,
+              run_utc_ns=UTC0, run_trust="host")
+    for i in (3, 4):
+        d.slot(i, [d.image("main", i)], first=3)
+    d.end()
+    d.seal()
+
+
 def changed_calibration(folder):
     d = Dataset(folder, "changed-calibration", [stream()])
     d.segment(0)
@@ -360,7 +373,7 @@ def main():
     folder = sys.argv[1]
     os.makedirs(folder, exist_ok=True)
     for make in (example, bracket, two_channels, two_cameras, average, three_segments,
-                 changed_calibration, sagging_supply, future, required, major_two):
+                 gone_on_with, changed_calibration, sagging_supply, future, required, major_two):
         make(folder)
 
 
