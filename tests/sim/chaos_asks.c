@@ -94,14 +94,13 @@ void chaos_asks_describe(const struct chaos *c)
         const struct chaos_ask *a = &c->asks[i];
         const struct ttf_ask *ask = &a->ask;
 
-        printf("  asked at %lld for %lld: %s, count %lld, until %.3f s, length %.3f s, interval "
-               "%.3f s: %s%s\n",
-               (long long)a->at, (long long)ask->from_index, kinds[ask->kind],
-               (long long)ask->count,
-               ask->until_utc_ns ? (double)(ask->until_utc_ns - c->run.config.start_utc_ns) / 1e9
-                                 : 0,
-               (double)ask->plan.length_ns / 1e9, (double)ask->interval_ns / 1e9, states[a->state],
-               a->said);
+        printf(
+            "  asked at %lld for %lld: %s, count %lld, until %.3f s, length %.3f s, interval "
+            "%.3f s: %s%s\n",
+            (long long)a->at, (long long)ask->from_index, kinds[ask->kind], (long long)ask->count,
+            ask->until_utc_ns ? (double)(ask->until_utc_ns - c->run.config.start_utc_ns) / 1e9 : 0,
+            (double)ask->plan.length_ns / 1e9, (double)ask->interval_ns / 1e9, states[a->state],
+            a->said);
     }
 }
 
