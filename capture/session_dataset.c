@@ -90,12 +90,13 @@ static int expect_known_plan(const struct ttf_session *s, struct ttf_err *err)
 static int read_past(const struct ttf_session *s, struct ttf_resume_input *in, struct ttf_err *err)
 {
     struct ttf_segment *segments = NULL;
+    int64_t *taken_until = NULL;
     int n = 0;
     int r = 0;
 
     if (in->state->n_segments > 0)
         r = ttf_timeline_read(s->config->io, s->from_first ? s->config->path : s->path, &segments,
-                              &n, err);
+                              &taken_until, &n, err);
     if (r < 0)
         return r;
     if (n > 0) {
@@ -104,9 +105,9 @@ static int read_past(const struct ttf_session *s, struct ttf_resume_input *in, s
         in->elapsed_ns = ttf_timeline_elapsed_ns(segments, n) +
                          (in->state->next_index - last->first_index) * last->interval_ns;
     }
-    in->past = ttf_timeline_past(segments, n, ttf_clock_boot_id(s->box->clock),
-                                 in->state->next_index - in->state->lost_at_end);
+    in->past = ttf_timeline_past(segments, taken_until, n, ttf_clock_boot_id(s->box->clock));
     free(segments);
+    free(taken_until);
     return 0;
 }
 

@@ -76,16 +76,16 @@ static void learn_of_boot(struct ttf_run_past *past, const struct ttf_segment *s
 
 /* One of a boot before; of one without a slot the origin may be a start that is still to come. */
 static void learn_of_last(struct ttf_run_past *past, const struct ttf_segment *segment,
-                          int64_t end_index)
+                          int64_t taken_until)
 {
     enum ttf_trust trust = ttf_segment_trust(segment);
 
-    if (end_index <= segment->first_index || segment->origin_utc_ns == TTF_NS_UNKNOWN ||
+    if (taken_until <= segment->first_index || segment->origin_utc_ns == TTF_NS_UNKNOWN ||
         trust == TTF_TRUST_NONE || (trust == TTF_TRUST_HOST && past->last_trust > TTF_TRUST_HOST))
         return;
     past->last_trust = trust;
     past->last_utc_ns =
-        segment->origin_utc_ns + (end_index - 1 - segment->first_index) * segment->interval_ns;
+        segment->origin_utc_ns + (taken_until - 1 - segment->first_index) * segment->interval_ns;
 }
 
 /* Outages and UTC of slot 0 as known up to a segment. */
@@ -188,8 +188,8 @@ int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, int64_t slot0_utc_
     return known->gaps_ns + later_by(slot0_utc_ns, known->slot0_utc_ns);
 }
 
-struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
-                                      const char *boot_id, int64_t end_index)
+struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
+                                      const int64_t *taken_until, int n, const char *boot_id)
 {
     struct known all = {.slot0_utc_ns = TTF_NS_UNKNOWN}, sure = all;
     struct ttf_run_past past = {0};
@@ -208,7 +208,7 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
         if (strcmp(s->boot_id, boot_id) == 0)
             learn_of_boot(&past, s);
         else
-            learn_of_last(&past, s, i + 1 < n ? segments[i + 1].first_index : end_index);
+            learn_of_last(&past, s, taken_until[i]);
     }
     past.gaps_ns = all.gaps_ns;
     past.slot0_utc_ns = all.slot0_utc_ns;
@@ -220,10 +220,54 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
     return past;
 }
 
-int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **ret, int *ret_n,
+/*
+ * One more than the last slot of from .. until-1 that was taken; from: none was. What a resume gives up while its lamps
+ * settle is recorded before it is due, and says nothing of when it was recorded.
+ */
+static int find_taken(struct ttf_reader *reader, int64_t from, int64_t until, int64_t *ret,
                       struct ttf_err *err)
 {
+    struct ttf_slot_record record;
+    bool lost = true;
+
+    while (until > from) {
+        int64_t at = ttf_reader_find(reader, until - 1);
+        int r = at < 0 ? 0 : ttf_reader_slot(reader, at, &record, err);
+
+        if (r < 0)
+            return r;
+        if (at >= 0) {
+            lost = record.result == TTF_RESULT_POWER || record.result == TTF_RESULT_MISSED;
+            ttf_slot_record_free(&record);
+        }
+        if (!lost)
+            break;
+        until--;
+    }
+    *ret = until;
+    return 0;
+}
+
+static int read_segments(struct ttf_reader *reader, struct ttf_segment *segments,
+                         int64_t *taken_until, int n, struct ttf_err *err)
+{
+    int64_t until = ttf_reader_summary(reader)->last_index + 1;
+    int r = 0;
+
+    for (int i = n - 1; i >= 0 && r == 0; i--) {
+        r = ttf_reader_segment(reader, i, &segments[i]);
+        if (r == 0)
+            r = find_taken(reader, segments[i].first_index, until, &taken_until[i], err);
+        until = segments[i].first_index;
+    }
+    return r;
+}
+
+int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **ret,
+                      int64_t **ret_taken_until, int *ret_n, struct ttf_err *err)
+{
     struct ttf_segment *segments = NULL;
+    int64_t *taken_until = NULL;
     struct ttf_reader *reader;
     int r = ttf_reader_open(io, path, &reader, err);
     int n;
@@ -233,17 +277,18 @@ int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **
     n = ttf_reader_summary(reader)->n_segments;
     if (n > 0) {
         segments = calloc((size_t)n, sizeof(*segments));
-        if (!segments)
-            r = ttf_err_set(err, -ENOMEM, path, "no memory");
+        taken_until = calloc((size_t)n, sizeof(*taken_until));
+        r = segments && taken_until ? read_segments(reader, segments, taken_until, n, err)
+                                    : ttf_err_set(err, -ENOMEM, path, "no memory");
     }
-    for (int i = 0; i < n && r == 0; i++)
-        r = ttf_reader_segment(reader, i, &segments[i]);
     ttf_reader_close(reader);
     if (r < 0) {
         free(segments);
+        free(taken_until);
         return r;
     }
     *ret = segments;
+    *ret_taken_until = taken_until;
     *ret_n = n;
     return 0;
 }

@@ -50,9 +50,9 @@ struct ttf_run_past {
     int64_t last_utc_ns;
 };
 
-/* boot_id: the present one; end_index: one more than that of the last slot taken. */
-struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
-                                      const char *boot_id, int64_t end_index);
+/* boot_id: the present one; taken_until: of each segment, as ttf_timeline_read has it. */
+struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
+                                      const int64_t *taken_until, int n, const char *boot_id);
 
 /*
  * The outages that no slot stands for, now that slot 0 is said to have been due at that UTC (TTF_NS_UNKNOWN: nobody
@@ -61,8 +61,12 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
 int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, int64_t slot0_utc_ns,
                              bool gap_unknown);
 
-/* The segments of a dataset in order, as corrected; to be freed. *ret_n may be 0, *ret NULL then. */
+/*
+ * The segments of a dataset in order, as corrected, and of each one more than its last slot that was not lost (`power`,
+ * `missed`: those may have been recorded before they were due), its first index where there is none. To be freed.
+ * *ret_n may be 0, the others NULL then.
+ */
 TTF_MUST_USE int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **ret,
-                                   int *ret_n, struct ttf_err *err);
+                                   int64_t **ret_taken_until, int *ret_n, struct ttf_err *err);
 
 #endif

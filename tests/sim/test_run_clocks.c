@@ -314,6 +314,36 @@ static void a_clock_that_stands_before_the_last_slot_labels_none(void **state)
     }
 }
 
+/* Slots that are given up while lamps settle are recorded before they are due: a right clock is not behind them. */
+static void power_that_flickers_while_lamps_settle_makes_no_clock_wrong(void **state)
+{
+    static const struct until_belief rtc[] = {{0, TTF_TRUST_RTC, 0}};
+    static const int64_t cuts_ns[] = {8 * MIN + 40 * S, 9 * MIN + 40 * S, 10 * MIN + 40 * S,
+                                      20 * MIN + 40 * S};
+
+    (void)state;
+    for (unsigned n = 1; n <= 4; n++) {
+        struct until_clock b;
+
+        /* Slots from 5:03 on; four until 8:40, and dark for 20 s each time. */
+        until_clock_init(&b, TTF_END_COUNT, 24, rtc, 1);
+        b.run.plan.lamps = TTF_LAMPS_CONTINUOUS;
+        b.run.plan.settle_ns = 5 * MIN;
+        for (unsigned i = 0; i < n; i++)
+            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, cuts_ns[i])->amount = i == 0 ? 30 : 20;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        assert_int_equal(sim_run_events(&b.run, "clock", "lies before the last slot"), 0);
+        expect_label(&b, 23, "rtc", 0);
+        until_expect_end(&b.run,
+                         n == 1   ? "ccccwmmmmmcccccccccccccc"
+                         : n == 2 ? "ccccwmmmmmcccccccccccccc"
+                         : n == 3 ? "ccccwmmmmmmccccccccccccc"
+                                  : "ccccwmmmmmmcccccmmmmmccc",
+                         "count");
+        living_finish(&b.run);
+    }
+}
+
 /* From then on the first storage can only be read; so in the boots to come. */
 static int only_read_from(struct sim_run *run, const char *path, int64_t from_ns)
 {
@@ -481,6 +511,7 @@ int main(void)
         cmocka_unit_test(a_clock_that_stands_before_the_last_slot_labels_none),
         cmocka_unit_test(the_box_s_own_clock_set_back_in_a_boot_leaves_the_grid),
         cmocka_unit_test(an_instant_by_a_clock_that_is_behind_is_refused),
+        cmocka_unit_test(power_that_flickers_while_lamps_settle_makes_no_clock_wrong),
         cmocka_unit_test(a_length_counts_the_outages_of_before_the_run_moved),
         cmocka_unit_test(what_a_clock_was_corrected_by_before_the_run_moved_is_no_outage),
     };

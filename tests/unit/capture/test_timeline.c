@@ -19,6 +19,17 @@ static struct ttf_segment segment(const char *boot, int64_t first, int64_t origi
     return s;
 }
 
+/* With all slots taken, up to end. */
+static struct ttf_run_past past_of(const struct ttf_segment *s, int n, const char *boot_id,
+                                   int64_t end)
+{
+    int64_t taken_until[8];
+
+    for (int i = 0; i < n; i++)
+        taken_until[i] = i + 1 < n ? s[i + 1].first_index : end;
+    return ttf_timeline_past(s, taken_until, n, boot_id);
+}
+
 static void over_segments_of_a_boot_its_clock_counts_over_a_boot_the_slots(void **state)
 {
     /* Ten slots; another interval, begun 30 s later than the grid would; then another boot. */
@@ -69,7 +80,7 @@ static void slot_0_is_where_the_last_segment_with_utc_says(void **state)
 static void what_a_pc_alone_says_of_the_past_is_told_apart(void **state)
 {
     struct ttf_segment s[3] = {segment("a", 0, 100), segment("b", 10, 20), segment("c", 12, 20)};
-    struct ttf_run_past past = ttf_timeline_past(s, 3, "d", 15);
+    struct ttf_run_past past = past_of(s, 3, "d", 15);
 
     (void)state;
     assert_int_equal(past.gaps_ns, 0);
@@ -83,13 +94,13 @@ static void what_a_pc_alone_says_of_the_past_is_told_apart(void **state)
     snprintf(s[0].trust, sizeof(s[0].trust), "rtc");
     snprintf(s[1].trust, sizeof(s[1].trust), "ntp");
     snprintf(s[2].trust, sizeof(s[2].trust), "host");
-    past = ttf_timeline_past(s, 3, "d", 15);
+    past = past_of(s, 3, "d", 15);
     assert_int_equal(past.gaps_ns, 12 * TTF_NS_PER_S);
     assert_int_equal(past.slot0_utc_ns, 1012 * TTF_NS_PER_S);
     assert_int_equal(past.sure_gaps_ns, 7 * TTF_NS_PER_S);
     assert_int_equal(past.sure_slot0_utc_ns, 1007 * TTF_NS_PER_S);
     s[2].gap_ns = TTF_NS_UNKNOWN;
-    assert_int_equal(ttf_timeline_past(s, 3, "d", 15).gaps_ns, 7 * TTF_NS_PER_S);
+    assert_int_equal(past_of(s, 3, "d", 15).gaps_ns, 7 * TTF_NS_PER_S);
 }
 
 /* NTP until slot 10; twice power and no clock; NTP, or first a PC's. */
@@ -105,7 +116,7 @@ static void outages_without_a_clock_between_are_told_by_the_next_clock(void **st
     snprintf(s[0].trust, sizeof(s[0].trust), "ntp");
     for (int i = 1; i < 4; i++)
         s[i].gap_ns = TTF_NS_UNKNOWN;
-    past = ttf_timeline_past(s, 2, "x", 10);
+    past = past_of(s, 2, "x", 10);
     assert_true(past.open && past.sure_open);
     assert_int_equal(ttf_timeline_gaps_ns(&past, TTF_NS_UNKNOWN, true), 0);
     assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + gap, false), gap);
@@ -113,7 +124,7 @@ static void outages_without_a_clock_between_are_told_by_the_next_clock(void **st
     /* The third knows. */
     s[2].origin_utc_ns = slot0 + 600 * TTF_NS_PER_S + gap;
     snprintf(s[2].trust, sizeof(s[2].trust), "ntp");
-    past = ttf_timeline_past(s, 3, "x", 12);
+    past = past_of(s, 3, "x", 12);
     assert_false(past.open || past.sure_open);
     assert_int_equal(past.gaps_ns, gap);
     assert_int_equal(past.sure_gaps_ns, gap);
@@ -122,14 +133,14 @@ static void outages_without_a_clock_between_are_told_by_the_next_clock(void **st
     /* A PC's, wrong by days, and by itself no more than that. */
     s[2].origin_utc_ns += 9 * TTF_NS_PER_DAY;
     snprintf(s[2].trust, sizeof(s[2].trust), "host");
-    past = ttf_timeline_past(s, 3, "x", 12);
+    past = past_of(s, 3, "x", 12);
     assert_int_equal(past.gaps_ns, gap + 9 * TTF_NS_PER_DAY);
     assert_int_equal(past.sure_gaps_ns, 0);
     assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + 2 * gap, false), 2 * gap);
     s[3].origin_utc_ns = slot0 + 720 * TTF_NS_PER_S + 2 * gap;
     s[3].gap_ns = 0; /* behind that PC's */
     snprintf(s[3].trust, sizeof(s[3].trust), "ntp");
-    assert_int_equal(ttf_timeline_past(s, 4, "x", 12).sure_gaps_ns, 2 * gap);
+    assert_int_equal(past_of(s, 4, "x", 12).sure_gaps_ns, 2 * gap);
 }
 
 /* NTP, an outage, NTP; an outage, and it moves on there: to a dataset that has but its own segments. */
@@ -139,7 +150,7 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     struct ttf_segment before[2] = {segment("a", 0, 100), segment("b", 10, 20)};
     const int64_t slot0_ns = (20 - 12 * 60) * TTF_NS_PER_S; /* on the clock of boot c */
     struct ttf_segment after[2] = {segment("c", 12, 20), segment("d", 14, 20)};
-    struct ttf_run_past past = ttf_timeline_past(before, 2, "c", 12);
+    struct ttf_run_past past = past_of(before, 2, "c", 12);
 
     (void)state;
     ttf_timeline_run_utc(&after[0], &past, slot0_ns, true);
@@ -149,36 +160,36 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     before[1].gap_ns = gap;
     snprintf(before[0].trust, sizeof(before[0].trust), "ntp");
     snprintf(before[1].trust, sizeof(before[1].trust), "host");
-    past = ttf_timeline_past(before, 2, "c", 12);
+    past = past_of(before, 2, "c", 12);
     ttf_timeline_run_utc(&after[0], &past, slot0_ns, true);
     assert_int_equal(after[0].run_utc_ns, slot0);
     assert_string_equal(after[0].run_trust, "ntp");
     /* Both outages, as soon as somebody says when it is. */
-    past = ttf_timeline_past(after, 1, "d", 14);
+    past = past_of(after, 1, "d", 14);
     assert_true(past.open && past.sure_open);
     assert_int_equal(past.last_trust, TTF_TRUST_NTP);
     assert_int_equal(past.last_utc_ns, slot0 + 11 * TTF_NS_PER_MIN); /* at least */
     assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + 3 * gap, true), 3 * gap);
     after[0].origin_utc_ns = slot0 + 12 * TTF_NS_PER_MIN + 2 * gap;
     snprintf(after[0].trust, sizeof(after[0].trust), "rtc");
-    past = ttf_timeline_past(after, 1, "d", 14);
+    past = past_of(after, 1, "d", 14);
     assert_false(past.open || past.sure_open);
     assert_int_equal(past.sure_gaps_ns, 2 * gap);
     /* Said when that is known already, it says the same; that all of it was set since is no outage. */
-    past = ttf_timeline_past(before, 2, "c", 12);
+    past = past_of(before, 2, "c", 12);
     ttf_timeline_run_utc(&after[0], &past, slot0_ns, true);
     assert_int_equal(after[0].run_utc_ns, slot0);
     assert_string_equal(after[0].run_trust, "rtc");
     before[1] = segment("b", 10, 20);
     before[1].origin_utc_ns = slot0 + 600 * TTF_NS_PER_S;
     snprintf(before[1].trust, sizeof(before[1].trust), "ntp");
-    past = ttf_timeline_past(before, 2, "c", 12);
+    past = past_of(before, 2, "c", 12);
     ttf_timeline_run_utc(&after[0], &past, slot0_ns, false);
     assert_int_equal(after[0].run_utc_ns, slot0 + 2 * gap);
     assert_string_equal(after[0].run_trust, "rtc");
-    assert_int_equal(ttf_timeline_past(after, 1, "d", 14).sure_gaps_ns, 0);
+    assert_int_equal(past_of(after, 1, "d", 14).sure_gaps_ns, 0);
     /* Of this boot it says nothing of the last slot of one before. */
-    assert_int_equal(ttf_timeline_past(after, 1, "c", 14).last_trust, TTF_TRUST_NONE);
+    assert_int_equal(past_of(after, 1, "c", 14).last_trust, TTF_TRUST_NONE);
     /* What a PC says of the last outage leaves what better clocks said before. */
     snprintf(after[0].trust, sizeof(after[0].trust), "host");
     ttf_timeline_run_utc(&after[0], &past, slot0_ns, false);
@@ -187,7 +198,7 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     /* A PC's word alone stays one. */
     after[0].origin_utc_ns = TTF_NS_UNKNOWN;
     snprintf(after[0].run_trust, sizeof(after[0].run_trust), "host");
-    past = ttf_timeline_past(after, 1, "d", 14);
+    past = past_of(after, 1, "d", 14);
     assert_int_equal(past.slot0_utc_ns, slot0);
     assert_int_equal(past.sure_slot0_utc_ns, TTF_NS_UNKNOWN);
 }
@@ -215,7 +226,7 @@ static void the_best_that_this_boot_knew_is_remembered(void **state)
             s[i].origin_utc_ns = s[i].origin_ns + cases[i - 1].offset_s * TTF_NS_PER_S;
         s[i].uncertainty_ns = cases[i - 1].offset_s;
         snprintf(s[i].trust, sizeof(s[i].trust), "%s", cases[i - 1].trust);
-        past = ttf_timeline_past(s, i + 1, "b", 100);
+        past = past_of(s, i + 1, "b", 100);
         assert_int_equal(past.boot_trust, cases[i - 1].best);
         assert_int_equal(past.boot_offset_ns, cases[i - 1].best_s * TTF_NS_PER_S);
         if (past.boot_trust != TTF_TRUST_NONE)
@@ -226,7 +237,7 @@ static void the_best_that_this_boot_knew_is_remembered(void **state)
 static void when_the_last_slot_of_the_boots_before_was_is_known(void **state)
 {
     struct ttf_segment s[3] = {segment("a", 0, 100), segment("b", 10, 20), segment("c", 12, 20)};
-    struct ttf_run_past past = ttf_timeline_past(s, 3, "d", 15);
+    struct ttf_run_past past = past_of(s, 3, "d", 15);
 
     (void)state;
     assert_int_equal(past.last_trust, TTF_TRUST_NONE);
@@ -234,15 +245,18 @@ static void when_the_last_slot_of_the_boots_before_was_is_known(void **state)
     s[2].origin_utc_ns = 5000 * TTF_NS_PER_S;
     snprintf(s[0].trust, sizeof(s[0].trust), "rtc");
     snprintf(s[2].trust, sizeof(s[2].trust), "ntp");
-    past = ttf_timeline_past(s, 3, "d", 15);
+    past = past_of(s, 3, "d", 15);
     assert_int_equal(past.last_trust, TTF_TRUST_NTP);
     assert_int_equal(past.last_utc_ns, 5120 * TTF_NS_PER_S); /* slot 14 */
+    /* All of the last boot were given up, and some of the first: the last one that was taken counts. */
+    past = ttf_timeline_past(s, (const int64_t[]){8, 10, 12}, 3, "d");
+    assert_int_equal(past.last_trust, TTF_TRUST_RTC);
+    assert_int_equal(past.last_utc_ns, 1420 * TTF_NS_PER_S); /* slot 7 */
     snprintf(s[2].trust, sizeof(s[2].trust), "host");
-    past = ttf_timeline_past(s, 3, "d", 15);
+    past = past_of(s, 3, "d", 15);
     assert_int_equal(past.last_trust, TTF_TRUST_RTC);
     assert_int_equal(past.last_utc_ns, 1540 * TTF_NS_PER_S); /* slot 9 */
-    past =
-        ttf_timeline_past(s, 3, "a", 15); /* of others than this boot a PC alone says something */
+    past = past_of(s, 3, "a", 15); /* of others than this boot a PC alone says something */
     assert_int_equal(past.last_trust, TTF_TRUST_HOST);
     assert_int_equal(past.last_utc_ns, 5120 * TTF_NS_PER_S);
 }
