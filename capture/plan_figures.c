@@ -6,6 +6,7 @@
 #include "exposure.h"
 #include "flicker.h"
 #include "lamp_programme.h"
+#include "queue.h"
 #include "stock.h"
 #include "ttf/base/checked.h"
 #include "ttf/base/time.h"
@@ -206,6 +207,20 @@ static int64_t shot_flicker_ppm(const struct ttf_plan *plan, const struct ttf_pl
     return ppm;
 }
 
+/* All raw sums, the camera's own buffers, dark and flat per pixel, strips of work. */
+static int64_t memory_of(const struct ttf_camera *camera)
+{
+    const struct ttf_frame_format *format = ttf_camera_format(camera);
+    int64_t pixels = (int64_t)format->width * format->height;
+    size_t samples;
+
+    if (ttf_raw_sum_samples(format, &samples) < 0)
+        samples = 0; /* refused when it is armed */
+    return ttf_queue_raws(samples) * (int64_t)(samples * TTF_RAW_SUM_BYTES) + pixels * (4 + 2) +
+           (int64_t)ttf_camera_caps(camera)->buffers * (int64_t)format->stride * format->height +
+           (INT64_C(8) << 20);
+}
+
 static void fill_shot(const struct ttf_plan *plan, const struct ttf_box *box, unsigned i,
                       struct ttf_plan_figures *f)
 {
@@ -217,7 +232,7 @@ static void fill_shot(const struct ttf_plan *plan, const struct ttf_box *box, un
     int64_t raw_px = (int64_t)format->width * format->height;
     int64_t kept_px = (int64_t)region.width * region.height;
     int64_t image = 0;
-    int64_t memory;
+    int64_t memory = memory_of(camera);
 
     if (keep != TTF_KEEP_DEVELOPED)
         image += raw_px * 2 + FILE_OVERHEAD_BYTES;
@@ -228,10 +243,6 @@ static void fill_shot(const struct ttf_plan *plan, const struct ttf_box *box, un
     f->exposure_ns[i] = ttf_exposure_snap(shot->exposure.exposure_ns, plan->mains_hz,
                                           ttf_camera_caps(camera)->exposure_max_ns);
     f->flicker_ppm[i] = shot_flicker_ppm(plan, shot, box, ttf_camera_caps(camera)->exposure_max_ns);
-    /* Two raw sums, the camera's own buffers, dark and flat per pixel, strips of work. */
-    memory = raw_px * (2 * 4 + 4 + 2) +
-             (int64_t)ttf_camera_caps(camera)->buffers * (int64_t)format->stride * format->height +
-             (INT64_C(8) << 20);
     if (memory > f->memory_bytes)
         f->memory_bytes = memory;
 }

@@ -44,10 +44,9 @@ static int enlarge(struct ttf_raw_sum *raw, const struct ttf_frame_format *forma
     return 0;
 }
 
-/* How many there may be of the first one's size. */
-static unsigned raws_of(const struct ttf_raw_sum *first)
+unsigned ttf_queue_raws(size_t samples)
 {
-    size_t n = TTF_QUEUE_RAW_BYTES / (first->room * sizeof(*first->sum));
+    size_t n = samples ? TTF_QUEUE_RAW_BYTES / TTF_RAW_SUM_BYTES / samples : TTF_QUEUE_RAW_MOST;
 
     if (n < TTF_QUEUE_RAW)
         return TTF_QUEUE_RAW;
@@ -61,7 +60,7 @@ int ttf_queue_reserve_raw(struct ttf_queue *queue, const struct ttf_frame_format
 
     while (n < wanted && r == 0) {
         r = enlarge(&queue->raw[n], format);
-        wanted = r == 0 && n == 0 ? raws_of(&queue->raw[0]) : wanted;
+        wanted = r == 0 && n == 0 ? ttf_queue_raws(queue->raw[0].room) : wanted;
         n += r == 0;
     }
     for (queue->n_raw = n; n < TTF_QUEUE_RAW_MOST; n++)

@@ -51,6 +51,9 @@ struct ttf_queue {
 TTF_MUST_USE int ttf_queue_init(struct ttf_queue *queue, struct ttf_clock *clock,
                                 const struct ttf_stock_size *size);
 
+/* How many raw sums there are, each of so many samples (ttf_raw_sum_samples). */
+unsigned ttf_queue_raws(size_t samples);
+
 /*
  * Makes the raw sums, of frames of that format and of the larger of those told before; none is taken meanwhile. As
  * ttf_raw_sum_init, of which -ENOMEM is told only of the least that there must be.

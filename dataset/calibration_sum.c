@@ -44,8 +44,7 @@ int calibration_samples(const struct ttf_frame_format *format)
     return is_colour(format->packing) ? 3 : 1;
 }
 
-/* Samples per pixel, and of a frame into *ret; negative as init. */
-static int samples_of(const struct ttf_frame_format *format, size_t *ret)
+int ttf_raw_sum_samples(const struct ttf_frame_format *format, size_t *ret)
 {
     int samples = calibration_samples(format);
 
@@ -58,7 +57,7 @@ static int samples_of(const struct ttf_frame_format *format, size_t *ret)
 int ttf_raw_sum_init(struct ttf_raw_sum *sum, const struct ttf_frame_format *format)
 {
     size_t n;
-    int samples = samples_of(format, &n);
+    int samples = ttf_raw_sum_samples(format, &n);
 
     if (samples < 0)
         return samples;
@@ -75,7 +74,7 @@ int ttf_raw_sum_init(struct ttf_raw_sum *sum, const struct ttf_frame_format *for
 int ttf_raw_sum_refit(struct ttf_raw_sum *sum, const struct ttf_frame_format *format)
 {
     size_t n;
-    int samples = samples_of(format, &n);
+    int samples = ttf_raw_sum_samples(format, &n);
 
     if (samples < 0)
         return samples;

@@ -8,19 +8,14 @@
 
 #include "io_path.h"
 #include "lines.h"
-#include "lines_cut.h"
 #include "ttf/dataset/json_parse.h"
 
 struct scan {
-    struct ttf_io *io;
-    int file;
     const char *path;
     ttf_line_fn *fn;
     ttf_bad_line_fn *bad;
     void *ctx;
     struct ttf_lines_tail tail;
-    bool wrong;  /* there was a line that was none */
-    bool at_end; /* what comes is no line any more */
     struct ttf_err *err;
 };
 
@@ -79,30 +74,23 @@ out:
     return r;
 }
 
-/* Something with a newline that is no line: the first of a file may be where a cut's leftovers begin. */
-static int wrong_line(struct scan *s, struct ttf_line *line, size_t *whole)
+/*
+ * Where the whole line at the start of an unterminated end ends, 0 if there is
+ * none: when its newline did not reach the disk, the next line may lie behind it.
+ */
+static size_t whole_line_in(const char *text, size_t n)
 {
-    int64_t bytes = 0;
-    int r = 0;
+    static const char mark[] = ",\"crc\":\"";
+    const char *at = text, *hit;
+    size_t end;
 
-    if (!s->wrong) {
-        *whole = ttf_line_whole_in(line->text, line->bytes);
-        r = ttf_lines_cut_off(s->io, s->file, line->offset + (int64_t)*whole,
-                              s->tail.next_seq + (*whole > 0), &bytes);
+    while ((hit = memmem(at, n - (size_t)(at - text), mark, sizeof(mark) - 1)) != NULL) {
+        end = (size_t)(hit - text) + TTF_LINE_TAIL;
+        if (end <= n && ttf_line_holds(text, end))
+            return end;
+        at = hit + 1;
     }
-    s->wrong = true;
-    if (r)
-        return ttf_err_set(s->err, r, s->path, "cannot be read: %s", strerrordesc_np(-r));
-    s->at_end = bytes > 0;
-    if (s->at_end) {
-        s->tail.fragment_offset = line->offset + (int64_t)*whole;
-        s->tail.fragment_bytes = bytes;
-        return 0;
-    }
-    s->tail.good_bytes = line->offset + (int64_t)line->bytes + 1;
-    s->tail.next_seq++; /* so that only this line is blamed */
-    *whole = 0;
-    return damage(s, line->where, line, "its crc does not hold");
+    return 0;
 }
 
 static int one_line(struct scan *s, const char *text, size_t n, int64_t offset, int64_t number,
@@ -110,50 +98,44 @@ static int one_line(struct scan *s, const char *text, size_t n, int64_t offset, 
 {
     struct ttf_line line = {.text = text, .bytes = n, .offset = offset, .number = number};
     char where[300];
-    size_t whole = 0;
-    int r;
+    size_t whole = n;
 
     snprintf(where, sizeof(where), "%s:%lld", s->path, (long long)number);
     line.where = where;
-    if (terminated && ttf_line_holds(text, n)) {
+    if (terminated && !ttf_line_holds(text, n)) {
         s->tail.good_bytes = offset + (int64_t)n + 1;
-        return good_line(s, &line);
+        s->tail.next_seq++; /* so that only this line is blamed */
+        return damage(s, where, &line, "its crc does not hold");
     }
-    if (terminated) {
-        r = wrong_line(s, &line, &whole);
-        if (r)
-            return r;
-    } else {
-        whole = ttf_line_whole_in(text, n);
+    if (!terminated) {
+        whole = whole_line_in(text, n);
         s->tail.fragment_offset = offset + (int64_t)whole;
         s->tail.fragment_bytes = (int64_t)(n - whole);
+        if (whole == 0)
+            return 0;
+        s->tail.no_newline = true;
+        line.bytes = whole;
     }
-    if (whole == 0)
-        return 0;
-    /* Its newline did not reach the disk, and what lies behind it is the next line's, as far as that came. */
-    s->tail.no_newline = true;
-    line.bytes = whole;
-    s->tail.good_bytes = offset + (int64_t)whole;
+    s->tail.good_bytes = offset + (int64_t)whole + (terminated ? 1 : 0);
     return good_line(s, &line);
 }
 
 int ttf_lines_scan(struct ttf_io *io, const char *path, ttf_line_fn *fn, ttf_bad_line_fn *bad,
                    void *ctx, struct ttf_lines_tail *ret, struct ttf_err *err)
 {
-    struct scan s = {.io = io, .path = path, .fn = fn, .bad = bad, .ctx = ctx, .err = err};
+    struct scan s = {.path = path, .fn = fn, .bad = bad, .ctx = ctx, .err = err};
     struct ttf_lines lines;
     const char *text;
     bool terminated;
     int64_t offset;
     size_t n;
-    int file, r = 0;
+    int file, r;
 
     file = io->ops->open(io, path, TTF_IO_READ);
     if (file < 0)
         return ttf_err_set(err, file, path, "cannot be opened: %s", strerrordesc_np(-file));
-    s.file = file;
     ttf_lines_init(&lines, io, file);
-    while (!s.at_end && (r = ttf_lines_next(&lines, &text, &n, &offset, &terminated)) > 0) {
+    while ((r = ttf_lines_next(&lines, &text, &n, &offset, &terminated)) > 0) {
         r = one_line(&s, text, n, offset, lines.number, terminated);
         if (r)
             break;

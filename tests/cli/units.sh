@@ -64,6 +64,12 @@ for unit in "$UNITS"/*.service; do
         fail "images start $(basename "$unit") before its settings are there"
 done
 
+# A stop is given the time to store what waits for a slow card, a minute for each picture beside 5 min for a slot; a power-off gives up after 30 min.
+pictures=$(sed -n 's/^#define TTF_QUEUE_RAW_MOST  *\([0-9]*\)$/\1/p' "$SOURCE/capture/queue.h")
+patience_s=$(systemd-analyze timespan "$(sed -n 's/^TimeoutStopSec=//p' ttfboxd.service)" | awk 'NR == 2 {print int($2 / 1000000)}')
+[ "${patience_s:-0}" -ge $((300 + 60 * ${pictures:?how many pictures may wait})) ] || fail "a stop is cut short with $pictures pictures that wait"
+[ "$patience_s" -lt 1800 ] || fail "a power-off is cut short by a stop"
+
 # The guardian's watchdog is longer than its round, the daemon's than what its loop arms.
 grep -q '^WatchdogSec=20s' ttfboxd.service || fail "less than the loop's 15 s, or nothing"
 if command -v systemd-sysusers >/dev/null; then

@@ -242,8 +242,7 @@ static bool options(int argc, char **argv, struct asked *asked)
 
 int main(int argc, char **argv)
 {
-    struct asked asked = {
-        .depth = 2, .fresh_kinds = DISK_FRESH_COUNT, .seed = 1, .states = STATES_DEFAULT};
+    struct asked asked = {.depth = 2, .fresh_kinds = 2, .seed = 1, .states = STATES_DEFAULT};
     unsigned i;
     bool any;
 

@@ -104,7 +104,7 @@ static struct session_plan draw_plan(struct draw *draw)
     plan.drawn = draw_below(draw, 2);
     plan.days = plan.drawn && draw_below(draw, 3) == 0;
     plan.longer = draw_below(draw, 4) == 0;
-    plan.fresh = (enum disk_fresh)draw_below(draw, DISK_FRESH_COUNT);
+    plan.fresh = draw_below(draw, 2) ? DISK_NOISE : DISK_ZEROS;
     if (draw_below(draw, 2))
         return plan;
     t->kind = 1 + (enum session_trouble_kind)draw_below(draw, SESSION_TROUBLE_COUNT - 1);

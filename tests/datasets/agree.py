@@ -179,6 +179,8 @@ SPOILED = [  # of which dataset, name, what is done to a copy of it
     ("three-segments", "old-log-for-a-newline", both(cut("records.jsonl", 1), more("records.jsonl", OLD_LOG))),
     ("three-segments", "old-log-of-events", more("events.jsonl", OLD_LOG)),
     ("three-segments", "old-log-of-a-line", more("records.jsonl", OLD_LOG[:32])),
+    ("three-segments", "bad-sector-at-the-end", patched("records.jsonl", -512, 512)),
+    ("three-segments", "bad-sector-with-lines-at-the-end", both(cut("records.jsonl", 700), more("records.jsonl", b"\xc3\xc3\n" * 233 + b"\xc3"))),
     ("three-segments", "old-log-that-may-be-ours", lambda d: more("records.jsonl", b"\xc3\n" + edited(
         b'{"crc":0}', type="x", seq=len(lines_of(d)) + 1) + b"\n{")(d)),
     ("three-segments", "old-log-behind-a-flip", both(flip("records.jsonl", -40), more("records.jsonl", b'{"type":"sl'))),

@@ -13,18 +13,6 @@ def crc_holds(line):
     return bool(end) and int(end.group(1), 16) == zlib.crc32(line[:-18])
 
 
-def a_bit_from_whole(line):
-    """Each bit is tried."""
-    changed = bytearray(line)
-    for at in range(len(line)):
-        for bit in range(8):
-            changed[at] ^= 1 << bit
-            if crc_holds(bytes(changed)):
-                return True
-            changed[at] ^= 1 << bit
-    return False
-
-
 class Lines:
     def lines(self, path):
         """The good lines of a file as objects; the bad ones become findings."""
@@ -32,19 +20,11 @@ class Lines:
         if data is None:
             return
         *terminated, tail = data.split(b"\n")
-        seq = number = offset = 0
-        sound = True
+        seq = number = 0
         for number, line in enumerate(terminated, 1):
-            offset += len(line) + 1
             try:
                 o = self.line(line)
             except Wrong as e:
-                rest = data[offset - len(line) - 1:]
-                whole = self.whole_in(line)
-                if sound and not crc_holds(line) and self.is_of_a_cut(rest[whole:], seq + (whole > 0)):
-                    tail, number = rest, number - 1
-                    break
-                sound = sound and crc_holds(line)
                 self.find("damage", path, str(e), line=number)
                 seq += 1
                 continue
@@ -64,23 +44,6 @@ class Lines:
     def whole_in(text):
         """How many bytes the whole line has that the text begins with."""
         return next((m.end() for m in CRC_END.finditer(text) if crc_holds(text[:m.end()])), 0)
-
-    def is_of_a_cut(self, rest, due):
-        """Bytes that were not written, with LFs among what the disk had there before: no acknowledged line is in them."""
-        if rest[-1:] == b"\n" or len(rest) > (16 << 20) + 1:
-            return False
-        ends = [m.start() for m in re.finditer(b"\n", rest)]
-        if any(a_bit_from_whole(rest[:end]) for end in ends[:2]):
-            return False
-        for at in [1] + [end + 1 for end in ends]:
-            whole = self.whole_in(rest[at:])
-            try:
-                seq = self.line(rest[at:at + whole])["seq"] if whole else -1
-            except Wrong:
-                return False
-            if due <= seq <= due + 1 + at // 37:
-                return False
-        return True
 
     @staticmethod
     def line(line):

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "queue.h"
 #include "ttf/base/time.h"
 #include "ttf/capture/plan.h"
 #include "ttf/hal/camera_backend.h"
@@ -15,16 +16,15 @@
 static struct ttf_box box;
 static struct ttf_sim_config config;
 
-static int make_box(void **state)
+static int make_box_of(uint32_t width, uint32_t height)
 {
     struct ttf_camera_mode native = {0};
     struct ttf_frame_format format;
     struct ttf_scene scene;
 
-    (void)state;
     ttf_sim_config_defaults(&config);
-    config.width = 64;
-    config.height = 48;
+    config.width = width;
+    config.height = height;
     config.lamps[0].info.max_on_ns = 2 * TTF_NS_PER_H;
     config.lamps[1].info.max_duty_permille = 250;
     config.lamps[1].info.duty_window_ns = TTF_NS_PER_H;
@@ -32,6 +32,12 @@ static int make_box(void **state)
         ttf_sim_box_create(&config, &scene, &box, NULL) < 0)
         return -1;
     return ttf_camera_configure(box.cameras[0].camera, &native, &format, NULL);
+}
+
+static int make_box(void **state)
+{
+    (void)state;
+    return make_box_of(64, 48);
 }
 
 static int drop_box(void **state)
@@ -76,6 +82,50 @@ static void a_good_plan_has_figures(void **state)
     assert_true(f.memory_bytes > 0);
     assert_true(f.slot_busy_ns > 20 * TTF_NS_PER_MS);
     assert_in_range(f.ready_ns, 10 * TTF_NS_PER_MS, TTF_NS_PER_S); /* nothing to settle */
+}
+
+/* Bytes of all raw sums that a run of such frames makes. */
+static int64_t raw_sums_bytes(const struct ttf_frame_format *format)
+{
+    struct ttf_stock_size size = {.n_images = 1, .n_shots = 1, .rooms = 1, .slots = 1};
+    struct ttf_clock *clock = ttf_clock_real_create();
+    struct ttf_queue queue;
+    int64_t bytes = 0;
+
+    assert_non_null(clock);
+    assert_int_equal(ttf_queue_init(&queue, clock, &size), 0);
+    assert_int_equal(ttf_queue_reserve_raw(&queue, format), 0);
+    for (unsigned i = 0; i < queue.n_raw; i++)
+        bytes += (int64_t)(queue.raw[i].room * sizeof(*queue.raw[i].sum));
+    ttf_queue_finish(&queue);
+    ttf_clock_destroy(clock);
+    return bytes;
+}
+
+/* Beside larger frames: what differs is raw sums, and a camera's buffers, dark and flat, which are less. */
+static void memory_counts_every_raw_sum_that_a_run_makes(void **state)
+{
+    static const uint32_t sizes[][2] = {{640, 480}, {1280, 960}, {1920, 1080}};
+    struct ttf_frame_format least = *ttf_camera_format(box.cameras[0].camera);
+    struct ttf_plan plan;
+    struct ttf_plan_figures few, many;
+
+    good_plan(&plan);
+    assert_int_equal(ttf_plan_check(&plan, &box, &few, NULL), 0);
+    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
+        const struct ttf_frame_format *format;
+        int64_t sums;
+
+        drop_box(state);
+        assert_int_equal(make_box_of(sizes[i][0], sizes[i][1]), 0);
+        format = ttf_camera_format(box.cameras[0].camera);
+        sums = raw_sums_bytes(format) - raw_sums_bytes(&least);
+        assert_int_equal(ttf_plan_check(&plan, &box, &many, NULL), 0);
+        assert_in_range(many.memory_bytes - few.memory_bytes, sums,
+                        sums + (int64_t)format->width * format->height * 32);
+    }
+    drop_box(state);
+    assert_int_equal(make_box(state), 0);
 }
 
 /* Lamps that stay on need no settling in each slot: paint every 5 s under warm lamps. */
@@ -489,6 +539,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_good_plan_has_figures),
+        cmocka_unit_test(memory_counts_every_raw_sum_that_a_run_makes),
         cmocka_unit_test(lamps_that_burn_all_the_time_settle_once),
         cmocka_unit_test(times_beyond_sense_are_refused),
         cmocka_unit_test(shots_beyond_sense_are_refused),

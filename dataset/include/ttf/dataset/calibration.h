@@ -38,6 +38,12 @@ struct ttf_raw_sum {
 void ttf_raw_sum_levels(const struct ttf_frame_format *format, uint16_t *ret_black,
                         uint16_t *ret_white);
 
+/* Bytes that a sample of a sum takes. */
+#define TTF_RAW_SUM_BYTES sizeof(uint32_t)
+
+/* Samples per pixel, and of a frame of that format into *ret: what a sum needs room for. Negative as init. */
+TTF_MUST_USE int ttf_raw_sum_samples(const struct ttf_frame_format *format, size_t *ret);
+
 /* Room for frames of that format, n = 0. -EINVAL for a format that cannot be, -ENOTSUP for an unknown packing, -ENOMEM. */
 TTF_MUST_USE int ttf_raw_sum_init(struct ttf_raw_sum *sum, const struct ttf_frame_format *format);
 /* Empties it for frames of a format, perhaps another, within its memory: -ENOSPC beyond that; as init. */
