@@ -44,11 +44,14 @@ static void progress(struct sim_run *run, const struct ttf_progress *p)
 {
     struct chaos *c = (struct chaos *)run;
 
+    if (p->kind == TTF_PROGRESS_ARMED)
+        chaos_asks_told(c, c->told);
     if (p->kind != TTF_PROGRESS_SLOT)
         return;
     if (p->index != c->told + 1)
         chaos_fail(c, "slot %lld told after slot %lld", (long long)p->index, (long long)c->told);
     c->told = p->index;
+    chaos_asks_told(c, p->index);
     for (unsigned i = 0; i < TTF_COUNT_OF(c->stop_at); i++) {
         if (c->stop_at[i] != p->index)
             continue;
@@ -98,6 +101,7 @@ static void maybe_kill(struct sim_run *run)
         return;
     c->kill_at = -2;
     c->killed = true;
+    chaos_asks_poll(c);
     run->ended_ns = ttf_sim_elapsed_ns(run->box, ttf_clock_now_ns(run->box->clock));
     run->code = 0;
     run->result.sealed = false;
@@ -112,6 +116,7 @@ static void at_end(struct sim_run *run)
     struct chaos *c = (struct chaos *)run;
 
     note_boot(c);
+    chaos_asks_poll(c);
     for (unsigned i = 0; run->box->lamps && i < ttf_lamps_count(run->box->lamps); i++) {
         struct ttf_lamp_state state;
 
@@ -122,7 +127,7 @@ static void at_end(struct sim_run *run)
         int64_t took = ttf_clock_now_ns(run->box->clock) - c->stopped_ns;
 
         /* Of frames as small as these 16 may wait to be committed (capture/queue.h). */
-        if (took > 2 * run->plan.interval_ns + 18 * run->config.cost_commit_ns +
+        if (took > 2 * chaos_bounds_of(c).interval_ns + 18 * run->config.cost_commit_ns +
                        60 * run->config.cost_develop_ns + 30 * TTF_NS_PER_S)
             chaos_fail(c, "a stop took %.1f s", (double)took / 1e9);
     }
@@ -133,7 +138,8 @@ static void check_length(struct chaos *c)
 {
     const struct sim_run *run = &c->run;
     int64_t work = run->config.cost_commit_ns + 12 * run->config.cost_develop_ns;
-    int64_t most = (run->plan.count + 2) * (run->plan.interval_ns + work) + TTF_NS_PER_H;
+    const struct chaos_bounds b = chaos_bounds_of(c);
+    int64_t most = (b.slots + 2) * (b.interval_ns + work) + TTF_NS_PER_H;
 
     if (run->plan.start_utc_ns > 0) /* by a clock that may have been stepped before */
         most += run->plan.start_utc_ns - run->config.start_utc_ns + 4000 * TTF_NS_PER_S;
@@ -184,7 +190,9 @@ static bool boot_apart(struct chaos *c)
     child = fork();
     if (child == 0) {
         alarm(HANG_S);
+        c->run.control = ttf_control_create();
         (void)sim_run_boot(&c->run);
+        ttf_control_destroy(c->run.control);
         /* What it leaks is told at exit, and is a failure. No other thread is left. */
         exit(0); /* NOLINT(concurrency-mt-unsafe) */
     }
@@ -200,6 +208,18 @@ static bool boot_apart(struct chaos *c)
     return false;
 }
 
+/* Somebody mends a storage that can only be read, sooner or later. */
+static void repair(struct chaos *c)
+{
+    struct ttf_sim_config *b = &c->run.config;
+
+    if (c->run.code != -EROFS || c->repaired_after-- > 0)
+        return;
+    for (unsigned i = 0; i < b->n_faults; i++)
+        if (b->faults[i].kind == TTF_FAULT_READ_ONLY)
+            b->faults[i--] = b->faults[--b->n_faults];
+}
+
 /* 1: go on; 0: done, or no use. */
 static int one_run(struct chaos *c)
 {
@@ -211,6 +231,7 @@ static int one_run(struct chaos *c)
     c->killed = false;
     if (!boot_apart(c))
         return 0;
+    chaos_asks_over(c);
     code = run->code;
     if (c->verbose)
         printf("  run %u from %.3f s to %.3f s: %d %s: %s (told %lld)\n", c->n_boots,
@@ -229,6 +250,7 @@ static int one_run(struct chaos *c)
         return 0;
     if (code == 0 && c->stopped_ns == TTF_NS_UNKNOWN && !c->killed)
         chaos_fail(c, "neither sealed nor stopped");
+    repair(c);
     run->config.power_on_ns =
         code == -ESHUTDOWN
             ? run->back_ns
@@ -261,6 +283,8 @@ static unsigned campaign(uint64_t seed, bool verbose)
     while (one_run(c) == 1 && ++tries < CHAOS_RUNS_MAX)
         ;
     chaos_check_end(c, c->run.code == 0 && c->run.result.sealed);
+    if (verbose)
+        chaos_asks_describe(c);
     if (c->failures > 0 && !verbose)
         chaos_describe(c);
     if (c->failures > 0 && verbose)

@@ -104,6 +104,7 @@ void chaos_check_boot(struct chaos *c)
         /* A record that reached the disk while the power went was not told any more. */
         c->told = last;
     }
+    chaos_asks_check(c, reader);
     ttf_reader_close(reader);
 }
 
@@ -114,8 +115,10 @@ struct walk {
     struct ttf_reader *reader;
     struct ttf_slot_record record;
     struct ttf_segment segment;
-    int64_t power_on_ns; /* of the record's boot; TTF_NS_UNKNOWN */
-    int64_t last_due_ns; /* since the first power-on, of the slot before */
+    int64_t power_on_ns;  /* of the record's boot; TTF_NS_UNKNOWN */
+    int64_t last_due_ns;  /* since the first power-on, of the slot before */
+    int64_t interval_ns;  /* of that one's segment */
+    int64_t first_due_ns; /* the same, of slot 0 */
     double first[TTF_PLAN_SHOTS_MAX][TTF_PLAN_BRACKETS_MAX]; /* mean of the first image of a kind */
     bool dimmed;                                             /* light may change without a flag */
     int64_t last_end_ns;                                     /* the same, of the exposure before */
@@ -362,6 +365,19 @@ static void check_middle(struct walk *w)
                    (double)(record->middle_ns - record->due_ns) / 1e6);
 }
 
+/*
+ * With a clock that is kept, the grid is the first boot's for ever; with another interval the next slot comes one of
+ * these later, or the first multiple that can be reached.
+ */
+static int64_t off_grid(const struct walk *w, int64_t due)
+{
+    int64_t interval = w->segment.interval_ns, step = due - w->last_due_ns;
+
+    if (interval == w->interval_ns || step < interval)
+        return step - interval;
+    return (step + interval / 2) % interval - interval / 2;
+}
+
 static void check_times(struct walk *w)
 {
     struct chaos *c = w->c;
@@ -371,16 +387,18 @@ static void check_times(struct walk *w)
     if (due <= w->last_due_ns && !unseen_step(c))
         chaos_fail(c, "slot %lld is due %.3f s before the one before it",
                    (long long)w->record.index, (double)(w->last_due_ns - due) / 1e9);
-    /* With a clock that is kept, the grid is the first boot's for ever. */
     if (c->run.config.rtc && w->record.index > 0 && !unseen_step(c) &&
-        llabs(due - w->last_due_ns - c->run.plan.interval_ns) > TTF_NS_PER_MS)
+        llabs(off_grid(w, due)) > TTF_NS_PER_MS)
         chaos_fail(c, "slot %lld left the grid by %.3f s", (long long)w->record.index,
-                   (double)(due - w->last_due_ns - c->run.plan.interval_ns) / 1e9);
+                   (double)off_grid(w, due) / 1e9);
     if (utc != TTF_NS_UNKNOWN && !any_step(c) &&
         llabs(utc - c->run.config.start_utc_ns - due) > TTF_NS_PER_MS)
         chaos_fail(c, "slot %lld: UTC off by %.3f s", (long long)w->record.index,
                    (double)(utc - c->run.config.start_utc_ns - due) / 1e9);
+    if (w->record.index == 0)
+        w->first_due_ns = due;
     w->last_due_ns = due;
+    w->interval_ns = w->segment.interval_ns;
 }
 
 static void find_boot(struct walk *w)
@@ -409,6 +427,8 @@ static void check_slot(struct walk *w, int64_t index)
     if (record->result != TTF_RESULT_CAPTURED && record->reason[0] == '\0')
         chaos_fail(w->c, "slot %lld: %s without a reason", (long long)index,
                    ttf_result_name(record->result));
+    if (record->result == TTF_RESULT_PAUSED && !chaos_asks_may_pause(w->c, index))
+        chaos_fail(w->c, "slot %lld: paused by nobody", (long long)index);
     find_boot(w);
     if (w->power_on_ns == TTF_NS_UNKNOWN)
         return;
@@ -422,6 +442,35 @@ static void check_slot(struct walk *w, int64_t index)
     if (image != record->n_images)
         chaos_fail(w->c, "slot %lld: %u images of %u", (long long)index, record->n_images, image);
     check_middle(w);
+}
+
+/* It has as many slots as the plan in force says; of one that ends in time those due before its end. */
+static void check_length(struct walk *w, int64_t slots)
+{
+    struct chaos *c = w->c;
+    struct ttf_segment last;
+    struct ttf_plan plan;
+    int64_t end_ns = TTF_NS_UNKNOWN;
+
+    if (ttf_reader_segment(w->reader, ttf_reader_summary(w->reader)->n_segments - 1, &last) < 0 ||
+        !chaos_plan_load(c, last.plan, &plan)) {
+        chaos_fail(c, "the plan in force cannot be read");
+        return;
+    }
+    if (plan.end == TTF_END_COUNT && slots != plan.count)
+        chaos_fail(c, "%lld records of %lld slots", (long long)slots, (long long)plan.count);
+    if (c->run.config.rtc && !any_step(c) && plan.end == TTF_END_UNTIL)
+        end_ns = plan.until_utc_ns - c->run.config.start_utc_ns;
+    if (c->run.config.rtc && !any_step(c) && plan.end == TTF_END_LENGTH)
+        end_ns = w->first_due_ns + plan.length_ns;
+    if (end_ns == TTF_NS_UNKNOWN || slots == 0)
+        return;
+    if (w->last_due_ns >= end_ns)
+        chaos_fail(c, "the last slot is due %.3f s after the end",
+                   (double)(w->last_due_ns - end_ns) / 1e9);
+    if (w->last_due_ns + last.interval_ns < end_ns - TTF_NS_PER_MS)
+        chaos_fail(c, "the next slot would be due %.3f s before the end",
+                   (double)(end_ns - w->last_due_ns - last.interval_ns) / 1e9);
 }
 
 void chaos_check_end(struct chaos *c, bool done)
@@ -445,8 +494,6 @@ void chaos_check_end(struct chaos *c, bool done)
     if (ttf_reader_open(ttf_io_posix(), c->run.path, &w.reader, NULL) < 0)
         return; /* said before */
     slots = ttf_reader_summary(w.reader)->slots;
-    if (done && slots != c->run.plan.count)
-        chaos_fail(c, "%lld records of %lld slots", (long long)slots, (long long)c->run.plan.count);
     if (!ttf_reader_manifest(w.reader)->simulated)
         chaos_fail(c, "it does not say SIMULATED");
     for (int64_t i = 0; i < slots; i++) {
@@ -457,5 +504,7 @@ void chaos_check_end(struct chaos *c, bool done)
         check_slot(&w, i);
         ttf_slot_record_free(&w.record);
     }
+    if (done)
+        check_length(&w, slots);
     ttf_reader_close(w.reader);
 }

@@ -222,6 +222,16 @@ static void draw_fault(struct chaos *c, int64_t span_ns)
                  chaos_percent(c, 50) ? "box-temp" : "box-humidity");
 }
 
+/* One that stays so, until somebody mends it. */
+static void draw_read_only(struct chaos *c, int64_t span_ns)
+{
+    if (!chaos_percent(c, 12))
+        return;
+    c->run.config.faults[c->run.config.n_faults++] =
+        (struct ttf_fault){.kind = TTF_FAULT_READ_ONLY, .at_ns = chaos_between(c, 1, span_ns)};
+    c->repaired_after = (unsigned)chaos_below(c, 4);
+}
+
 void chaos_draw(struct chaos *c)
 {
     int64_t span_ns;
@@ -250,6 +260,8 @@ void chaos_draw(struct chaos *c)
         c->full_from = (int64_t)chaos_below(c, (uint64_t)c->run.plan.count);
         c->full_until = c->full_from + (int64_t)chaos_below(c, 6);
     }
+    draw_read_only(c, span_ns);
+    chaos_asks_draw(c);
 }
 
 static void describe_shot(const struct ttf_plan_shot *shot)
@@ -292,4 +304,5 @@ void chaos_describe(const struct chaos *c)
            (long long)c->stop_at[0], (long long)c->stop_at[1], (long long)c->stop_at[2],
            (long long)c->full_from, (long long)c->full_until, c->fail_count, (long long)c->fail_at,
            c->kill_after, (long long)c->kill_at);
+    chaos_asks_describe(c);
 }

@@ -30,12 +30,13 @@ struct month_fault {
 
 /*
  * In the block of a step of the clock, which leaves no mark in a record, people ask for things: a pause of two slots,
- * and when that is over another day, the interval once more, and a note.
+ * and when that is over another day, a note, and another interval for a slot: half of it, then one and a half, so that
+ * the slots are where they were, and the first one again.
  */
-#define MONTH_PAUSE_FIRST 3
+#define MONTH_PAUSE_FIRST 2
 #define MONTH_PAUSE_SLOTS 2
-#define MONTH_ASK_AFTER   5
-#define MONTH_ASKS        5
+#define MONTH_ASK_AFTER   4
+#define MONTH_ASKS        7
 
 struct month {
     struct ttf_fault
@@ -58,6 +59,10 @@ const struct month_fault *month_fault_of(const struct month *m, int64_t index);
 
 /* Whether people paused it. */
 bool month_paused(const struct month *m, int64_t index);
+
+/* From the slot before to this one; when it is due without any trouble, since the first power-on. */
+int64_t month_interval_ns(const struct month *m, int64_t index);
+int64_t month_due_ns(const struct month *m, int64_t index);
 
 /* Hands the box those that a boot beginning then can meet, as many as it takes. */
 void month_fill(const struct month *m, struct ttf_sim_config *config, int64_t power_on_ns);

@@ -144,6 +144,24 @@ bool month_paused(const struct month *m, int64_t index)
            in_block < MONTH_PAUSE_FIRST + MONTH_PAUSE_SLOTS;
 }
 
+int64_t month_interval_ns(const struct month *m, int64_t index)
+{
+    const struct month_fault *f = month_fault_of(m, index);
+
+    if (f->fault.kind == TTF_FAULT_CLOCK_STEP && index - f->first == MONTH_ASK_AFTER + 1)
+        return MONTH_INTERVAL_NS / 2;
+    if (f->fault.kind == TTF_FAULT_CLOCK_STEP && index - f->first == MONTH_ASK_AFTER + 2)
+        return MONTH_INTERVAL_NS * 3 / 2;
+    return MONTH_INTERVAL_NS;
+}
+
+int64_t month_due_ns(const struct month *m, int64_t index)
+{
+    int64_t due = m->due0_ns + index * MONTH_INTERVAL_NS;
+
+    return month_interval_ns(m, index) < MONTH_INTERVAL_NS ? due - MONTH_INTERVAL_NS / 2 : due;
+}
+
 void month_fill(const struct month *m, struct ttf_sim_config *config, int64_t power_on_ns)
 {
     struct ttf_fault *stepped = &config->faults[0];

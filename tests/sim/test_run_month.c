@@ -26,6 +26,12 @@
 /* From a device, or the box, that is back to the first slot it can take. */
 #define RETURN_NS (30 * S)
 
+/* Of the slot before. */
+struct last_due {
+    char boot_id[37];
+    int64_t due_ns;
+};
+
 static const struct month *month;   /* of the run */
 static int64_t numbers[MONTH_ASKS]; /* of what was asked in this block */
 static unsigned n_numbers;
@@ -61,7 +67,7 @@ static const char *reason_of(const struct month_fault *f)
 /* Slots that a fault can touch: due while it lasts, or being worked on when it comes, or the first after it. */
 static bool touches(const struct month *m, const struct month_fault *f, int64_t index)
 {
-    int64_t due = m->due0_ns + index * MONTH_INTERVAL_NS;
+    int64_t due = month_due_ns(m, index);
     int64_t from = f->fault.at_ns - WORK_NS;
     int64_t until = f->fault.at_ns + f->lasts_ns + RETURN_NS;
     /* What strikes once waits for its opportunity. */
@@ -105,8 +111,7 @@ static void check_slot(struct month *m, const struct ttf_slot_record *record)
                     "due at %.3f s\n",
                     (int)record->index, ttf_result_name(record->result), record->reason,
                     month_kind_name(f->kind), (double)f->fault.at_ns / 1e9,
-                    (double)f->lasts_ns / 1e9,
-                    (double)(m->due0_ns + record->index * MONTH_INTERVAL_NS) / 1e9);
+                    (double)f->lasts_ns / 1e9, (double)month_due_ns(m, record->index) / 1e9);
     assert_true(touches(m, f, record->index));
     if (record->result == TTF_RESULT_CAPTURED)
         return;
@@ -121,9 +126,23 @@ static void check_slot(struct month *m, const struct ttf_slot_record *record)
     assert_string_equal(record->reason, reason);
 }
 
+/* Within a boot each slot comes its interval after the one before, whatever is asked, and wherever it is written. */
+static void check_due(const struct month *m, struct ttf_reader *reader,
+                      const struct ttf_slot_record *record, struct last_due *last)
+{
+    struct ttf_segment segment;
+
+    assert_int_equal(ttf_reader_segment(reader, record->segment, &segment), 0);
+    assert_int_equal(segment.interval_ns, month_interval_ns(m, record->index));
+    if (strcmp(last->boot_id, segment.boot_id) == 0)
+        assert_int_equal(record->due_ns - last->due_ns, month_interval_ns(m, record->index));
+    last->due_ns = record->due_ns;
+    snprintf(last->boot_id, sizeof(last->boot_id), "%s", segment.boot_id);
+}
+
 /* Those of one of the two datasets, the next one being that of slot `next`. The next one then. */
 static int64_t check_records(struct month *m, const char *path, int64_t next,
-                             int64_t counts[TTF_RESULT_COUNT])
+                             int64_t counts[TTF_RESULT_COUNT], struct last_due *last)
 {
     struct ttf_reader *reader;
 
@@ -134,6 +153,7 @@ static int64_t check_records(struct month *m, const char *path, int64_t next,
         assert_int_equal(ttf_reader_slot(reader, k, &record, NULL), 0);
         assert_int_equal(record.index, next++);
         check_slot(m, &record);
+        check_due(m, reader, &record, last);
         counts[record.result]++;
         ttf_slot_record_free(&record);
     }
@@ -228,7 +248,7 @@ static void ask(struct sim_run *run, const struct ttf_ask *what)
     assert_true(numbers[n_numbers++] > 0);
 }
 
-/* When the last slot but one of the block has its record, all that was asked in it is done. */
+/* When the last slot of the block has its record, all that was asked in it is done. */
 static void expect_done(struct sim_run *run)
 {
     assert_int_equal(n_numbers, MONTH_ASKS);
@@ -267,10 +287,13 @@ static void people(struct sim_run *run, const struct ttf_progress *p)
         note.note.utc_ns = TTF_NS_UNKNOWN;
         ask(run, &(struct ttf_ask){.kind = TTF_ASK_COUNT,
                                    .count = (day < days ? day : days) * MONTH_DAY_SLOTS});
-        ask(run, &(struct ttf_ask){.kind = TTF_ASK_INTERVAL, .interval_ns = MONTH_INTERVAL_NS});
+        for (unsigned i = 0; i < 3; i++)
+            ask(run, &(struct ttf_ask){.kind = TTF_ASK_INTERVAL,
+                                       .from_index = next + i,
+                                       .interval_ns = month_interval_ns(month, next + i)});
         ask(run, &note);
     }
-    if (slot == MONTH_BLOCK - 2)
+    if (slot == MONTH_BLOCK - 1)
         expect_done(run);
 }
 
@@ -308,6 +331,7 @@ static void one_of_every_fault_each_day_costs_what_it_lasts_and_no_more(void **s
 {
     struct month *m = malloc(sizeof(*m));
     int64_t counts[TTF_RESULT_COUNT] = {0};
+    struct last_due last = {{0}, 0};
     struct sim_run run, second;
     unsigned boots = 0;
     int64_t in_first;
@@ -331,9 +355,10 @@ static void one_of_every_fault_each_day_costs_what_it_lasts_and_no_more(void **s
     second = second_run_of(&run);
     sim_run_expect_undamaged(&run, false);
     sim_run_expect_undamaged(&second, true);
-    in_first = check_records(m, run.path, 0, counts);
+    in_first = check_records(m, run.path, 0, counts, &last);
     assert_true(in_first >= MONTH_BLOCK - 2 && in_first <= MONTH_BLOCK);
-    assert_int_equal(check_records(m, second.path, in_first, counts), days * MONTH_DAY_SLOTS);
+    assert_int_equal(check_records(m, second.path, in_first, counts, &last),
+                     days * MONTH_DAY_SLOTS);
     tell(m, counts, in_first, boots);
     check_costs(m);
     check_struck(m, &run);
