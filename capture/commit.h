@@ -58,10 +58,13 @@ struct ttf_committer {
     int segment_base, plan_base;
     int64_t slot0_ns; /* set before begin: where the run's slot 0 was, or would have been, due */
     const struct ttf_run_past *past; /* likewise: what the segments before said of its time */
-    int n_plans;                     /* by the session's numbers, written so far */
-    bool moved;                      /* to the second storage */
-    struct ttf_segment continued;    /* the first one there, if it was begun by this session */
+    bool gap_unknown; /* likewise: the outage before this session was of unknown length */
+    int n_plans;      /* by the session's numbers, written so far */
+    bool moved;       /* to the second storage */
+    struct ttf_segment continued; /* the first one there, if it was begun by this session */
     bool has_continued;
+    bool
+        from_first; /* set before begin: this session begins the second one, by reading the first */
     bool second_failed; /* it was tried, and told */
     bool calibration_lost;
     struct ttf_slot_work *pending, *pending_tail; /* records that could not be written yet */

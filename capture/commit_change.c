@@ -6,6 +6,7 @@
 #include "asks.h"
 #include "commit_storage.h"
 #include "plan_change.h"
+#include "timeline.h"
 
 int ttf_committer_segment_number(const struct ttf_committer *c, int segment)
 {
@@ -102,10 +103,10 @@ int ttf_committer_write_correction(struct ttf_committer *c, const struct ttf_seg
         segment.origin_ns = c->continued.origin_ns;
         segment.first_index = c->continued.first_index;
         segment.run_ns = c->continued.run_ns;
-        segment.run_utc_ns = c->continued.run_utc_ns;
-        memcpy(segment.run_trust, c->continued.run_trust, sizeof(segment.run_trust));
         segment.gap_ns = 0;
         segment.origin_utc_ns += segment.origin_utc_ns == TTF_NS_UNKNOWN ? 0 : later_ns;
     }
+    if ((c->has_continued || c->from_first) && segment.segment == 0)
+        ttf_timeline_run_utc(&segment, c->past, c->slot0_ns, c->gap_unknown);
     return c->writer ? ttf_writer_segment(c->writer, &segment, NULL) : -EIO;
 }

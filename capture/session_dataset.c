@@ -185,7 +185,8 @@ static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int p
     segment->zone_offset_s = s->plan.zone_offset_s;
     if (s->from_first) {
         segment->run_ns = ttf_timeline_run_ns(segment, s->run.slot0_ns);
-        ttf_timeline_run_utc(segment, &s->past);
+        ttf_timeline_run_utc(segment, &s->past, s->run.slot0_ns,
+                             s->resume.gap_ns == TTF_NS_UNKNOWN);
     }
     snprintf(segment->box, sizeof(segment->box), "%s", s->box->description);
     segment->gap_ns = s->resume.gap_ns;
@@ -324,6 +325,8 @@ static int set_in_force(struct ttf_session *s, const struct ttf_manifest *manife
     c->given_yaml = s->config->plan_yaml;
     c->slot0_ns = s->run.slot0_ns;
     c->past = &s->past;
+    c->from_first = s->from_first;
+    c->gap_unknown = s->resume.gap_ns == TTF_NS_UNKNOWN;
     c->total = s->plan.count; /* as resolved */
     c->in_force->slot_bytes = s->figures.slot_bytes;
     c->n_plans = s->next_plan = ttf_writer_state(c->writer)->n_plans;

@@ -117,9 +117,12 @@ static void go_on(struct known *known, const struct ttf_segment *segment, bool n
     known->open = false;
 }
 
-/* What the dataset that a run moved on from knew: outages up to the first segment are what UTC of slot 0 is later by. */
+/*
+ * What the dataset that a run moved on from knew: outages up to the first segment are what UTC of slot 0 is later by.
+ * Where a clock of the present boot says it, it says nothing of the last slot of one before.
+ */
 static void go_on_from_before(struct known *all, struct known *sure, struct ttf_run_past *past,
-                              const struct ttf_segment *first)
+                              const struct ttf_segment *first, const char *boot_id)
 {
     const enum ttf_trust trust = trust_of(first->run_trust);
 
@@ -128,34 +131,56 @@ static void go_on_from_before(struct known *all, struct known *sure, struct ttf_
     *all = (struct known){0, first->run_utc_ns, trust, true};
     if (trust != TTF_TRUST_HOST)
         *sure = *all;
+    if (first->origin_utc_ns != TTF_NS_UNKNOWN && strcmp(first->boot_id, boot_id) == 0)
+        return;
     past->last_trust = trust;
     past->last_utc_ns = first->run_utc_ns + ttf_timeline_elapsed_ns(first, 1) - first->interval_ns;
 }
 
-void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past *past)
+static struct known all_of(const struct ttf_run_past *past)
 {
-    const bool sure = past->sure_slot0_utc_ns != TTF_NS_UNKNOWN;
+    return (struct known){
+        .gaps_ns = past->gaps_ns, .slot0_utc_ns = past->slot0_utc_ns, .open = past->open};
+}
 
+/* Without what a PC's word alone says. */
+static struct known sure_of(const struct ttf_run_past *past)
+{
+    return (struct known){past->sure_gaps_ns, past->sure_slot0_utc_ns, past->sure_trust,
+                          past->sure_open};
+}
+
+void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past *past,
+                          int64_t slot0_ns, bool gap_unknown)
+{
+    struct known all = all_of(past), sure = sure_of(past);
+    struct ttf_segment now = *segment;
+    int64_t slot0 = TTF_NS_UNKNOWN;
+
+    now.gap_ns = gap_unknown ? TTF_NS_UNKNOWN : 0;
+    if (now.origin_utc_ns != TTF_NS_UNKNOWN)
+        slot0 = now.origin_utc_ns - (now.origin_ns - slot0_ns);
+    all.open |= gap_unknown;
+    sure.open |= gap_unknown;
+    go_on(&all, &now, false, slot0);
+    go_on(&sure, &now, false, by_host(&now) ? TTF_NS_UNKNOWN : slot0);
     segment->run_utc_ns = 0;
     segment->run_trust[0] = '\0';
-    if (past->slot0_utc_ns == TTF_NS_UNKNOWN)
+    if (all.slot0_utc_ns == TTF_NS_UNKNOWN)
         return;
-    segment->run_utc_ns =
-        sure ? past->sure_slot0_utc_ns - past->sure_gaps_ns : past->slot0_utc_ns - past->gaps_ns;
-    snprintf(segment->run_trust, sizeof(segment->run_trust), "%s",
-             ttf_trust_name(sure ? past->sure_trust : TTF_TRUST_HOST));
+    if (sure.slot0_utc_ns != TTF_NS_UNKNOWN)
+        all = sure;
+    else
+        all.trust = TTF_TRUST_HOST;
+    segment->run_utc_ns = all.slot0_utc_ns - all.gaps_ns;
+    snprintf(segment->run_trust, sizeof(segment->run_trust), "%s", ttf_trust_name(all.trust));
 }
 
 int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, int64_t slot0_utc_ns,
                              bool gap_unknown)
 {
-    const bool sure = past->sure_slot0_utc_ns != TTF_NS_UNKNOWN;
-    const struct known all = {
-        .gaps_ns = past->gaps_ns, .slot0_utc_ns = past->slot0_utc_ns, .open = past->open};
-    const struct known better = {.gaps_ns = past->sure_gaps_ns,
-                                 .slot0_utc_ns = past->sure_slot0_utc_ns,
-                                 .open = past->sure_open};
-    const struct known *known = sure ? &better : &all;
+    const struct known all = all_of(past), sure = sure_of(past);
+    const struct known *known = sure.slot0_utc_ns != TTF_NS_UNKNOWN ? &sure : &all;
 
     if (known->slot0_utc_ns == TTF_NS_UNKNOWN || slot0_utc_ns == TTF_NS_UNKNOWN ||
         !(known->open || gap_unknown))
@@ -170,7 +195,7 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments, int n,
     struct ttf_run_past past = {0};
 
     if (n > 0)
-        go_on_from_before(&all, &sure, &past, &segments[0]);
+        go_on_from_before(&all, &sure, &past, &segments[0], boot_id);
     for (int i = 0; i < n; i++) {
         const struct ttf_segment *s = &segments[i];
         bool new_boot = i > 0 && strcmp(s->boot_id, segments[i - 1].boot_id) != 0;

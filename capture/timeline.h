@@ -22,8 +22,13 @@ int64_t ttf_timeline_run_ns(const struct ttf_segment *segment, int64_t slot0_ns)
 
 struct ttf_run_past;
 
-/* The same of UTC: when slot 0 was due, as known before this boot; 0 where nobody knew. */
-void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past *past);
+/*
+ * The same of UTC: when slot 0 was due, by what the segments before and this one's UTC say now, less the outages that
+ * no slot stands for; 0 where nobody knows. slot0_ns: where it was, or would have been, due on this boot's clock.
+ * gap_unknown: as of ttf_timeline_gaps_ns. To be said anew when that UTC is corrected: what it is then later by is no outage.
+ */
+void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past *past,
+                          int64_t slot0_ns, bool gap_unknown);
 
 /* UTC of slot 0, by the last of n segments that knows; TTF_NS_UNKNOWN. */
 int64_t ttf_timeline_slot0_utc_ns(const struct ttf_segment *segments, int n);

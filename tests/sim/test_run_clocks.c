@@ -314,15 +314,19 @@ static void a_clock_that_stands_before_the_last_slot_labels_none(void **state)
     }
 }
 
-/* From 8:40 on the first storage can only be read; so in the boots to come. */
+/* From then on the first storage can only be read; so in the boots to come. */
+static int only_read_from(struct sim_run *run, const char *path, int64_t from_ns)
+{
+    return run->box && !second_run_holds(path) &&
+                   ttf_sim_elapsed_ns(run->box, ttf_clock_now_ns(run->box->clock)) > from_ns
+               ? EROFS
+               : 0;
+}
+
 static int first_can_only_be_read(struct sim_run *run, const char *op, const char *path)
 {
     (void)op;
-    return run->box && !second_run_holds(path) &&
-                   ttf_sim_elapsed_ns(run->box, ttf_clock_now_ns(run->box->clock)) >
-                       8 * MIN + 40 * S
-               ? EROFS
-               : 0;
+    return only_read_from(run, path, 8 * MIN + 40 * S);
 }
 
 /* An outage whose length is known before it moves, or after; or only in the boot behind it. */
@@ -366,6 +370,57 @@ static void a_length_counts_the_outages_of_before_the_run_moved(void **state)
         assert_true(b.run.result.second_storage);
         assert_true(b.run.result.sealed);
         second_run_expect_both(&b.run, "ccccccccccc");
+        living_finish(&b.run);
+    }
+}
+
+/* By when the second boot is over: at the beginning of the third. */
+static int first_can_only_be_read_later(struct sim_run *run, const char *op, const char *path)
+{
+    (void)op;
+    return only_read_from(run, path, 9 * MIN + 38 * S);
+}
+
+static int first_can_only_be_read_sooner(struct sim_run *run, const char *op, const char *path)
+{
+    (void)op;
+    return only_read_from(run, path, 5 * MIN + 40 * S);
+}
+
+/* The network sets a slow RTC right: before the move, or after it; in a later boot, or when stopped and run again in one. */
+static void what_a_clock_was_corrected_by_before_the_run_moved_is_no_outage(void **state)
+{
+    static const struct {
+        int64_t ntp_ns;
+        bool stopped,
+            at_start; /* by a person at slot 3; the move is by the last boot, at its beginning */
+    } cases[] = {{6 * MIN + 30 * S, false, false}, {9 * MIN, false, false},
+                 {4 * MIN + 30 * S, true, false},  {6 * MIN + 30 * S, true, false},
+                 {6 * MIN + 30 * S, false, true},  {11 * MIN, false, true}};
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        const struct until_belief beliefs[] = {{0, TTF_TRUST_RTC, -4 * MIN},
+                                               {cases[i].ntp_ns, TTF_TRUST_NTP, 0}};
+        struct until_clock b;
+
+        until_clock_init(&b, TTF_END_LENGTH, 14, beliefs, 2);
+        second_run_make(&b.run);
+        if (cases[i].stopped) {
+            b.run.fault = first_can_only_be_read_sooner;
+            living_ask(&b.run, &(struct ttf_ask){.kind = TTF_ASK_STOP, .from_index = 3});
+            assert_int_equal(sim_run_boot(&b.run), 0);
+        } else {
+            b.run.fault = cases[i].at_start ? first_can_only_be_read_later : first_can_only_be_read;
+            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 15;
+        }
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 9 * MIN + 40 * S)->amount = 15;
+        if (cases[i].at_start)
+            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 11 * MIN + 40 * S)->amount = 15;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        assert_true(b.run.result.second_storage);
+        assert_true(b.run.result.sealed);
+        second_run_expect_both(&b.run, "cccccccccccccc");
         living_finish(&b.run);
     }
 }
@@ -427,6 +482,7 @@ int main(void)
         cmocka_unit_test(the_box_s_own_clock_set_back_in_a_boot_leaves_the_grid),
         cmocka_unit_test(an_instant_by_a_clock_that_is_behind_is_refused),
         cmocka_unit_test(a_length_counts_the_outages_of_before_the_run_moved),
+        cmocka_unit_test(what_a_clock_was_corrected_by_before_the_run_moved_is_no_outage),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -137,11 +137,12 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
 {
     const int64_t slot0 = 1000 * TTF_NS_PER_S, gap = TTF_NS_PER_H;
     struct ttf_segment before[2] = {segment("a", 0, 100), segment("b", 10, 20)};
+    const int64_t slot0_ns = (20 - 12 * 60) * TTF_NS_PER_S; /* on the clock of boot c */
     struct ttf_segment after[2] = {segment("c", 12, 20), segment("d", 14, 20)};
     struct ttf_run_past past = ttf_timeline_past(before, 2, "c", 12);
 
     (void)state;
-    ttf_timeline_run_utc(&after[0], &past);
+    ttf_timeline_run_utc(&after[0], &past, slot0_ns, true);
     assert_int_equal(after[0].run_utc_ns, 0); /* nobody knew */
     before[0].origin_utc_ns = slot0;
     before[1].origin_utc_ns = slot0 + 600 * TTF_NS_PER_S + gap;
@@ -149,7 +150,7 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     snprintf(before[0].trust, sizeof(before[0].trust), "ntp");
     snprintf(before[1].trust, sizeof(before[1].trust), "host");
     past = ttf_timeline_past(before, 2, "c", 12);
-    ttf_timeline_run_utc(&after[0], &past);
+    ttf_timeline_run_utc(&after[0], &past, slot0_ns, true);
     assert_int_equal(after[0].run_utc_ns, slot0);
     assert_string_equal(after[0].run_trust, "ntp");
     /* Both outages, as soon as somebody says when it is. */
@@ -163,6 +164,26 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     past = ttf_timeline_past(after, 1, "d", 14);
     assert_false(past.open || past.sure_open);
     assert_int_equal(past.sure_gaps_ns, 2 * gap);
+    /* Said when that is known already, it says the same; that all of it was set since is no outage. */
+    past = ttf_timeline_past(before, 2, "c", 12);
+    ttf_timeline_run_utc(&after[0], &past, slot0_ns, true);
+    assert_int_equal(after[0].run_utc_ns, slot0);
+    assert_string_equal(after[0].run_trust, "rtc");
+    before[1] = segment("b", 10, 20);
+    before[1].origin_utc_ns = slot0 + 600 * TTF_NS_PER_S;
+    snprintf(before[1].trust, sizeof(before[1].trust), "ntp");
+    past = ttf_timeline_past(before, 2, "c", 12);
+    ttf_timeline_run_utc(&after[0], &past, slot0_ns, false);
+    assert_int_equal(after[0].run_utc_ns, slot0 + 2 * gap);
+    assert_string_equal(after[0].run_trust, "rtc");
+    assert_int_equal(ttf_timeline_past(after, 1, "d", 14).sure_gaps_ns, 0);
+    /* Of this boot it says nothing of the last slot of one before. */
+    assert_int_equal(ttf_timeline_past(after, 1, "c", 14).last_trust, TTF_TRUST_NONE);
+    /* What a PC says of the last outage leaves what better clocks said before. */
+    snprintf(after[0].trust, sizeof(after[0].trust), "host");
+    ttf_timeline_run_utc(&after[0], &past, slot0_ns, false);
+    assert_int_equal(after[0].run_utc_ns, slot0);
+    assert_string_equal(after[0].run_trust, "ntp");
     /* A PC's word alone stays one. */
     after[0].origin_utc_ns = TTF_NS_UNKNOWN;
     snprintf(after[0].run_trust, sizeof(after[0].run_trust), "host");
