@@ -32,7 +32,7 @@ struct hook {
 int hook_try(const struct ttf_alert_hook *c, struct ttf_clock *clock, const volatile int *stop,
              const struct alert *alert, struct ttf_err *err)
 {
-    char text[ALERT_JSON_MAX];
+    char text[ALERT_JSON_MAX], line[ALERT_JSON_MAX + 1];
     const char *const command[] = {c->target, NULL};
     const char *const mail[] = {*c->program ? c->program : SENDMAIL, "-i", "-t", NULL};
     const char *const mqtt[] = {*c->program ? c->program : "mosquitto_pub",
@@ -54,7 +54,8 @@ int hook_try(const struct ttf_alert_hook *c, struct ttf_clock *clock, const vola
     case TTF_ALERT_MQTT:
         return send_command(mqtt, alert_json(alert, text), c->timeout_ns, clock, stop, err);
     default:
-        return send_command(command, alert_json(alert, text), c->timeout_ns, clock, stop, err);
+        (void)snprintf(line, sizeof line, "%s\n", alert_json(alert, text));
+        return send_command(command, line, c->timeout_ns, clock, stop, err);
     }
 }
 

@@ -149,20 +149,23 @@ export function now(main, box) {
 
   /* ---- the picture ---- */
 
-  let shown = null, asked = false, wanted = false, ended = false;
+  let shown = null, asked = false, wanted = false, ended = false, known = null; /* the run whose last picture is shown, or that has none */
   async function picture(sure = false) {
     if (asked || document.hidden) { /* nobody sees it now; who comes back does ("stale") */
-      wanted = asked && sure;
+      wanted ||= asked && sure;
       return;
     }
     const counts = box.status?.run?.results;
     if (!sure && !counts?.captured && !counts?.partial)
       return; /* there is none to be asked for */
     asked = true;
+    const of = box.status?.run?.dataset;
+    known = null; /* until there is an answer: else it is asked for again with the next status */
     try {
       const got = await getPicture("latest");
       if (ended)
         return;
+      known = of;
       if (shown)
         URL.revokeObjectURL(shown);
       shown = URL.createObjectURL(got.blob);
@@ -174,6 +177,7 @@ export function now(main, box) {
       await look_at(got.blob);
     } catch (error) {
       if (error.status === 404) {
+        known = of;
         img.hidden = true;
         none.hidden = false;
         warn("");
@@ -188,14 +192,10 @@ export function now(main, box) {
     }
   }
 
-  /* What is there when the page comes to know of it (a token given, a first status): no slot may come for hours, or ever. */
-  let known = "";
+  /* What is there when the page comes to know of it (a token given, a first status), or can have it: no slot may come for hours, or ever. */
   function first_picture() {
-    const run = box.status?.run;
-    if (run?.dataset === known || !(run?.results?.captured || run?.results?.partial))
-      return;
-    known = run.dataset;
-    picture();
+    if (box.status?.run && box.status.run.dataset !== known)
+      picture();
   }
 
   /* A run goes on whatever its frames are like: who looks at it is to see on the first that a week of these is no use. */

@@ -60,7 +60,11 @@ echo >>"$0.said"
 END
 printf '#!/bin/sh\nsleep 1000 &\nsleep 1000\n' >hang
 chmod +x note hang
-cp note command
+cat >"$WORK/command" <<'END'
+#!/bin/sh
+cat >>"$0.said"
+END
+chmod +x "$WORK/command"
 cp note mailer
 cp note mqtt
 cat >ttfboxd.yaml <<END
@@ -220,6 +224,9 @@ grep -q '"reason":"stopped by a person"' data/grass/records.jsonl || fail "its s
 
 # ---- all kinds of hooks were told, whatever the hanging ones did ----
 grep -q '"kind":"stopped"' command.said || fail "the command was not told"
+"$PYTHON" -c 'import json
+for line in open("command.said"):
+    json.loads(line)' || fail "an alert is not one line of its own: $(cat command.said)"
 grep -q '"kind":"stopped"' mqtt.said || fail "the broker was not told"
 grep -qF -- '-h broker -t box/alerts -q 1 -s' mqtt.args || fail "not as mosquitto_pub is called: $(cat mqtt.args)"
 grep -q '^To: me@example.org' mailer.said || fail "no mail"

@@ -343,10 +343,17 @@ async function a_killed_daemon_is_missed_and_found_again() {
   await browser.everywhere("now-done", shots);
   await browser.context.clearCookies(); /* who comes now, and is asked for the token, sees what was captured: no slot will come any more */
   browser.expected = AWAY;
+  let asked = 0; /* once in vain */
+  await page.route("**/latest", (route) => asked++ ? route.fallback() : route.fulfill({ status: 503, json: { error: "too much is asked at once" } }));
   await page.reload();
   await page.getByRole("textbox", { name: "Token" }).fill(daemon.token);
   await page.getByRole("button", { name: "Use it" }).click();
   await page.getByRole("img", { name: /^The last picture: slot/ }).waitFor();
+  const enough = asked;
+  for (let looks = 0; looks < 2; looks++)
+    await page.waitForResponse("**/api/v1/status");
+  assert.ok(enough > 1 && asked === enough, "it is asked for until it is there, and no longer");
+  await page.unroute("**/latest");
   browser.expected = null;
 }
 
