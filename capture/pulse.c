@@ -103,8 +103,9 @@ int64_t ttf_pulse_utc_at(const struct ttf_pulse *pulse, int64_t boot_ns)
     return s->origin_utc_ns + (boot_ns - s->origin_ns);
 }
 
-void ttf_pulse_tell_behind(struct ttf_pulse *pulse, const struct ttf_utc *utc)
+void ttf_pulse_behind(struct ttf_pulse *pulse, const struct ttf_utc *utc)
 {
+    pulse->behind = true;
     ttf_events_emit(pulse->events, "clock",
                     "UTC (%s) lies before the last slot of before: it labels no slot, and moves no "
                     "end",
@@ -114,40 +115,50 @@ void ttf_pulse_tell_behind(struct ttf_pulse *pulse, const struct ttf_utc *utc)
 /*
  * A clock that was set is believed: were the segment left as it is, the step would look like an outage after the
  * next power cut, and slots would be given up as lost to it. One that is vouched for less than another was before
- * in this boot is not: it says nothing that the boot clock has not kept. Nor is one that contradicts a boot before,
- * unless it is the box's own that has labelled this one so far: that it was set has been seen.
+ * in this boot is not: it says nothing that the boot clock has not kept.
  */
-static bool corrects(struct ttf_pulse *pulse, const struct ttf_utc *utc)
+static bool may_correct(const struct ttf_pulse *pulse, const struct ttf_utc *utc)
+{
+    return pulse->has_segment && utc->trust != TTF_TRUST_NONE &&
+           utc->trust >= ttf_segment_trust(&pulse->segment);
+}
+
+/*
+ * Nor is one that contradicts a boot before, unless it is the box's own that has labelled this one so far: that it was
+ * set has been seen. Once it has come past the last slot of that boot it contradicts nothing any more.
+ */
+static void believe(struct ttf_pulse *pulse, const struct ttf_utc *utc, bool news)
 {
     const enum ttf_trust known = ttf_segment_trust(&pulse->segment);
+    const bool was_behind = pulse->behind;
 
-    if (!pulse->has_segment || utc->trust == TTF_TRUST_NONE || utc->trust < known)
-        return false;
-    if (utc->trust == known && known > TTF_TRUST_HOST)
-        return true;
-    if (ttf_resume_clock_behind(pulse->past, utc, pulse->began_ns)) {
-        ttf_pulse_tell_behind(pulse, utc);
-        return false;
-    }
-    return true;
+    pulse->behind = ttf_resume_clock_behind(pulse->past, utc);
+    if (!pulse->behind && was_behind)
+        ttf_events_emit(pulse->events, "clock",
+                        "UTC (%s) is no longer before the last slot of before: it is believed",
+                        ttf_trust_name(utc->trust));
+    if (!pulse->behind || (news && utc->trust == known && known > TTF_TRUST_HOST))
+        correct_segment(pulse, utc);
+    else if (news)
+        ttf_pulse_behind(pulse, utc);
 }
 
 static void look_at_utc(struct ttf_pulse *pulse)
 {
-    struct ttf_utc_news news;
+    struct ttf_utc_news what;
     struct ttf_utc utc;
+    bool news;
 
     ttf_clock_utc(pulse->box->clock, &utc);
-    if (!ttf_utc_watch_look(&pulse->utc, &utc, &news))
-        return;
-    if (news.stepped)
+    news = ttf_utc_watch_look(&pulse->utc, &utc, &what);
+    if (news && what.stepped)
         ttf_events_emit(pulse->events, "clock-step", "UTC stepped by %+.3f s; the grid stays",
-                        (double)news.step_ns / 1e9);
-    if (news.more_trusted)
+                        (double)what.step_ns / 1e9);
+    if (news && what.more_trusted)
         ttf_events_emit(pulse->events, "clock", "UTC is now vouched for by %s",
                         ttf_trust_name(utc.trust));
-    if (corrects(pulse, &utc))
-        correct_segment(pulse, &utc);
+    if ((news || pulse->behind) && may_correct(pulse, &utc))
+        believe(pulse, &utc, news);
 }
 
 static void note_door(struct ttf_pulse *pulse, bool open, int64_t at_ns)

@@ -40,9 +40,9 @@ struct ttf_pulse {
     unsigned n_earlier;
     struct ttf_segment before; /* the last one of the boot before, if has_before */
     bool has_before;
-    const struct ttf_run_past
-        *past; /* of the run, which was gone on with at began_ns, if has_segment */
-    int64_t began_ns;
+    const struct ttf_run_past *past; /* of the run, if has_segment */
+    bool
+        behind; /* the clock stood before the last slot of a boot before at the last look: looked at again */
     bool button_stop; /* the button was held */
     bool door_open;
     int64_t door_opened_ns; /* the last time */
@@ -102,8 +102,8 @@ void ttf_pulse_next_segment(struct ttf_pulse *pulse, const struct ttf_segment *s
 /* UTC of an instant of this boot as its slots are labelled; TTF_NS_UNKNOWN: nobody is believed. */
 int64_t ttf_pulse_utc_at(const struct ttf_pulse *pulse, int64_t boot_ns);
 
-/* An event: this clock stands before the last slot of a boot before, and is not believed. */
-void ttf_pulse_tell_behind(struct ttf_pulse *pulse, const struct ttf_utc *utc);
+/* This clock stands before the last slot of a boot before, and is not believed until it has come past it: an event. */
+void ttf_pulse_behind(struct ttf_pulse *pulse, const struct ttf_utc *utc);
 
 /* Status light; a box without one is fine. */
 void ttf_pulse_led(struct ttf_pulse *pulse, enum ttf_led led);

@@ -93,19 +93,29 @@ static struct ttf_run_clock clock_of_past(const struct ttf_resume_input *in,
     return clock;
 }
 
-bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_utc *utc,
-                             int64_t began_ns)
+/* By how much two right clocks may differ: what they say themselves, what a system clock drifts by, and some seconds. */
+static int64_t tolerance_ns(const struct ttf_run_past *past, const struct ttf_utc *utc)
 {
-    return utc->trust != TTF_TRUST_NONE && utc->trust <= past->last_trust &&
-           utc->utc_ns + (began_ns - utc->boot_ns) < past->last_utc_ns - TTF_NS_PER_S;
+    int64_t ns = TTF_BEHIND_NS + past->last_run_ns / TTF_BEHIND_DRIFT;
+
+    if (past->last_uncertainty_ns > 0)
+        ns += past->last_uncertainty_ns;
+    if (utc->uncertainty_ns > 0)
+        ns += utc->uncertainty_ns;
+    return utc->trust == past->last_trust && ns < TTF_BEHIND_SAME_NS ? TTF_BEHIND_SAME_NS : ns;
 }
 
-struct ttf_utc ttf_resume_utc(const struct ttf_run_past *past, const struct ttf_utc *now,
-                              int64_t began_ns)
+bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_utc *utc)
+{
+    return utc->trust != TTF_TRUST_NONE && utc->trust <= past->last_trust &&
+           utc->utc_ns < past->last_utc_ns - tolerance_ns(past, utc);
+}
+
+struct ttf_utc ttf_resume_utc(const struct ttf_run_past *past, const struct ttf_utc *now)
 {
     struct ttf_utc utc = *now;
 
-    if (ttf_resume_clock_behind(past, now, began_ns)) {
+    if (ttf_resume_clock_behind(past, now)) {
         utc.trust = TTF_TRUST_NONE;
         utc.uncertainty_ns = TTF_NS_UNKNOWN;
     }
@@ -137,7 +147,7 @@ static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
 
     r->clock = clock_of_boot(in, &r->grid, r->gap_ns == TTF_NS_UNKNOWN);
     believed = !r->clock_implausible && r->clock.trust != TTF_TRUST_NONE &&
-               !ttf_resume_clock_behind(&in->past, &utc, in->now_ns) &&
+               !ttf_resume_clock_behind(&in->past, &utc) &&
                ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock,
                                       r->continued && r->clock.trust == TTF_TRUST_HOST);
     if (!believed)

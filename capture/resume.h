@@ -53,18 +53,25 @@ TTF_MUST_USE int ttf_resume_resolve(const struct ttf_resume_input *in, struct tt
                                     struct ttf_err *err);
 
 /*
- * Whether a clock stands before the last slot that was taken in a boot before, when the run was gone on with
- * (began_ns): not believed, unless it is vouched for better than that slot's was.
+ * How much earlier than the last slot taken in a boot before a clock may be: some seconds, one in so many of the run so
+ * far (the system clock ran free, and the RTC chip by itself), and what both say of their own uncertainty. One of the
+ * same trust by more: nothing says which of the two was wrong, and a right one that is refused costs the boot its UTC.
  */
-bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_utc *utc,
-                             int64_t began_ns);
+#define TTF_BEHIND_NS      (10 * TTF_NS_PER_S)
+#define TTF_BEHIND_DRIFT   10000 /* 100 ppm */
+#define TTF_BEHIND_SAME_NS (15 * TTF_NS_PER_MIN)
+
+/*
+ * Whether a clock stands before the last slot that was taken in a boot before, by more than that: not believed, unless
+ * it is vouched for better than that slot's was. Of the instant that it is told at: with time it comes past that slot.
+ */
+bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_utc *utc);
 
 /*
  * What is believed of UTC when a run is gone on with: the present, unless it is behind as above; or a better clock that
  * a run before this one in this boot knew.
  */
-struct ttf_utc ttf_resume_utc(const struct ttf_run_past *past, const struct ttf_utc *now,
-                              int64_t began_ns);
+struct ttf_utc ttf_resume_utc(const struct ttf_run_past *past, const struct ttf_utc *now);
 
 /* Why that slot, of those that are lost, has no picture, and what its record says it is. */
 const char *ttf_resume_lost(const struct ttf_resume *resume, int64_t index,

@@ -37,7 +37,7 @@ static int count_until(const struct ttf_session *s, struct changed *to, int64_t 
         return ttf_err_set(err, -EINVAL, "until",
                            "nobody vouches for this box's clock, so an instant means nothing");
     if (is_new && to->plan.end == TTF_END_UNTIL && utc.trust >= to->run.trust) {
-        if (ttf_resume_clock_behind(&s->past, &utc, s->began_ns))
+        if (ttf_resume_clock_behind(&s->past, &utc))
             return ttf_err_set(err, -EINVAL, "until",
                                "this box's clock stands before the last slot of before it had "
                                "power again, so an instant means nothing");

@@ -137,7 +137,6 @@ static int resolve_grid(struct ttf_session *s, struct ttf_resume_input *in, stru
     s->grid = s->resume.grid;
     s->run = s->resume.clock;
     s->past = in->past;
-    s->began_ns = in->now_ns;
     s->plan.count = s->resume.count;
     if (!s->resume.continued && s->resume.lost_until >= s->plan.count)
         return ttf_err_set(err, -EINVAL, s->plan.end == TTF_END_UNTIL ? "until" : "start",
@@ -149,7 +148,7 @@ static int resolve_grid(struct ttf_session *s, struct ttf_resume_input *in, stru
 static void label_segment(struct ttf_session *s, const struct ttf_utc *now)
 {
     struct ttf_segment *segment = &s->pulse.segment;
-    const struct ttf_utc utc = ttf_resume_utc(&s->past, now, s->began_ns);
+    const struct ttf_utc utc = ttf_resume_utc(&s->past, now);
 
     segment->origin_utc_ns = TTF_NS_UNKNOWN;
     segment->uncertainty_ns = TTF_NS_UNKNOWN;
@@ -158,8 +157,8 @@ static void label_segment(struct ttf_session *s, const struct ttf_utc *now)
         segment->uncertainty_ns = utc.uncertainty_ns;
     }
     snprintf(segment->trust, sizeof(segment->trust), "%s", ttf_trust_name(utc.trust));
-    if (ttf_resume_clock_behind(&s->past, now, s->began_ns))
-        ttf_pulse_tell_behind(&s->pulse, now);
+    if (ttf_resume_clock_behind(&s->past, now))
+        ttf_pulse_behind(&s->pulse, now);
 }
 
 /* state: of the dataset that is gone on with, which may be another one. */
@@ -203,7 +202,6 @@ static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int p
     s->segment = segment->segment;
     s->pulse.has_segment = true;
     s->pulse.past = &s->past;
-    s->pulse.began_ns = s->began_ns;
     return 0;
 }
 

@@ -17,14 +17,17 @@ static void count_anew(struct ttf_session *s, int64_t index)
     struct ttf_run_clock clock = s->run;
     enum ttf_trust trust = ttf_segment_trust(segment);
     int64_t before = s->plan.count;
-    const struct ttf_utc utc = {
-        .boot_ns = segment->origin_ns, .utc_ns = segment->origin_utc_ns, .trust = trust};
+    const int64_t now_ns = ttf_clock_now_ns(s->box->clock);
+    const struct ttf_utc utc = {.boot_ns = now_ns,
+                                .utc_ns = ttf_pulse_utc_at(&s->pulse, now_ns),
+                                .uncertainty_ns = segment->uncertainty_ns,
+                                .trust = trust};
 
     clock.trust = trust;
     clock.utc_offset_ns = segment->origin_utc_ns - segment->origin_ns;
     clock.gaps_ns = ttf_timeline_gaps_ns(&s->past, clock.slot0_ns + clock.utc_offset_ns,
                                          s->resume.gap_ns == TTF_NS_UNKNOWN);
-    if (ttf_resume_clock_behind(&s->past, &utc, s->began_ns)) {
+    if (ttf_resume_clock_behind(&s->past, &utc)) {
         ttf_events_emit(
             &s->events, "plan",
             "UTC lies before the last slot of before: the plan's end is not moved by it");

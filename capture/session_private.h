@@ -42,7 +42,6 @@ struct ttf_session {
     struct ttf_resume resume;
     struct ttf_run_clock run; /* the run's own time */
     struct ttf_run_past past; /* what its segments before said */
-    int64_t began_ns;         /* it was gone on with then, on this boot's clock */
     bool goes_on;             /* known_plan is the one of the last segment */
     int known_plan;    /* the dataset has this plan already, by this number; -1: it is new to it */
     int moved_on_from; /* the plan that was given is this one, but another has come since; -1: no */

@@ -76,16 +76,18 @@ static void learn_of_boot(struct ttf_run_past *past, const struct ttf_segment *s
 
 /* One of a boot before; of one without a slot the origin may be a start that is still to come. */
 static void learn_of_last(struct ttf_run_past *past, const struct ttf_segment *segment,
-                          int64_t taken_until)
+                          int64_t taken_until, int64_t elapsed_ns)
 {
+    int64_t after_ns = (taken_until - 1 - segment->first_index) * segment->interval_ns;
     enum ttf_trust trust = ttf_segment_trust(segment);
 
     if (taken_until <= segment->first_index || segment->origin_utc_ns == TTF_NS_UNKNOWN ||
         trust == TTF_TRUST_NONE || (trust == TTF_TRUST_HOST && past->last_trust > TTF_TRUST_HOST))
         return;
     past->last_trust = trust;
-    past->last_utc_ns =
-        segment->origin_utc_ns + (taken_until - 1 - segment->first_index) * segment->interval_ns;
+    past->last_utc_ns = segment->origin_utc_ns + after_ns;
+    past->last_uncertainty_ns = segment->uncertainty_ns;
+    past->last_run_ns = elapsed_ns + after_ns;
 }
 
 /* Outages and UTC of slot 0 as known up to a segment. */
@@ -134,7 +136,8 @@ static void go_on_from_before(struct known *all, struct known *sure, struct ttf_
     if (first->origin_utc_ns != TTF_NS_UNKNOWN && strcmp(first->boot_id, boot_id) == 0)
         return;
     past->last_trust = trust;
-    past->last_utc_ns = first->run_utc_ns + ttf_timeline_elapsed_ns(first, 1) - first->interval_ns;
+    past->last_run_ns = ttf_timeline_elapsed_ns(first, 1) - first->interval_ns;
+    past->last_utc_ns = first->run_utc_ns + past->last_run_ns;
 }
 
 static struct known all_of(const struct ttf_run_past *past)
@@ -208,7 +211,7 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
         if (strcmp(s->boot_id, boot_id) == 0)
             learn_of_boot(&past, s);
         else
-            learn_of_last(&past, s, taken_until[i]);
+            learn_of_last(&past, s, taken_until[i], ttf_timeline_elapsed_ns(segments, i + 1));
     }
     past.gaps_ns = all.gaps_ns;
     past.slot0_utc_ns = all.slot0_utc_ns;

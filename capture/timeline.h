@@ -47,7 +47,8 @@ struct ttf_run_past {
     int64_t boot_offset_ns, boot_uncertainty_ns;
     /* UTC of the last slot taken before this boot, as far as segments know, and who says so; a PC where nobody else does. */
     enum ttf_trust last_trust;
-    int64_t last_utc_ns;
+    int64_t last_utc_ns, last_uncertainty_ns;
+    int64_t last_run_ns; /* its own time, by then */
 };
 
 /* boot_id: the present one; taken_until: of each segment, as ttf_timeline_read has it. */

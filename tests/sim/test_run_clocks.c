@@ -344,6 +344,63 @@ static void power_that_flickers_while_lamps_settle_makes_no_clock_wrong(void **s
     }
 }
 
+/* How many outages of unknown length its segments tell of, as corrected or not. */
+static int gaps_unknown(const struct until_clock *b)
+{
+    char *text = sim_run_text(&b->run, "records.jsonl");
+    int n = 0;
+
+    for (const char *at = text; (at = strstr(at, "\"gap_ns\":null")); at++)
+        n++;
+    free(text);
+    return n;
+}
+
+/* A system clock that gained 45 s on the RTC chip, and an outage of 15 s; a network that was ten minutes ahead. */
+static void a_right_clock_that_is_merely_earlier_is_believed(void **state)
+{
+    static const struct until_belief beliefs[][2] = {
+        {{0, TTF_TRUST_RTC, 45 * S}, {3 * MIN + 41 * S, TTF_TRUST_RTC, 0}},
+        {{0, TTF_TRUST_NTP, 10 * MIN}, {3 * MIN + 41 * S, TTF_TRUST_NTP, 0}}};
+
+    (void)state;
+    for (unsigned i = 0; i < 2; i++) {
+        struct until_clock b;
+
+        until_clock_init(&b, TTF_END_COUNT, 14, beliefs[i], 2);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 15;
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 9 * MIN + 20 * S)->amount = 15;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        assert_int_equal(sim_run_events(&b.run, "clock", "lies before the last slot"), 0);
+        expect_label(&b, 13, i == 0 ? "rtc" : "ntp", 0);
+        assert_int_equal(gaps_unknown(&b), 1); /* the second outage is on the grid */
+        until_expect_end(&b.run, "cccccccccccccc", "count");
+        living_finish(&b.run);
+    }
+}
+
+/* The last slot of before was at 23:12 by a network twenty minutes ahead; by another clock, or one of less trust. */
+static void a_clock_that_was_behind_is_believed_once_it_has_come_past(void **state)
+{
+    static const enum ttf_trust then[] = {TTF_TRUST_NTP, TTF_TRUST_RTC};
+
+    (void)state;
+    for (unsigned i = 0; i < 2; i++) {
+        const struct until_belief beliefs[] = {{0, TTF_TRUST_NTP, 20 * MIN},
+                                               {3 * MIN + 41 * S, then[i], 0}};
+        struct until_clock b;
+
+        until_clock_init(&b, TTF_END_COUNT, 25, beliefs, 2);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 60;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        assert_int_equal(sim_run_events(&b.run, "clock", "lies before the last slot"), 1);
+        assert_int_equal(sim_run_events(&b.run, "clock", "no longer before the last slot"), 1);
+        expect_label(&b, 4, ttf_trust_name(then[i]), 0); /* all of this boot */
+        until_expect_end(&b.run, "ccccccccccccccccccccccccc", "count");
+        living_finish(&b.run);
+    }
+}
+
 /* From then on the first storage can only be read; so in the boots to come. */
 static int only_read_from(struct sim_run *run, const char *path, int64_t from_ns)
 {
@@ -512,6 +569,8 @@ int main(void)
         cmocka_unit_test(the_box_s_own_clock_set_back_in_a_boot_leaves_the_grid),
         cmocka_unit_test(an_instant_by_a_clock_that_is_behind_is_refused),
         cmocka_unit_test(power_that_flickers_while_lamps_settle_makes_no_clock_wrong),
+        cmocka_unit_test(a_right_clock_that_is_merely_earlier_is_believed),
+        cmocka_unit_test(a_clock_that_was_behind_is_believed_once_it_has_come_past),
         cmocka_unit_test(a_length_counts_the_outages_of_before_the_run_moved),
         cmocka_unit_test(what_a_clock_was_corrected_by_before_the_run_moved_is_no_outage),
     };

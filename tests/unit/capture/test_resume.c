@@ -386,7 +386,8 @@ static void a_clock_behind_the_last_slot_that_was_known_moves_no_end(void **stat
         int64_t minutes, count;
     } cases[] = {
         {TTF_TRUST_HOST, TTF_TRUST_NTP, 8, 15},  {TTF_TRUST_HOST, TTF_TRUST_NTP, 10, 15},
-        {TTF_TRUST_HOST, TTF_TRUST_NTP, 12, 13}, {TTF_TRUST_NTP, TTF_TRUST_NTP, 8, 15},
+        {TTF_TRUST_HOST, TTF_TRUST_NTP, 12, 13}, {TTF_TRUST_NTP, TTF_TRUST_NTP, -7, 15},
+        {TTF_TRUST_NTP, TTF_TRUST_NTP, -6, 31}, /* of the same trust: either may have been wrong */
         {TTF_TRUST_NTP, TTF_TRUST_HOST, 6, 19}, /* who knows better is believed */
         {TTF_TRUST_HOST, TTF_TRUST_NONE, 6, 19},
     };
@@ -404,6 +405,31 @@ static void a_clock_behind_the_last_slot_that_was_known_moves_no_end(void **stat
         in.past.last_utc_ns = UTC0 + 9 * TTF_NS_PER_MIN;
         assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
         assert_int_equal(r.count, cases[i].count);
+    }
+}
+
+/* A week of free running, and what both say of themselves; of the same trust, a quarter of an hour. */
+static void a_clock_is_behind_by_more_than_right_ones_differ(void **state)
+{
+    static const struct {
+        enum ttf_trust trust;
+        int64_t earlier_s;
+        bool behind;
+    } cases[] = {{TTF_TRUST_HOST, 73, false},  {TTF_TRUST_HOST, 74, true},
+                 {TTF_TRUST_RTC, 900, false},  {TTF_TRUST_RTC, 901, true},
+                 {TTF_TRUST_NTP, 1000, false}, {TTF_TRUST_NONE, 1000, false}};
+    const struct ttf_run_past past = {.last_trust = TTF_TRUST_RTC,
+                                      .last_utc_ns = UTC0,
+                                      .last_uncertainty_ns = 2 * TTF_NS_PER_S,
+                                      .last_run_ns = 7 * TTF_NS_PER_DAY};
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        const struct ttf_utc utc = {.utc_ns = UTC0 - cases[i].earlier_s * TTF_NS_PER_S,
+                                    .uncertainty_ns = TTF_NS_PER_S,
+                                    .trust = cases[i].trust};
+
+        assert_int_equal(ttf_resume_clock_behind(&past, &utc), cases[i].behind);
     }
 }
 
@@ -447,6 +473,7 @@ int main(void)
         cmocka_unit_test(a_stop_holds_over_a_boot_and_is_no_lack_of_power),
         cmocka_unit_test(an_untrusted_clock_goes_on_at_once_with_the_gap_unknown),
         cmocka_unit_test(a_clock_behind_the_last_slot_is_not_believed),
+        cmocka_unit_test(a_clock_is_behind_by_more_than_right_ones_differ),
         cmocka_unit_test(slots_given_up_ahead_of_time_do_not_make_the_clock_wrong),
         cmocka_unit_test(
             slots_that_pass_while_the_box_gets_ready_are_told_from_those_of_the_outage),

@@ -243,11 +243,14 @@ static void when_the_last_slot_of_the_boots_before_was_is_known(void **state)
     assert_int_equal(past.last_trust, TTF_TRUST_NONE);
     s[0].origin_utc_ns = 1000 * TTF_NS_PER_S;
     s[2].origin_utc_ns = 5000 * TTF_NS_PER_S;
+    s[2].uncertainty_ns = 3;
     snprintf(s[0].trust, sizeof(s[0].trust), "rtc");
     snprintf(s[2].trust, sizeof(s[2].trust), "ntp");
     past = past_of(s, 3, "d", 15);
     assert_int_equal(past.last_trust, TTF_TRUST_NTP);
     assert_int_equal(past.last_utc_ns, 5120 * TTF_NS_PER_S); /* slot 14 */
+    assert_int_equal(past.last_run_ns, 14 * TTF_NS_PER_MIN);
+    assert_int_equal(past.last_uncertainty_ns, 3);
     /* All of the last boot were given up, and some of the first: the last one that was taken counts. */
     past = ttf_timeline_past(s, (const int64_t[]){8, 10, 12}, 3, "d");
     assert_int_equal(past.last_trust, TTF_TRUST_RTC);
