@@ -304,8 +304,9 @@ EXIT = {name: code for code, names in ((3, (
     "calibration-without-files", "calibration-only-a-folder", "calibration-comes-later",
     "calibration-line-damaged", "relative-exposure-0", "group-of-no-uuid",
     "group-without-uuid", "parent-of-no-digest",
-    "camera-of-none", "rehearsal-sealed", "seal-turned-round", "seal-doubled", "seal-leads-out")),
-    (0, ("plan-in-order", "no-relative-exposure", "rehearsal", "samples-fine", "samples-broken",
+    "camera-of-none", "rehearsal-sealed", "seal-turned-round", "seal-doubled", "seal-leads-out",
+    "bad-sector-at-the-end", "bad-sector-with-lines-at-the-end", "old-log", "old-log-of-events")),
+    (0, ("sums-noise", "plan-in-order", "no-relative-exposure", "rehearsal", "samples-fine", "samples-broken",
          "samples-twice", "samples-behind-the-picture")))
     for name in names}
 
