@@ -128,7 +128,7 @@ static void go_on_from_before(struct known *all, struct known *sure, struct ttf_
 {
     const enum ttf_trust trust = trust_of(first->run_trust);
 
-    if (first->run_utc_ns <= 0)
+    if (first->run_utc_ns <= 0 || trust == TTF_TRUST_NONE)
         return;
     *all = (struct known){0, first->run_utc_ns, trust, true};
     if (trust != TTF_TRUST_HOST)

@@ -201,6 +201,11 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     past = past_of(after, 1, "d", 14);
     assert_int_equal(past.slot0_utc_ns, slot0);
     assert_int_equal(past.sure_slot0_utc_ns, TTF_NS_UNKNOWN);
+    /* What nobody vouches for, or somebody unheard of, is as good as not said. */
+    snprintf(after[0].run_trust, sizeof(after[0].run_trust), "sundial");
+    past = past_of(after, 1, "d", 14);
+    assert_int_equal(past.slot0_utc_ns, TTF_NS_UNKNOWN);
+    assert_int_equal(past.sure_slot0_utc_ns, TTF_NS_UNKNOWN);
 }
 
 static void the_best_that_this_boot_knew_is_remembered(void **state)
