@@ -135,7 +135,7 @@ static void believe(struct ttf_pulse *pulse, const struct ttf_utc *utc, bool new
     pulse->behind = ttf_resume_clock_behind(pulse->past, utc);
     if (!pulse->behind && was_behind)
         ttf_events_emit(pulse->events, "clock",
-                        "UTC (%s) is no longer before the last slot of before: it is believed",
+                        "UTC (%s) contradicts the last slot of before no more: it is believed",
                         ttf_trust_name(utc->trust));
     if (!pulse->behind || (news && utc->trust == known && known > TTF_TRUST_HOST))
         correct_segment(pulse, utc);
