@@ -284,5 +284,7 @@ int64_t ttf_resume_gap_ns(const struct ttf_segment *before, int64_t first_index,
     if (!vouched(before) || origin_utc_ns == TTF_NS_UNKNOWN)
         return TTF_NS_UNKNOWN;
     gap = origin_utc_ns - ttf_grid_due_ns(&grid, first_index);
+    if (gap < -before->interval_ns)
+        return TTF_NS_UNKNOWN;
     return gap > 0 ? gap : 0;
 }

@@ -514,6 +514,10 @@ static void the_gap_is_known_once_utc_is(void **state)
     (void)state;
     assert_int_equal(ttf_resume_gap_ns(&done.last_segment, 10, UTC0 + (600 + 300) * TTF_NS_PER_S),
                      300 * TTF_NS_PER_S);
+    /* Slot 9 was due at UTC0 + 540 s: gone on with at once, or by a clock that says that it was before that. */
+    assert_int_equal(ttf_resume_gap_ns(&done.last_segment, 10, UTC0 + 550 * TTF_NS_PER_S), 0);
+    assert_int_equal(ttf_resume_gap_ns(&done.last_segment, 10, UTC0 + 540 * TTF_NS_PER_S - 1),
+                     TTF_NS_UNKNOWN);
     snprintf(done.last_segment.trust, sizeof(done.last_segment.trust), "none");
     assert_int_equal(ttf_resume_gap_ns(&done.last_segment, 10, UTC0), TTF_NS_UNKNOWN);
 }
