@@ -120,6 +120,21 @@ static void go_on(struct known *known, const struct ttf_segment *segment, bool n
 }
 
 /*
+ * Both, with a PC's word and without. The first that is not a PC's is told the outages of before by what the PC said,
+ * as long as it is the only one.
+ */
+static void go_on_both(struct known *all, struct known *sure, const struct ttf_segment *segment,
+                       bool new_boot, int64_t slot0_utc_ns)
+{
+    const bool first = sure->slot0_utc_ns == TTF_NS_UNKNOWN;
+
+    go_on(all, segment, new_boot, slot0_utc_ns);
+    go_on(sure, segment, new_boot, by_host(segment) ? TTF_NS_UNKNOWN : slot0_utc_ns);
+    if (first && sure->slot0_utc_ns != TTF_NS_UNKNOWN)
+        sure->gaps_ns = all->gaps_ns;
+}
+
+/*
  * What the dataset that a run moved on from knew: outages up to the first segment are what UTC of slot 0 is later by.
  * Where a clock of the present boot says it, it says nothing of the last slot of one before.
  */
@@ -165,8 +180,7 @@ void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past
         slot0 = now.origin_utc_ns - (now.origin_ns - slot0_ns);
     all.open |= gap_unknown;
     sure.open |= gap_unknown;
-    go_on(&all, &now, false, slot0);
-    go_on(&sure, &now, false, by_host(&now) ? TTF_NS_UNKNOWN : slot0);
+    go_on_both(&all, &sure, &now, false, slot0);
     segment->run_utc_ns = 0;
     segment->run_trust[0] = '\0';
     if (all.slot0_utc_ns == TTF_NS_UNKNOWN)
@@ -206,8 +220,7 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
 
         if (s->origin_utc_ns != TTF_NS_UNKNOWN)
             slot0 = s->origin_utc_ns - ttf_timeline_elapsed_ns(segments, i + 1);
-        go_on(&all, s, new_boot, slot0);
-        go_on(&sure, s, new_boot, by_host(s) ? TTF_NS_UNKNOWN : slot0);
+        go_on_both(&all, &sure, s, new_boot, slot0);
         if (strcmp(s->boot_id, boot_id) == 0)
             learn_of_boot(&past, s);
         else

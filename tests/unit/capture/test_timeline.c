@@ -143,6 +143,33 @@ static void outages_without_a_clock_between_are_told_by_the_next_clock(void **st
     assert_int_equal(past_of(s, 4, "x", 12).sure_gaps_ns, 2 * gap);
 }
 
+/* A PC until slot 10; power and no clock; NTP: what it tells of the outage is told after the next cut as well. */
+static void an_outage_after_a_pc_s_word_is_told_by_the_next_clock(void **state)
+{
+    const int64_t slot0 = 1000 * TTF_NS_PER_S, gap = TTF_NS_PER_H;
+    struct ttf_segment s[4] = {segment("a", 0, 100), segment("b", 10, 20), segment("c", 12, 20),
+                               segment("d", 14, 20)};
+    struct ttf_run_past past;
+
+    (void)state;
+    s[0].origin_utc_ns = slot0;
+    snprintf(s[0].trust, sizeof(s[0].trust), "host");
+    s[1].gap_ns = s[2].gap_ns = TTF_NS_UNKNOWN;
+    past = past_of(s, 2, "c", 12);
+    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + gap, true), gap);
+    s[2].origin_utc_ns = slot0 + 12 * TTF_NS_PER_MIN + gap;
+    snprintf(s[2].trust, sizeof(s[2].trust), "ntp");
+    past = past_of(s, 3, "d", 14);
+    assert_int_equal(past.sure_gaps_ns, gap);
+    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + gap, false), gap);
+    assert_int_equal(ttf_timeline_gaps_ns(&past, TTF_NS_UNKNOWN, true), gap);
+    /* What a PC says from then on adds nothing by itself. */
+    s[3].gap_ns = gap;
+    s[3].origin_utc_ns = slot0 + 14 * TTF_NS_PER_MIN + 2 * gap;
+    snprintf(s[3].trust, sizeof(s[3].trust), "host");
+    assert_int_equal(past_of(s, 4, "x", 16).sure_gaps_ns, gap);
+}
+
 /* NTP, an outage, NTP; an outage, and it moves on there: to a dataset that has but its own segments. */
 static void what_was_known_before_a_move_is_known_after_it(void **state)
 {
@@ -303,6 +330,7 @@ int main(void)
         cmocka_unit_test(slot_0_is_where_the_last_segment_with_utc_says),
         cmocka_unit_test(what_a_pc_alone_says_of_the_past_is_told_apart),
         cmocka_unit_test(outages_without_a_clock_between_are_told_by_the_next_clock),
+        cmocka_unit_test(an_outage_after_a_pc_s_word_is_told_by_the_next_clock),
         cmocka_unit_test(what_was_known_before_a_move_is_known_after_it),
         cmocka_unit_test(the_best_that_this_boot_knew_is_remembered),
         cmocka_unit_test(when_the_last_slot_of_the_boots_before_was_is_known),
