@@ -237,44 +237,29 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
 }
 
 /*
- * One more than the last slot of from .. until-1 that was taken; from: none was. What a resume gives up while its lamps
- * settle is recorded before it is due, and says nothing of when it was recorded.
+ * One more than the last slot from `from` on that was taken, of the slot lines before *at; from: none was. What a resume
+ * gives up while its lamps settle is recorded before it is due, and says nothing of when it was recorded.
  */
-static int find_taken(struct ttf_reader *reader, int64_t from, int64_t until, int64_t *ret,
-                      struct ttf_err *err)
+static int64_t find_taken(const struct ttf_reader *reader, int64_t from, int64_t *at)
 {
-    struct ttf_slot_record record;
-    bool lost = true;
+    int64_t taken_until = from, index;
+    enum ttf_result result;
 
-    while (until > from) {
-        int64_t at = ttf_reader_find(reader, until - 1);
-        int r = at < 0 ? 0 : ttf_reader_slot(reader, at, &record, err);
-
-        if (r < 0)
-            return r;
-        if (at >= 0) {
-            lost = record.result == TTF_RESULT_POWER || record.result == TTF_RESULT_MISSED;
-            ttf_slot_record_free(&record);
-        }
-        if (!lost)
-            break;
-        until--;
-    }
-    *ret = until;
-    return 0;
+    for (; ttf_reader_brief(reader, *at - 1, &index, &result) == 0 && index >= from; (*at)--)
+        if (taken_until == from && result != TTF_RESULT_POWER && result != TTF_RESULT_MISSED)
+            taken_until = index + 1;
+    return taken_until;
 }
 
 static int read_segments(struct ttf_reader *reader, struct ttf_segment *segments,
-                         int64_t *taken_until, int n, struct ttf_err *err)
+                         int64_t *taken_until, int n)
 {
-    int64_t until = ttf_reader_summary(reader)->last_index + 1;
+    int64_t at = ttf_reader_summary(reader)->slots;
     int r = 0;
 
     for (int i = n - 1; i >= 0 && r == 0; i--) {
         r = ttf_reader_segment(reader, i, &segments[i]);
-        if (r == 0)
-            r = find_taken(reader, segments[i].first_index, until, &taken_until[i], err);
-        until = segments[i].first_index;
+        taken_until[i] = find_taken(reader, segments[i].first_index, &at);
     }
     return r;
 }
@@ -294,7 +279,7 @@ int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **
     if (n > 0) {
         segments = calloc((size_t)n, sizeof(*segments));
         taken_until = calloc((size_t)n, sizeof(*taken_until));
-        r = segments && taken_until ? read_segments(reader, segments, taken_until, n, err)
+        r = segments && taken_until ? read_segments(reader, segments, taken_until, n)
                                     : ttf_err_set(err, -ENOMEM, path, "no memory");
     }
     ttf_reader_close(reader);

@@ -2,11 +2,15 @@
 #include "cmocka_includes.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
+#include "datasets/plain_stream.h"
 #include "quantile.h"
 #include "schedule.h"
 #include "timeline.h"
 #include "ttf/base/time.h"
+#include "ttf/dataset/writer.h"
 
 static struct ttf_segment segment(const char *boot, int64_t first, int64_t origin_s)
 {
@@ -296,6 +300,92 @@ static void when_the_last_slot_of_the_boots_before_was_is_known(void **state)
     assert_int_equal(past.last_utc_ns, 5120 * TTF_NS_PER_S);
 }
 
+/* The machine's, but syncing costs nothing, and it counts what is read. */
+struct counting_io {
+    struct ttf_io io; /* first */
+    struct ttf_io_ops ops;
+    int reads;
+};
+
+static int64_t count_pread(struct ttf_io *io, int file, void *buf, size_t n, int64_t offset)
+{
+    ((struct counting_io *)io)->reads++;
+    return ttf_io_posix()->ops->pread(io, file, buf, n, offset);
+}
+
+static int no_sync(struct ttf_io *io, int file, bool data_only)
+{
+    (void)io;
+    (void)file;
+    (void)data_only;
+    return 0;
+}
+
+static void commit(struct ttf_writer *writer, int64_t index, int segment, enum ttf_result result)
+{
+    struct ttf_slot_record record;
+
+    ttf_slot_record_init(&record);
+    record.index = index;
+    record.segment = segment;
+    record.result = result;
+    snprintf(record.reason, sizeof(record.reason), "for a test");
+    assert_int_equal(ttf_writer_commit(writer, &record, NULL), 0);
+    ttf_slot_record_free(&record);
+}
+
+/* Slots 0 to 2, of which one was taken, and a pause; an outage of so many slots, in which nothing was. */
+static void make_outage(struct ttf_io *io, const char *path, int64_t lost)
+{
+    struct ttf_segment s = segment("a", 0, 100);
+    struct ttf_manifest manifest;
+    struct ttf_writer *writer = NULL;
+
+    memset(&manifest, 0, sizeof(manifest));
+    assert_int_equal(ttf_manifest_init(&manifest, NULL), 0);
+    plain_stream(&manifest, "linear-srgb");
+    assert_int_equal(ttf_writer_create(io, path, &manifest, "# plan\n", "{}", &writer, NULL), 0);
+    snprintf(s.trust, sizeof(s.trust), "none");
+    for (int i = 0; i < 3; i++) {
+        s.segment = i;
+        assert_int_equal(ttf_writer_segment(writer, &s, NULL), 0);
+        if (i == 0)
+            for (int64_t k = 0; k < 3; k++)
+                commit(writer, k, i, k == 1 ? TTF_RESULT_PAUSED : TTF_RESULT_MISSED);
+        s.first_index = 3;
+    }
+    for (int64_t k = 3; k < 3 + lost; k++)
+        commit(writer, k, 2, k % 2 == 0 ? TTF_RESULT_MISSED : TTF_RESULT_POWER);
+    ttf_writer_close(writer);
+}
+
+static void slots_of_a_long_outage_are_not_read_one_by_one(void **state)
+{
+    struct counting_io c = {.io = {&c.ops}, .ops = *ttf_io_posix()->ops};
+    char folder[] = "/tmp/ttf-timeline-XXXXXX", path[64], line[64];
+    int64_t *taken_until = NULL;
+    struct ttf_segment *segments = NULL;
+    int n = 0;
+
+    (void)state;
+    c.ops.pread = count_pread;
+    c.ops.sync = no_sync;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof(path), "%s/d", folder);
+    make_outage(&c.io, path, 1000);
+    c.reads = 0;
+    assert_int_equal(ttf_timeline_read(&c.io, path, &segments, &taken_until, &n, NULL), 0);
+    assert_int_equal(n, 3);
+    assert_int_equal(taken_until[0], 2); /* slot 1: it was paused, when it was due */
+    assert_int_equal(taken_until[1], 3); /* its first index: it has no slot */
+    assert_int_equal(taken_until[2], 3); /* none was taken */
+    assert_in_range(c.reads, 1, 100);
+    free(segments);
+    free(taken_until);
+    snprintf(line, sizeof(line), "rm -rf %s", folder);
+    assert_int_equal(system(line), 0); /* NOLINT(cert-env33-c,concurrency-mt-unsafe): a test's */
+}
+
 static void a_due_time_beyond_all_time_is_never(void **state)
 {
     struct ttf_grid grid = {0, INT64_MAX - 10, TTF_NS_PER_DAY};
@@ -334,6 +424,7 @@ int main(void)
         cmocka_unit_test(what_was_known_before_a_move_is_known_after_it),
         cmocka_unit_test(the_best_that_this_boot_knew_is_remembered),
         cmocka_unit_test(when_the_last_slot_of_the_boots_before_was_is_known),
+        cmocka_unit_test(slots_of_a_long_outage_are_not_read_one_by_one),
         cmocka_unit_test(a_due_time_beyond_all_time_is_never),
         cmocka_unit_test(quantiles_of_errors_hold_at_both_ends),
     };
