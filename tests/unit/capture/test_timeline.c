@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cmocka_includes.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -386,6 +387,104 @@ static void slots_of_a_long_outage_are_not_read_one_by_one(void **state)
     assert_int_equal(system(line), 0); /* NOLINT(cert-env33-c,concurrency-mt-unsafe): a test's */
 }
 
+/* A dataset with these segments, read as a run that goes on with it reads it. NULL: refused. */
+static struct ttf_segment *read_again(const struct ttf_segment *s, int n)
+{
+    struct counting_io c = {.io = {&c.ops}, .ops = *ttf_io_posix()->ops};
+    char folder[] = "/tmp/ttf-timeline-XXXXXX", path[64], line[64];
+    struct ttf_segment *segments = NULL;
+    int64_t *taken_until = NULL;
+    struct ttf_manifest manifest;
+    struct ttf_writer *writer = NULL;
+    int got = 0, r;
+
+    c.ops.sync = no_sync;
+    memset(&manifest, 0, sizeof(manifest));
+    assert_int_equal(ttf_manifest_init(&manifest, NULL), 0);
+    plain_stream(&manifest, "linear-srgb");
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof(path), "%s/d", folder);
+    assert_int_equal(ttf_writer_create(&c.io, path, &manifest, "# plan\n", "{}", &writer, NULL), 0);
+    for (int i = 0; i < n; i++) {
+        struct ttf_segment one = s[i];
+
+        one.segment = i;
+        assert_int_equal(ttf_writer_segment(writer, &one, NULL), 0);
+    }
+    ttf_writer_close(writer);
+    r = ttf_timeline_read(&c.io, path, &segments, &taken_until, &got, NULL);
+    assert_true(r == 0 || r == -EINVAL);
+    assert_int_equal(got, r == 0 ? n : 0);
+    free(taken_until);
+    snprintf(line, sizeof(line), "rm -rf %s", folder);
+    assert_int_equal(system(line), 0); /* NOLINT(cert-env33-c,concurrency-mt-unsafe): a test's */
+    return segments;
+}
+
+/* A foreign dataset's, or one that somebody spoiled: whole, by its crc. */
+static void times_beyond_all_clocks_are_not_reckoned_with(void **state)
+{
+    static const int64_t huge = INT64_MAX - 1;
+    static const struct {
+        int64_t origin_ns, interval_ns, first_index, run_ns;
+    } refused[] = {{huge, 1, 0, 0}, {-huge, 1, 0, 0}, {0, huge, 0, 0},
+                   {0, 1, huge, 0}, {0, 1, 0, huge},  {0, INT64_C(1) << 32, INT64_C(1) << 31, 0}};
+    struct ttf_segment s[2] = {segment("a", 0, 100), segment("b", 10, 20)}, *got;
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(refused) / sizeof(refused[0]); i++) {
+        struct ttf_segment one = s[0];
+
+        one.origin_ns = refused[i].origin_ns;
+        one.interval_ns = refused[i].interval_ns;
+        one.first_index = refused[i].first_index;
+        one.run_ns = refused[i].run_ns;
+        snprintf(one.trust, sizeof(one.trust), "ntp");
+        assert_null(read_again(&one, 1));
+    }
+    /* What may be unknown is. */
+    snprintf(s[0].trust, sizeof(s[0].trust), "ntp");
+    snprintf(s[1].trust, sizeof(s[1].trust), "ntp");
+    s[0].origin_utc_ns = huge;
+    s[0].uncertainty_ns = s[0].gap_ns = s[0].run_utc_ns = huge;
+    s[1].origin_utc_ns = -huge;
+    got = read_again(s, 2);
+    assert_non_null(got);
+    assert_int_equal(got[0].origin_utc_ns, TTF_NS_UNKNOWN);
+    assert_int_equal(got[0].uncertainty_ns, TTF_NS_UNKNOWN);
+    assert_int_equal(got[0].gap_ns, TTF_NS_UNKNOWN);
+    assert_int_equal(got[0].run_utc_ns, 0);
+    assert_int_equal(got[1].origin_utc_ns, TTF_NS_UNKNOWN);
+    free(got);
+    /* A hundred years of slots, which a plan may ask for, are not. */
+    s[1].first_index = INT64_C(100) * 366 * 24 * 60;
+    got = read_again(s, 2);
+    assert_non_null(got);
+    free(got);
+}
+
+/* As far as it goes; there and back again, as often as it likes. */
+static void a_clock_that_is_set_to_and_fro_adds_up_to_no_nonsense(void **state)
+{
+    static const int64_t ends[] = {-(INT64_C(1) << 60) + 1, (INT64_C(1) << 62) - 1};
+    struct ttf_segment s[8];
+    struct ttf_run_past past;
+
+    (void)state;
+    for (int i = 0; i < 8; i++) {
+        char boot[2] = {(char)('a' + i), '\0'};
+
+        s[i] = segment(boot, 10 * i, 100);
+        if (i % 2 == 0)
+            s[i].origin_utc_ns = ends[i / 2 % 2];
+        snprintf(s[i].trust, sizeof(s[i].trust), i % 2 == 0 ? "ntp" : "none");
+        s[i].gap_ns = i > 0 ? TTF_NS_UNKNOWN : 0;
+    }
+    past = past_of(s, 8, "x", 80);
+    assert_true(past.gaps_ns > 0 && past.sure_gaps_ns == past.gaps_ns);
+    assert_true(ttf_timeline_gaps_ns(&past, ends[1], true) >= past.gaps_ns);
+}
+
 static void a_due_time_beyond_all_time_is_never(void **state)
 {
     struct ttf_grid grid = {0, INT64_MAX - 10, TTF_NS_PER_DAY};
@@ -425,6 +524,8 @@ int main(void)
         cmocka_unit_test(the_best_that_this_boot_knew_is_remembered),
         cmocka_unit_test(when_the_last_slot_of_the_boots_before_was_is_known),
         cmocka_unit_test(slots_of_a_long_outage_are_not_read_one_by_one),
+        cmocka_unit_test(times_beyond_all_clocks_are_not_reckoned_with),
+        cmocka_unit_test(a_clock_that_is_set_to_and_fro_adds_up_to_no_nonsense),
         cmocka_unit_test(a_due_time_beyond_all_time_is_never),
         cmocka_unit_test(quantiles_of_errors_hold_at_both_ends),
     };
