@@ -64,12 +64,12 @@ static struct ttf_utc best_of(const struct ttf_run_past *past, const struct ttf_
                             .steps = now->steps};
 }
 
-/* By what this boot knows of UTC. It tells outages of unknown length, too: of such is the last one, or not. */
+/* By what is believed of UTC in this boot. It tells outages of unknown length, too: of such is the last one, or not. */
 static struct ttf_run_clock clock_of_boot(const struct ttf_resume_input *in,
                                           const struct ttf_grid *grid, bool gap_unknown)
 {
     struct ttf_run_clock clock = clock_of(in, grid, 0, TTF_NS_UNKNOWN);
-    const struct ttf_utc utc = best_of(&in->past, &in->utc);
+    const struct ttf_utc utc = ttf_resume_utc(&in->past, &in->utc);
     int64_t slot0_utc_ns = TTF_NS_UNKNOWN;
 
     clock.trust = utc.trust;
@@ -136,18 +136,16 @@ static void resolve_end_by_past(const struct ttf_resume_input *in, struct ttf_re
 }
 
 /*
- * By what the run ends: the present UTC; else what was known before, as if there had been no outage, or only such as are known.
+ * By what the run ends: the UTC that labels it; else what was known before, as if there had been no outage, or only such as are known.
  * What a PC alone says counts as long as it does not say that the end has passed.
  */
 static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
 {
     const int64_t index = r->grid.first_index;
-    const struct ttf_utc utc = best_of(&in->past, &in->utc);
     bool believed;
 
     r->clock = clock_of_boot(in, &r->grid, r->gap_ns == TTF_NS_UNKNOWN);
-    believed = !r->clock_implausible && r->clock.trust != TTF_TRUST_NONE &&
-               !ttf_resume_clock_behind(&in->past, &utc) &&
+    believed = !r->pc_gives_up && r->clock.trust != TTF_TRUST_NONE &&
                ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock,
                                       r->continued && r->clock.trust == TTF_TRUST_HOST);
     if (!believed)
@@ -171,12 +169,38 @@ static bool gives_up_all(const struct ttf_resume_input *in, const struct ttf_gri
            ttf_grid_index_at(grid, in->ready_ns) >= ttf_plan_slots(in->plan, grid, &clock);
 }
 
+/*
+ * The grid of a boot before, found again through UTC that is vouched for then and now. A clock that is believed though
+ * it stands before the last slot makes the next one come that much later: by less than an interval, and by no more
+ * than right clocks differ, or the grid is not worth it.
+ */
+static bool finds_grid(const struct ttf_resume_input *in, const struct ttf_utc *utc,
+                       struct ttf_resume *r)
+{
+    const struct ttf_segment *last = &in->state->last_segment;
+    const int64_t next = in->state->next_index;
+    const struct ttf_grid before_utc = utc_grid_of(last);
+    /*
+     * Slots that a resume gave up while its lamps settled were recorded before they were due: a clock that
+     * has not come to them yet is not wrong for that.
+     */
+    const int64_t last_utc = ttf_grid_due_ns(&before_utc, next - 1 - in->state->lost_at_end);
+    const int64_t now_utc = utc->utc_ns + (in->now_ns - utc->boot_ns);
+    const int64_t early_ns = last_utc - now_utc;
+
+    r->grid.origin_ns = utc->boot_ns + (ttf_grid_due_ns(&before_utc, next) - utc->utc_ns);
+    r->pc_gives_up = next > 0 && gives_up_all(in, &r->grid);
+    r->outage_ns = -early_ns;
+    return next == 0 || (!r->pc_gives_up && early_ns < last->interval_ns &&
+                         early_ns <= tolerance_ns(&in->past, utc));
+}
+
 static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resume *r)
 {
     const struct ttf_segment *last = &in->state->last_segment;
+    const struct ttf_utc utc = ttf_resume_utc(&in->past, &in->utc);
     int64_t next = in->state->next_index;
     struct ttf_grid before = grid_of(last);
-    struct ttf_grid before_utc = utc_grid_of(last);
 
     r->continued = true;
     r->grid.first_index = next;
@@ -190,27 +214,16 @@ static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resu
         r->outage_ns = in->now_ns - ttf_grid_due_ns(&before, next - 1);
         return;
     }
-    if (in->utc.trust != TTF_TRUST_NONE && vouched(last)) {
-        /*
-         * Slots that a resume gave up while its lamps settled were recorded before they were due: a clock that
-         * has not come to them yet is not wrong for that.
-         */
-        int64_t last_utc = ttf_grid_due_ns(&before_utc, next - 1 - in->state->lost_at_end);
-        int64_t now_utc = in->utc.utc_ns + (in->now_ns - in->utc.boot_ns);
-        int64_t due_utc = ttf_grid_due_ns(&before_utc, next);
-
-        r->grid.origin_ns = in->utc.boot_ns + (due_utc - in->utc.utc_ns);
-        if ((now_utc >= last_utc - TTF_NS_PER_S && !gives_up_all(in, &r->grid)) || next == 0) {
-            /* A run that had ended was not cut short: the box may have been put away, or not. */
-            r->lost_result = in->state->sealed ? TTF_RESULT_MISSED : TTF_RESULT_POWER;
-            r->lost_reason = in->state->sealed ? TTF_REASON_HAD_ENDED : TTF_REASON_NO_POWER;
-            r->on_grid = true;
-            r->gap_ns = 0;
-            r->outage_ns = now_utc - last_utc;
-            return;
-        }
-        r->clock_implausible = true;
+    if (utc.trust != TTF_TRUST_NONE && vouched(last) && finds_grid(in, &utc, r)) {
+        /* A run that had ended was not cut short: the box may have been put away, or not. */
+        r->lost_result = in->state->sealed ? TTF_RESULT_MISSED : TTF_RESULT_POWER;
+        r->lost_reason = in->state->sealed ? TTF_REASON_HAD_ENDED : TTF_REASON_NO_POWER;
+        r->on_grid = true;
+        r->gap_ns = 0;
+        return;
     }
+    r->clock_implausible = in->utc.trust != TTF_TRUST_NONE && vouched(last);
+    r->outage_ns = TTF_NS_UNKNOWN;
     r->grid.origin_ns = in->ready_ns;
     r->gap_ns = TTF_NS_UNKNOWN;
 }

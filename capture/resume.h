@@ -44,8 +44,9 @@ struct ttf_resume {
     bool continued;             /* not a new dataset */
     bool on_grid;               /* the grid of before the interruption was kept */
     bool end_passed;            /* the plan's end is known to have come before the last slot */
-    bool clock_implausible;     /* UTC is vouched for, but lies before the last slot */
-    int64_t outage_ns;          /* from the last record's due time to now; TTF_NS_UNKNOWN */
+    bool clock_implausible; /* UTC is vouched for, and keeps no grid: before the last slot, or */
+    bool pc_gives_up;       /* a PC's alone, that would leave no slot: nor does the end go by it */
+    int64_t outage_ns;      /* from the last record's due time to now; TTF_NS_UNKNOWN */
 };
 
 /* -EINVAL: a start time with a clock nobody vouches for. */
@@ -69,7 +70,7 @@ bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_u
 
 /*
  * What is believed of UTC when a run is gone on with: the present, unless it is behind as above; or a better clock that
- * a run before this one in this boot knew.
+ * a run before this one in this boot knew. Label, grid and end go by it, and by no other.
  */
 struct ttf_utc ttf_resume_utc(const struct ttf_run_past *past, const struct ttf_utc *now);
 

@@ -71,8 +71,9 @@ static void tell_resumed(struct ttf_session *s)
     else
         ttf_events_emit(&s->events, "resume", "at once at slot %lld in a new segment: %s",
                         (long long)r->grid.first_index,
-                        r->clock_implausible ? "UTC lies before the last slot"
-                                             : "how long the outage was is not known");
+                        r->pc_gives_up         ? "a PC's clock alone would leave no slot"
+                        : r->clock_implausible ? "UTC lies before the last slot"
+                                               : "how long the outage was is not known");
     if (unready > 0)
         ttf_events_emit(&s->events, "resume", "%lld slots lost: %s", (long long)unready,
                         TTF_REASON_NOT_READY);

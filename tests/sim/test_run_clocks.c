@@ -375,8 +375,29 @@ static void a_right_clock_that_is_merely_earlier_is_believed(void **state)
         assert_int_equal(sim_run_through_cuts(&b.run), 0);
         assert_int_equal(sim_run_events(&b.run, "clock", "lies before the last slot"), 0);
         expect_label(&b, 13, i == 0 ? "rtc" : "ntp", 0);
-        assert_int_equal(gaps_unknown(&b), 1); /* the second outage is on the grid */
+        /* On the grid, but for what would come ten minutes later by that. */
+        assert_int_equal(gaps_unknown(&b), i);
         until_expect_end(&b.run, "cccccccccccccc", "count");
+        living_finish(&b.run);
+    }
+}
+
+/* By a clock ten minutes ahead it would end at 14:00; by a right one of the same trust, or a better, at 24:00. */
+static void a_clock_that_was_ahead_does_not_tell_a_right_one_the_end(void **state)
+{
+    static const enum ttf_trust was[] = {TTF_TRUST_NTP, TTF_TRUST_RTC, TTF_TRUST_HOST};
+
+    (void)state;
+    for (unsigned i = 0; i < 3; i++) {
+        const enum ttf_trust then = i == 2 ? TTF_TRUST_HOST : TTF_TRUST_NTP;
+        const struct until_belief beliefs[] = {{0, was[i], 10 * MIN}, {3 * MIN + 41 * S, then, 0}};
+        struct until_clock b;
+
+        until_clock_init(&b, TTF_END_UNTIL, 24, beliefs, 2);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 15;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        expect_label(&b, 23, ttf_trust_name(then), 0);
+        until_expect_end(&b.run, "cccccccccccccccccccccccc", "until");
         living_finish(&b.run);
     }
 }
@@ -573,6 +594,7 @@ int main(void)
         cmocka_unit_test(an_instant_by_a_clock_that_is_behind_is_refused),
         cmocka_unit_test(power_that_flickers_while_lamps_settle_makes_no_clock_wrong),
         cmocka_unit_test(a_right_clock_that_is_merely_earlier_is_believed),
+        cmocka_unit_test(a_clock_that_was_ahead_does_not_tell_a_right_one_the_end),
         cmocka_unit_test(a_clock_that_was_behind_is_believed_once_it_has_come_past),
         cmocka_unit_test(a_length_counts_the_outages_of_before_the_run_moved),
         cmocka_unit_test(what_a_clock_was_corrected_by_before_the_run_moved_is_no_outage),

@@ -301,8 +301,10 @@ static void a_plan_that_ends_in_time_comes_to_what_the_clock_says(void **state)
         {TTF_TRUST_NTP, TTF_TRUST_NONE, 12, 13},  /* at once, at 12:03 */
         {TTF_TRUST_NTP, TTF_TRUST_NONE, 20, 10},  /* over */
         {TTF_TRUST_HOST, TTF_TRUST_NONE, 12, 13}, /* a PC's clock that leaves slots counts, */
-        {TTF_TRUST_HOST, TTF_TRUST_NONE, 20, 15}, /* and ends nothing */
-        {TTF_TRUST_NTP, TTF_TRUST_RTC, 5, 15},    /* behind the last slot: not believed */
+        {TTF_TRUST_HOST, TTF_TRUST_NONE, 20, 15}, /* and ends nothing: */
+        {TTF_TRUST_HOST, TTF_TRUST_RTC, 14, 15},  /* one more at once, and none on the grid */
+        {TTF_TRUST_RTC, TTF_TRUST_NTP, 5, 15},    /* behind the last slot: not believed, */
+        {TTF_TRUST_NTP, TTF_TRUST_RTC, 5, 20},    /* unless it knows better: at once, at 5:03 */
     };
 
     (void)state;
@@ -315,6 +317,8 @@ static void a_plan_that_ends_in_time_comes_to_what_the_clock_says(void **state)
         in.plan = &FIFTEEN;
         snprintf(done.last_segment.trust, sizeof(done.last_segment.trust), "%s",
                  ttf_trust_name(cases[i].before));
+        in.past.last_trust = cases[i].before;
+        in.past.last_utc_ns = UTC0 + 9 * TTF_NS_PER_MIN;
         if (cases[i].before == TTF_TRUST_NONE)
             in.past.slot0_utc_ns = in.past.sure_slot0_utc_ns = TTF_NS_UNKNOWN;
         assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
@@ -408,6 +412,60 @@ static void a_clock_behind_the_last_slot_that_was_known_moves_no_end(void **stat
     }
 }
 
+/*
+ * One rule for what is believed of a clock, by whatever it stands before the last slot (UTC0 + 9 intervals). Believed, it
+ * tells the end, and keeps the grid where the next slot comes less than an interval later by that.
+ */
+static void label_end_and_grid_go_by_the_same_clock(void **state)
+{
+    static const struct {
+        enum ttf_trust trust, last;
+        int64_t interval_s, earlier_s;
+        bool on_grid;
+        int64_t count; /* until UTC0 + 15 intervals and a half */
+    } cases[] = {
+        {TTF_TRUST_RTC, TTF_TRUST_RTC, 60, 0, true, 16},
+        {TTF_TRUST_RTC, TTF_TRUST_RTC, 60, 45, true, 16},
+        {TTF_TRUST_RTC, TTF_TRUST_RTC, 60, 60, false, 18}, /* at once */
+        {TTF_TRUST_NTP, TTF_TRUST_NTP, 60, 600, false, 27},
+        {TTF_TRUST_NTP, TTF_TRUST_NTP, 3600, 600, true, 16},
+        {TTF_TRUST_NTP, TTF_TRUST_NTP, 3600, 901, false, 16}, /* not believed: by the past */
+        {TTF_TRUST_RTC, TTF_TRUST_NTP, 3600, 10, true, 16},
+        {TTF_TRUST_RTC, TTF_TRUST_NTP, 3600, 11, false, 16},
+        {TTF_TRUST_NTP, TTF_TRUST_RTC, 60, 10, true, 16},
+        {TTF_TRUST_NTP, TTF_TRUST_RTC, 60, 600, false, 27}, /* it knows better */
+        {TTF_TRUST_NTP, TTF_TRUST_RTC, 3600, 3000, false, 18},
+        {TTF_TRUST_HOST, TTF_TRUST_HOST, 60, 600, false, 27}};
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        const int64_t interval_ns = cases[i].interval_s * TTF_NS_PER_S;
+        const int64_t last_utc_ns = UTC0 + 9 * interval_ns;
+        const struct ttf_plan plan = {.interval_ns = interval_ns,
+                                      .count = 16,
+                                      .end = TTF_END_UNTIL,
+                                      .until_utc_ns = UTC0 + 15 * interval_ns + interval_ns / 2};
+        struct ttf_writer_state done = ten_slots_done();
+        struct ttf_resume_input in =
+            boot(&done, last_utc_ns - cases[i].earlier_s * TTF_NS_PER_S, cases[i].trust);
+        struct ttf_resume r;
+
+        done.last_segment.interval_ns = interval_ns;
+        snprintf(done.last_segment.trust, sizeof(done.last_segment.trust), "%s",
+                 ttf_trust_name(cases[i].last));
+        in.plan = &plan;
+        in.elapsed_ns = 10 * interval_ns;
+        in.past.last_trust = cases[i].last;
+        in.past.last_utc_ns = last_utc_ns;
+        assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+        assert_int_equal(r.on_grid, cases[i].on_grid);
+        assert_int_equal(r.clock_implausible, !cases[i].on_grid);
+        assert_int_equal(r.gap_ns, cases[i].on_grid ? 0 : TTF_NS_UNKNOWN);
+        assert_int_equal(r.count, cases[i].count);
+        assert_int_equal(r.lost_until, 10); /* no slot is lost to it */
+    }
+}
+
 /* A week of free running, and what both say of themselves; of the same trust, a quarter of an hour. */
 static void a_clock_is_behind_by_more_than_right_ones_differ(void **state)
 {
@@ -474,6 +532,7 @@ int main(void)
         cmocka_unit_test(an_untrusted_clock_goes_on_at_once_with_the_gap_unknown),
         cmocka_unit_test(a_clock_behind_the_last_slot_is_not_believed),
         cmocka_unit_test(a_clock_is_behind_by_more_than_right_ones_differ),
+        cmocka_unit_test(label_end_and_grid_go_by_the_same_clock),
         cmocka_unit_test(slots_given_up_ahead_of_time_do_not_make_the_clock_wrong),
         cmocka_unit_test(
             slots_that_pass_while_the_box_gets_ready_are_told_from_those_of_the_outage),
