@@ -300,8 +300,7 @@ static int check(const struct fitting *f, const struct ttf_chart_view *view)
         return r;
     if (!f->calibration->has_flat) {
         ttf_err_set(f->err, -EINVAL, "chart", "the calibration has no flat yet");
-        ttf_err_hint(f->err,
-                     "a chart is measured after 'ttfbox calibrate flat', under the same lamps");
+        ttf_err_hint(f->err, "a chart is measured after a flat, under the same lamps");
         return -EINVAL;
     }
     if (f->calibration->cfa == TTF_CFA_NONE)
@@ -329,8 +328,8 @@ static int fit_matrix(struct fitting *f, struct ttf_chart_fit *fit, double ret[9
                 "patch %u (%s)",
                 fit->delta_e_mean, fit->delta_e_max, fit->worst + 1,
                 ttf_chart_patch_name(fit->worst));
-    ttf_err_hint(f->err, "begin at the corner of 'dark skin' and go clockwise; give the values of "
-                         "another chart by --values");
+    ttf_err_hint(f->err, "begin at the corner of 'dark skin' and go clockwise; another chart "
+                         "needs values of its own");
     return -EINVAL;
 }
 

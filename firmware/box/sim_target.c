@@ -23,8 +23,9 @@ int sim_target_reflectance(const struct ttf_box *box, double *ret, struct ttf_er
         sum += rgb[i];
     }
     if (hi > EVEN * lo) {
-        ttf_err_set(err, -EINVAL, "--scene", "the simulated camera looks at no even target");
-        ttf_err_hint(err, "say --scene white; of ttfboxd, set: {sim.scene.name: white}");
+        ttf_err_set(err, -EINVAL, NULL, "the simulated camera looks at no even target");
+        ttf_err_hint(err, "a white scene is one: set: {sim.scene.name: white} in the box's "
+                          "configuration");
         return -EINVAL;
     }
     *ret = sum / (3.0 * SIDE * SIDE);

@@ -79,6 +79,16 @@ static int open_folder(struct cli *cli, struct guided *g)
     return 0;
 }
 
+/* What a simulated target reflects; what others are told of their configuration is an option here. */
+static int ask_target(struct cli *cli, struct guided *g, double *ret)
+{
+    int r = sim_target_reflectance(&g->box, ret, &cli->err);
+
+    if (r == -EINVAL)
+        ttf_err_hint(&cli->err, "say --scene white");
+    return r;
+}
+
 /* The frames, fitted into the calibration. */
 static int take(struct cli *cli, struct guided *g, struct ttf_guided_config *config)
 {
@@ -90,7 +100,7 @@ static int take(struct cli *cli, struct guided *g, struct ttf_guided_config *con
         return ttf_guided_dark(config, &g->calibration, &cli->err);
     if (g->part == TTF_CALIBRATION_FLAT) {
         if (g->box.simulated && cli->opt.reflectance == 0)
-            r = sim_target_reflectance(&g->box, &config->reflectance, &cli->err);
+            r = ask_target(cli, g, &config->reflectance);
         return r < 0 ? r : ttf_guided_flat(config, &g->calibration, &cli->err);
     }
     if (g->part == TTF_CALIBRATION_GEOMETRY)

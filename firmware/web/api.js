@@ -1,15 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* api.js: the box's interface (openapi.yaml). Errors carry what the box said: what, where, what to do. */
 
+/* Names that the interface has for what the page calls otherwise. */
+const FIELDS = { exposure_ns: "exposure", gain_milli: "gain", pitch: "dots apart", pitch_mm: "dots apart", reflectance: "it reflects", frames: "frames of a step", corners: "the chart's corners" };
+
+/* What the box refuses, in one line: of an answer, of a step, of a plan. */
+export function refusal({ where, error, hint }) {
+  return [where && `${FIELDS[where] || where}: `, error, hint && ` (${hint})`].filter(Boolean).join("");
+}
+
 export class ApiError extends Error {
   constructor(status, body) {
     super(body?.error || (status ? `the box answered ${status}` : "the box does not answer"));
-    Object.assign(this, { status, where: body?.where, hint: body?.hint });
+    Object.assign(this, { status, where: body?.where, hint: status === 401 && body?.hint ? "enter it by the button at the top" : body?.hint }); /* programs are told of a header */
   }
 
   /* All of it in one line. */
   get text() {
-    return [this.where && `${this.where}: `, this.message, this.hint && ` (${this.hint})`].filter(Boolean).join("");
+    return refusal({ where: this.where, error: this.message, hint: this.hint });
   }
 }
 
@@ -55,8 +63,9 @@ async function send(method, path, body, type = "application/json") {
 
 export const post = (path, body) => send("POST", path, body);
 export const put = (path, body) => send("PUT", path, body);
-export const postPlan = (path, text) => send("POST", path, text, "application/yaml");
+export const postYaml = (path, text) => send("POST", path, text, "application/yaml");
 export const putPlan = (name, text) => send("PUT", `plans/${encodeURIComponent(name)}`, text, "application/yaml");
+export const putBoard = (name, text) => send("PUT", `boards/${encodeURIComponent(name)}`, text, "application/yaml");
 export const remove = (path) => send("DELETE", path);
 
 /* Lines of "events" or "notes", or those in the last so many bytes; what is no JSON, as after a crash or where that cuts, is passed over. */

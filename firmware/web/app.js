@@ -10,6 +10,7 @@ import { plan } from "./plan.js";
 import { datasets } from "./datasets.js";
 import { dataset } from "./dataset.js";
 import { calibrate } from "./calibrate.js";
+import { boards } from "./boards.js";
 
 const $ = (id) => document.getElementById(id);
 const box = new Box();
@@ -22,12 +23,13 @@ const PARTS = [
   [/^#\/data$/, "Datasets", datasets],
   [/^#\/data\/([A-Za-z0-9._-]+)$/, "Dataset", dataset],
   [/^#\/calibrate$/, "Calibrate", calibrate],
+  [/^#\/boards$/, "Boards", boards],
   [/^#?\/?$/, "Now", now],
 ];
 
 function show() {
   const hash = location.hash || "#/";
-  if (!box.session.box && /^#\/?(live|plan|calibrate)?$/.test(hash)) {
+  if (!box.session.box && /^#\/?(live|plan|calibrate|boards)?$/.test(hash)) {
     location.replace("#/data");
     return;
   }

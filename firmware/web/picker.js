@@ -43,6 +43,7 @@ export class Picker {
       overlay.addEventListener(end, () => (this.from = null));
     this.build();
     this.size(camera);
+    new ResizeObserver(() => this.draw()).observe(overlay); /* marks are as large on a screen that was turned */
   }
 
   /* Of which camera the picture is. */
@@ -68,6 +69,10 @@ export class Picker {
         this.corners = [];
       this.corners.push(p);
       this.changed();
+      if (this.corners.length === 4) { /* one click too many does not take them away */
+        this.choose("corners");
+        this.hint.textContent = "All four corners are marked.";
+      }
     } else {
       this.from = p;
     }
@@ -92,11 +97,12 @@ export class Picker {
     for (const rect of [this.region, this.reference].filter(Boolean))
       for (const style of ["region under", "region"])
         shape(this.overlay, "rect", { ...rect, class: style });
-    const r = Math.max(this.width, this.height) / 90;
+    const r = Math.max(Math.max(this.width, this.height) / 90, 7 * this.width / (this.overlay.clientWidth || this.width)); /* on a phone, too, numbers can be read */
     this.corners.forEach((p, i) => {
       for (const style of ["corner under", "corner"])
         shape(this.overlay, "path", { class: style, d: `M${p.x - r} ${p.y}h${2 * r}M${p.x} ${p.y - r}v${2 * r}` });
-      const text = shape(this.overlay, "text", { x: p.x + r, y: p.y - r, fill: "#fff", stroke: "#000", "stroke-width": r / 8, "paint-order": "stroke", "font-size": 2.4 * r });
+      const right = i === 1 || i === 2, below = i >= 2; /* within the chart: outside of it the picture may end */
+      const text = shape(this.overlay, "text", { x: p.x + (right ? -r : r), y: p.y + (below ? -0.6 * r : 2.4 * r), "text-anchor": right ? "end" : "start", fill: "#fff", stroke: "#000", "stroke-width": r / 2, "paint-order": "stroke", "font-size": 2.4 * r, "font-weight": 700 });
       text.textContent = i + 1;
     });
     const what = [this.region && "the region", this.reference && "the reference patch", this.corners.length && `${this.corners.length} corners`].filter(Boolean);
@@ -123,7 +129,7 @@ export class Picker {
               this.corners.push({ x: 0, y: 0 });
             this.corners[i] = { ...this.corners[i], [key]: value };
           }))), h("button", { type: "button", onclick: () => { this.corners = []; this.changed(); } }, "Clear")))),
-      this.text = h("pre", { tabindex: 0, "aria-label": "What was picked, as a plan has it" }));
+      this.text = h("pre", { class: "picked", tabindex: 0, "aria-label": "What was picked, as a plan has it" }));
     this.numbers();
   }
 
@@ -146,7 +152,7 @@ export class Picker {
     for (const b of this.form.querySelectorAll("[data-mode]"))
       b.setAttribute("aria-pressed", String(b.dataset.mode === this.mode));
     this.hint.textContent = { region: "Drag from one corner of the region to the other.", reference: "Drag over a grey patch that does not change.",
-      corners: `Click the chart's corners in this order: ${CORNERS.join(", ")}.` }[this.mode] || "Draw in the picture, or type numbers, in the camera's pixels.";
+      corners: `Click the corners of the chart's patches, clockwise from "dark skin". Where it lies upright that is ${CORNERS.join(", ")}.` }[this.mode] || "Draw in the picture, or type numbers, in the camera's pixels.";
   }
 
   numbers() {
@@ -168,10 +174,9 @@ export function cornersOption({ corners }) {
   return corners.length === 4 ? `--corners ${corners.map((p) => `${p.x},${p.y}`).join(",")}` : "";
 }
 
-/* As a plan's lines, and the corners as `ttfbox calibrate chart` takes them. */
-export function pickedText(marks) {
-  const { region, reference } = marks, corners = cornersOption(marks);
+/* As a plan's lines; the corners, which are none, behind a #. */
+export function pickedText({ region, reference, corners }) {
   const rect = (name, r) => r && `${name}: {x: ${r.x}px, y: ${r.y}px, width: ${r.width}px, height: ${r.height}px}`;
   return [rect("region", region), rect("reference", withinRegion(reference, region)),
-    corners && `# chart: ${corners}`].filter(Boolean).join("\n");
+    corners.length === 4 && `# corners of the chart: ${corners.map((p) => `${p.x},${p.y}`).join(" ")}`].filter(Boolean).join("\n");
 }

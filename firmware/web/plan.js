@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* plan.js: from a sample to a run: what, how often, under which light; checked by the box as one types. */
 import { h, fill, renew, say, ask } from "./dom.js";
-import { get, getText, post, postPlan, putPlan, remove } from "./api.js";
+import { get, getText, post, postYaml, putPlan, remove } from "./api.js";
 import { PRESETS, UNITS, nameOf, planText, presetChoice } from "./presets.js";
 import { picked, withinRegion } from "./picker.js";
+import { forget, keep as keepDraft, kept, putValues, valuesOf } from "./draft.js";
 import { figures, judgement, startOf } from "./verdict.js";
 import { exposureWords, span, today } from "./words.js";
 
@@ -12,7 +13,7 @@ const ZONE = Intl.DateTimeFormat().resolvedOptions().timeZone;
 function quantity(label, [n, unit], units, again) {
   const number = h("input", { type: "number", min: 0, step: "any", value: n, required: true, oninput: again, "aria-label": label });
   const choice = h("select", { onchange: again, "aria-label": `${label}, unit` }, units.map((u) => h("option", { selected: u === unit }, u)));
-  return { element: h("div", { class: "field" }, h("span", { "aria-hidden": "true" }, label), h("div", { class: "pair" }, number, choice)),
+  return { element: h("div", { class: "field" }, h("span", { "aria-hidden": "true" }, label), h("div", { class: "pair" }, number, choice)), number, choice,
     get: () => [Number(number.value), choice.value],
     set([value, u]) {
       number.value = value;
@@ -27,12 +28,12 @@ function select(label, options, again) {
 
 export function plan(main, box) {
   let ended = false, timer = 0, by_hand = false, named_by_hand = false, check_number = 0, about = null, ok = false, own = null; /* the plan that was opened or saved here */
-  const judged = h("div", { role: "status" }), takes = h("div"), text = h("textarea", { rows: 18, spellcheck: "false", oninput: () => { by_hand = true; say(hand, "Changed by hand: the form above no longer changes it."); later(); } });
+  const judged = h("div", { role: "status" }), takes = h("div"), text = h("textarea", { rows: 18, spellcheck: "false", oninput: () => { by_hand = true; say(hand, "Changed by hand: the form above no longer changes it."); remember(); later(); } });
   const hand = h("p", { class: "quiet" }), said = h("p", { class: "bad", role: "alert" }), well = h("p", { class: "good", role: "status" }), list = h("div");
 
   /* ---- the form ---- */
 
-  const changed = () => { write(); compare(); later(); };
+  const changed = () => { write(); compare(); remember(); later(); };
   const preset = h("div", { class: "presets" }, PRESETS.map((p, i) => h("label", {},
     h("input", { type: "radio", name: "preset", value: p.id, checked: i === 0, onchange: () => choose(p) }), h("span", {}, p.title),
     h("small", {}, `every ${span(p.interval[0] * UNITS[p.interval[1]])} for ${span(p.duration[0] * UNITS[p.duration[1]])}. ${p.text}`))));
@@ -51,6 +52,48 @@ export function plan(main, box) {
   const region = h("input", { type: "checkbox", onchange: changed }), reference = h("input", { type: "checkbox", onchange: changed });
   const lamps_box = h("div", { class: "fields" }), suits = h("div", { class: "stack" }), camera_box = h("div", { hidden: true });
   let lamps = [], camera = null;
+  const fields = { title, name, start, mode: mode.e, dawn, exposure, gain, mains: mains.e, keep: keep.e, region, reference };
+  for (const [called, { number, choice: unit }] of Object.entries({ interval, duration, settle, day, period }))
+    Object.assign(fields, { [called]: number, [`${called}_unit`]: unit });
+  const lamp_fields = () => Object.fromEntries(lamps.map(({ lamp, input }) => [lamp.name, input]));
+  const chosen_preset = () => PRESETS.find((p) => p.id === preset.querySelector(":checked")?.value);
+
+  /* What was typed, and what had been picked in live view by then: what is picked later counts more. */
+  function remember() {
+    if (about)
+      keepDraft("plan", { preset: chosen_preset()?.id, values: valuesOf(fields), lamps: valuesOf(lamp_fields()), camera: camera?.value, text: by_hand ? text.value : null, hand: hand.textContent, named_by_hand, own, marks });
+  }
+
+  function restore(d) {
+    putValues(fields, d.values);
+    putValues(lamp_fields(), d.lamps);
+    if (camera && d.camera)
+      camera.value = d.camera;
+    for (const radio of preset.querySelectorAll("input"))
+      radio.checked = radio.value === d.preset;
+    ({ named_by_hand, own } = d);
+    take_picked(d.marks);
+    by_hand = d.text !== null;
+    if (by_hand)
+      text.value = d.text;
+    as_text.open = by_hand;
+    say(hand, d.hand);
+    shown();
+    changed();
+  }
+
+  /* What was picked in live view, as far as it is not what it was; at first: all of it. */
+  const marks = picked();
+  function take_picked(before) {
+    for (const [field, mark] of [[exposure, "exposure_ms"], [gain, "gain"]])
+      if (marks[mark] > 0 && marks[mark] !== before?.[mark])
+        field.value = marks[mark];
+    for (const [field, mark] of [[region, "region"], [reference, "reference"]]) {
+      field.disabled = !marks[mark];
+      if (!marks[mark] || JSON.stringify(marks[mark]) !== JSON.stringify(before?.[mark] ?? null))
+        field.checked = !!marks[mark];
+    }
+  }
 
   /* After the title and the day, until somebody gives it another name. */
   function name_it() {
@@ -87,10 +130,9 @@ export function plan(main, box) {
   }
 
   function choice() {
-    const p = PRESETS.find((x) => x.id === main.querySelector('[name="preset"]:checked')?.value), marks = picked();
     return { title: title.value, interval: interval.get(), duration: duration.get(), start: start.value ? new Date(start.value).toISOString().replace(/\.\d+Z/, "Z") : null,
       mode: mode.e.value, settle: settle.element.hidden ? null : settle.get(), day: day.get(), period: period.get(),
-      day_start: dawn.value || null, zone: ZONE, channel: p?.channel,
+      day_start: dawn.value || null, zone: ZONE, channel: chosen_preset()?.channel,
       camera: camera?.value, lamps: Object.fromEntries(lamps.map(({ lamp, input }) => [lamp.name, Number(input.value)])),
       exposure_ms: Number(exposure.value), gain: Number(gain.value), mains: mains.e.value, keep: keep.e.value,
       region: region.checked ? marks.region : null, reference: reference.checked ? withinRegion(marks.reference, region.checked ? marks.region : null) : null };
@@ -149,7 +191,7 @@ export function plan(main, box) {
       return;
     }
     try {
-      const got = await postPlan("plans/check", text.value);
+      const got = await postYaml("plans/check", text.value);
       if (ended || number !== check_number)
         return;
       ok = got.ok;
@@ -188,12 +230,13 @@ export function plan(main, box) {
         return;
       await putPlan(name.value, text.value);
       own = name.value;
+      remember();
       say(well, `The plan ${name.value} is on the box.`);
       if (then_start) {
         if (busy()) {
           say(said, "Another run is under way: stop it first. The plan is saved.");
         } else {
-          await start_run({ plan: name.value, dataset: name.value });
+          await start_run({ plan: name.value, dataset: name.value }, () => forget("plan"));
           return;
         }
       }
@@ -204,8 +247,9 @@ export function plan(main, box) {
   }
 
   /* What is shown next is the new run, not the one before. */
-  async function start_run(what) {
+  async function start_run(what, begun) {
     const { dataset } = await post("run", what);
+    begun?.();
     for (let looks = 0; looks < 20 && box.status?.run?.dataset !== dataset; looks++) {
       await new Promise((go_on) => setTimeout(go_on, 150));
       await box.look();
@@ -245,7 +289,8 @@ export function plan(main, box) {
     }
     by_hand = true;
     own = name.value = called;
-    say(hand, `This is ${called}, as it lies on the box. Choose a sample above to begin anew.`);
+    say(hand, `This is ${called}, as it lies on the box. Begin anew, or choose another sample, to leave it so.`);
+    remember();
     check();
     as_text.open = true;
     text.focus();
@@ -273,7 +318,8 @@ export function plan(main, box) {
   const no_token = h("p", { class: "quiet" }, "To save or start one, enter the token.");
   const step = (n, head, ...content) => h("fieldset", {}, h("legend", {}, `${n}. ${head}`), content);
   const form = h("form", { onsubmit: (e) => e.preventDefault() },
-    step(1, "What is photographed?", preset),
+    step(1, "What is photographed?", h("div", { class: "stack" }, preset, h("div", { class: "row" }, h("button", { type: "button", onclick: () => choose(chosen_preset() || PRESETS[0]) }, "Begin anew"),
+      h("span", { class: "quiet" }, "What you type stays in this tab until the run is begun.")))),
     step(2, "How often, how long?", h("div", { class: "fields" }, interval.element, duration.element,
       h("label", { class: "field" }, "Begin (empty: at once)", start), h("label", { class: "field" }, "Title", title), h("label", { class: "field" }, "Name of plan and dataset", name)),
       h("p", { class: "quiet" }, `Times of day are those of this device: ${ZONE}.`)),
@@ -288,16 +334,7 @@ export function plan(main, box) {
     h("section", { class: "card" }, h("h2", {}, "What it takes"), judged, takes, h("div", { class: "row end" }, actions), said, well, no_token),
     h("section", { class: "card" }, h("h2", {}, "Plans on this box"), list)));
 
-  const marks = picked();
-  if (marks.exposure_ms > 0) /* as it was set in live view */
-    exposure.value = marks.exposure_ms;
-  if (marks.gain > 0)
-    gain.value = marks.gain;
-  region.checked = !!marks.region;
-  region.disabled = !marks.region;
-  reference.checked = !!marks.reference;
-  reference.disabled = !marks.reference;
-
+  take_picked(null);
   async function ask_devices() {
     const got = await get("box");
     if (ended || about)
@@ -310,7 +347,11 @@ export function plan(main, box) {
       camera_box.hidden = false;
       fill(camera_box, h("label", { class: "field" }, "Camera", camera));
     }
-    choose(PRESETS[0]);
+    const draft = kept("plan");
+    if (draft)
+      restore(draft);
+    else
+      choose(PRESETS[0]);
   }
 
   /* At first, and when a box that was away is there again; what was typed meanwhile stays. */

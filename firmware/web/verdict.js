@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* verdict.js: what the box says of a plan: figures, storage, what is wrong. */
 import { h, facts } from "./dom.js";
+import { refusal } from "./api.js";
 import { bytes, count, span, when } from "./words.js";
 
 /* When a plan's text has it begin, in milliseconds; undefined: at once; null: as only the box can tell. */
@@ -15,14 +16,16 @@ function until(ns, ready_ns, start) {
   return start === undefined ? `, until ${when(Date.now() * 1e6 + ready_ns + ns)} if begun now` : `, from ${when(start * 1e6)} until ${when(start * 1e6 + ns)}`;
 }
 
-/* Whether it can be done, and what is in the way. */
-export function judgement({ ok, findings = [] }) {
+/* What the box found, below `yes` or `no`. */
+export function findings({ ok, findings: all = [] }, yes, no) {
   return [
-    h("p", { class: ok ? "good" : "bad" }, h("strong", {}, ok ? "This box can do it." : "This box cannot do it as it stands.")),
-    findings.length > 0 && h("ul", {}, findings.map((one) => h("li", { class: `finding-${one.level}` },
-      `${one.where ? `${one.where}: ` : ""}${one.text}${one.hint ? ` (${one.hint})` : ""}`))),
+    h("p", { class: ok ? "good" : "bad" }, h("strong", {}, ok ? yes : no)),
+    all.length > 0 && h("ul", {}, all.map((one) => h("li", { class: `finding-${one.level}` }, refusal({ ...one, error: one.text })))),
   ];
 }
+
+/* Whether a plan can be done, and what is in the way. */
+export const judgement = (got) => findings(got, "This box can do it.", "This box cannot do it as it stands.");
 
 /* What it takes; `start`: startOf its text. */
 export function figures(f, start) {

@@ -30,10 +30,10 @@ export class Daemon {
   }
 
   /* From the next start on; `what`: of the simulated box, in place of what the board says. */
-  configure(what) {
+  configure(what, [width, height] = [192, 128]) {
     writeFileSync("box.yaml", [
       `board: ${process.env.SOURCE}/boards/sim-small/board.yaml`, "data: data", "token_file: token", `listen: ["127.0.0.1:${this.port}"]`, "retry: 1s",
-      `set: {sim.clock: real, ${what}, lamps.left.warm_up: 500ms, lamps.right.warm_up: 500ms, sim.sensor.width: 192px, sim.sensor.height: 128px}`, ""].join("\n"));
+      `set: {sim.clock: real, ${what}, lamps.left.warm_up: 500ms, lamps.right.warm_up: 500ms, sim.sensor.width: ${width}px, sim.sensor.height: ${height}px}`, ""].join("\n"));
   }
 
   async start() {

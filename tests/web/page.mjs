@@ -166,12 +166,12 @@ async function a_charts_corners_go_into_the_calibration() {
   const box = await svg.boundingBox();
   for (const [u, v] of [[0.2, 0.2], [0.8, 0.2], [0.8, 0.8], [0.2, 0.8]])
     await page.mouse.click(box.x + box.width * u, box.y + box.height * v);
-  const corners = (await picked.textContent()).match(/--corners (\d+),(\d+),(\d+),(\d+),(\d+),(\d+),(\d+),(\d+)$/m).slice(1).map(Number);
+  const corners = (await picked.textContent()).match(/^# corners of the chart: (\d+),(\d+) (\d+),(\d+) (\d+),(\d+) (\d+),(\d+)$/m).slice(1).map(Number);
   assert.ok(corners[0] < corners[2] && corners[1] < corners[5] && corners[0] === corners[6] && corners[1] === corners[3], `clockwise from the top left: ${corners}`);
   await go("Calibrate");
   await page.getByText("By hand, at the box").click();
   await page.getByText("ttfbox calibrate chart").waitFor();
-  assert.match(await picked.textContent(), /--corners \d/);
+  assert.match(await picked.textContent(), /^# corners of the chart: \d/m);
 }
 
 /* A box in daylight is not dark: refused. In its place one that is, with a white target in it. */

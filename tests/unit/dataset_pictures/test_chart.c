@@ -260,7 +260,7 @@ static void what_is_no_chart_is_refused_with_the_reason(void **state)
         memcpy(s.chart.lab[i], s.chart.lab[TTF_CHART_GREY - 1 - i], sizeof(other));
         memcpy(s.chart.lab[TTF_CHART_GREY - 1 - i], other, sizeof(other));
     }
-    assert_refused(&c, &s, &all, "not the colours of this chart", "--values");
+    assert_refused(&c, &s, &all, "not the colours of this chart", "values of its own");
     ttf_calibration_free(&c);
 }
 
@@ -297,7 +297,7 @@ static void a_chart_is_measured_after_the_flat(void **state)
 
     begin(&c, &s);
     ttf_calibration_init(&empty);
-    assert_refused(&empty, &s, &view, "no flat yet", "calibrate flat");
+    assert_refused(&empty, &s, &view, "no flat yet", "after a flat");
     ttf_calibration_free(&c);
 }
 

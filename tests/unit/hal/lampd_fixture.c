@@ -120,6 +120,8 @@ void lampd_fixture_stop(struct lampd_fixture *f)
 
 void lampd_fixture_free(struct lampd_fixture *f)
 {
+    for (unsigned i = 0; i < LAMPD_CLIENTS; i++)
+        ttf_lamps_destroy(f->clients[i]); /* its thread waits by the clock */
     lampd_fixture_stop(f);
     ttf_lines_destroy(f->lines);
     ttf_clock_destroy(f->clock);
@@ -179,12 +181,26 @@ int64_t wait_for_wire(const struct lampd_fixture *f, unsigned i, char level, int
     return now_ns - from_ns;
 }
 
-struct ttf_lamps *lampd_fixture_client(const struct lampd_fixture *f)
+struct ttf_lamps *lampd_fixture_client(struct lampd_fixture *f)
 {
-    struct ttf_lamps *lamps = NULL;
     struct ttf_err err = {0};
+    unsigned i = 0;
 
-    if (ttf_lamps_lampd_create(f->socket, f->clock, &lamps, &err) < 0)
+    while (i < LAMPD_CLIENTS && f->clients[i])
+        i++;
+    assert_true(i < LAMPD_CLIENTS);
+    if (ttf_lamps_lampd_create(f->socket, f->clock, &f->clients[i], &err) < 0)
         fail_msg("%s: %s", err.where, err.what);
-    return lamps;
+    return f->clients[i];
+}
+
+void lampd_fixture_part(struct lampd_fixture *f, struct ttf_lamps *client)
+{
+    unsigned i = 0;
+
+    while (i < LAMPD_CLIENTS && f->clients[i] != client)
+        i++;
+    assert_true(i < LAMPD_CLIENTS);
+    f->clients[i] = NULL;
+    ttf_lamps_destroy(client);
 }

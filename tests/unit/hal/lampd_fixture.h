@@ -8,7 +8,8 @@
 
 #include "ttf/hal/lampd.h"
 
-#define LAMPD_LAMPS 2 /* "left" on wire 0, "right" on wire 1 (active low); the door is wire 2 */
+#define LAMPD_LAMPS   2 /* "left" on wire 0, "right" on wire 1 (active low); the door is wire 2 */
+#define LAMPD_CLIENTS 4
 
 /* A thermometer that tests set. */
 struct test_heat {
@@ -28,6 +29,7 @@ struct lampd_fixture {
     volatile int stop;
     pthread_t thread;
     bool running;
+    struct ttf_lamps *clients[LAMPD_CLIENTS]; /* NULL: room for one */
 };
 
 /* cmocka setup and teardown: *state is the fixture. The lamps have no limits. */
@@ -42,8 +44,12 @@ void lampd_fixture_start(struct lampd_fixture *f);
 void lampd_fixture_stop(struct lampd_fixture *f); /* the guardian alone */
 void lampd_fixture_free(struct lampd_fixture *f);
 
-/* A client of it; the test fails if there is none. Free with ttf_lamps_destroy. */
-struct ttf_lamps *lampd_fixture_client(const struct lampd_fixture *f);
+/*
+ * A client of it; the test fails if there is none. It ends with the fixture, before the clock that it waits by: a test
+ * whose assertion failed frees nothing. Or earlier, by lampd_fixture_part.
+ */
+struct ttf_lamps *lampd_fixture_client(struct lampd_fixture *f);
+void lampd_fixture_part(struct lampd_fixture *f, struct ttf_lamps *client);
 
 /* What somebody who looks at wire i from outside sees: '0' or '1'; and moves it. */
 char wire(const struct lampd_fixture *f, unsigned i);

@@ -6,11 +6,13 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <dirent.h>
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
@@ -80,7 +82,7 @@ static void wires_follow_commands_whatever_their_polarity(void **state)
     ttf_lamps_release(lamps);
     assert_int_equal(wire(f, 0), '0');
     assert_int_equal(wire(f, 1), '1');
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
 }
 
 static void only_the_holder_lights_but_anyone_darkens(void **state)
@@ -94,9 +96,9 @@ static void only_the_holder_lights_but_anyone_darkens(void **state)
     assert_int_equal(wire(f, 0), '1');
     assert_int_equal(ttf_lamps_set(other, 0, 0, NULL), 0);
     assert_int_equal(wire(f, 0), '0');
-    ttf_lamps_destroy(holder);
+    lampd_fixture_part(f, holder);
     assert_int_equal(ttf_lamps_acquire(other, in(f, TTF_NS_PER_S), NULL), 0);
-    ttf_lamps_destroy(other);
+    lampd_fixture_part(f, other);
 }
 
 /* A process that has lit lamp 0. */
@@ -112,6 +114,7 @@ static pid_t child(struct lampd_fixture *f, int64_t life_ms, const char *what)
     assert_true(pid >= 0);
     if (pid == 0) {
         (void)dup2(out[1], STDOUT_FILENO);
+        (void)prctl(PR_SET_PDEATHSIG, SIGKILL); /* also of a test that fails before its end() */
         execl(LAMPD_CHILD, LAMPD_CHILD, f->socket, life, what, (char *)NULL);
         _exit(127);
     }
@@ -137,7 +140,7 @@ static void a_killed_client_leaves_the_lamps_dark(void **state)
     end(pid);
     wait_for_wire(f, 0, '0', MUCH_LATER_NS);
     next = lit_client(f); /* its lease is free at once */
-    ttf_lamps_destroy(next);
+    lampd_fixture_part(f, next);
 }
 
 static void a_stopped_client_loses_its_lease_and_is_told(void **state)
@@ -184,7 +187,7 @@ static void who_speaks_another_language_is_let_go(void **state)
     }
     assert_int_equal(wire(f, 0), '1');
     assert_int_equal(ttf_lamps_alive(lamps, in(f, TTF_NS_PER_H), NULL), 0);
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
 }
 
 static void an_open_door_darkens_what_is_interlocked(void **state)
@@ -209,7 +212,7 @@ static void an_open_door_darkens_what_is_interlocked(void **state)
         ;
     assert_int_equal(wire(f, 0), '0'); /* nothing lights by itself */
     assert_int_equal(ttf_lamps_set(lamps, 0, 1000, NULL), 0);
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
 }
 
 static void wait_for_trip(struct lampd_fixture *f, struct ttf_lamps *lamps, enum ttf_lamp_trip trip)
@@ -248,7 +251,7 @@ static void heat_darkens_a_lamp_until_it_has_cooled(void **state)
     wait_for_wire(f, 0, '0', MUCH_LATER_NS);
     assert_int_equal(look(lamps, 0).trip, TTF_TRIP_TEMP);
     assert_int_equal(ttf_lamps_set(lamps, 0, 1000, NULL), -EPERM);
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
 }
 
 static void a_sensor_that_hangs_does_not_hang_the_guardian(void **state)
@@ -266,7 +269,7 @@ static void a_sensor_that_hangs_does_not_hang_the_guardian(void **state)
     wait_for_trip(f, lamps, TTF_TRIP_TEMP_MISSING); /* after 10 s */
     assert_int_equal(wire(f, 0), '0');
     assert_int_equal(ttf_lamps_set(lamps, 1, 1000, NULL), 0); /* it has no limit */
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
 }
 
 static void a_guardian_that_ends_darkens_and_another_is_found(void **state)
@@ -286,7 +289,7 @@ static void a_guardian_that_ends_darkens_and_another_is_found(void **state)
     assert_int_equal(ttf_lamps_acquire(lamps, in(f, TTF_NS_PER_H), NULL), 0);
     assert_int_equal(ttf_lamps_set(lamps, 0, 1000, NULL), 0);
     assert_int_equal(wire(f, 0), '1');
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
 }
 
 /* A guardian that hangs: it listens, and hears nobody. */
@@ -322,7 +325,7 @@ static void a_guardian_that_hangs_does_not_hang_its_clients(void **state)
     assert_int_equal(ttf_lamps_lampd_create(f->socket, f->clock, &another, NULL), -ENODEV);
     assert_int_equal(second_guardian(f), -EADDRINUSE);
     (void)alarm(0);
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
     (void)close(deaf);
     (void)unlink(f->socket);
 }
@@ -335,7 +338,7 @@ static void two_guardians_are_one_too_many(void **state)
     assert_int_equal(second_guardian(f), -EADDRINUSE);
     assert_int_equal(ttf_lamps_alive(lamps, in(f, TTF_NS_PER_H), NULL), 0);
     assert_int_equal(wire(f, 0), '1');
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
 }
 
 static void a_chip_that_vanishes_is_found_again_dark(void **state)
@@ -360,7 +363,7 @@ static void a_chip_that_vanishes_is_found_again_dark(void **state)
     while (ttf_lamps_set(lamps, 0, 1000, NULL) == -ENODEV)
         (void)ttf_clock_wait_until(f->clock, in(f, 20 * MS));
     assert_int_equal(wire(f, 0), '1');
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
 }
 
 static void a_running_guardian_allocates_nothing(void **state)
@@ -376,7 +379,37 @@ static void a_running_guardian_allocates_nothing(void **state)
     }
     after = alloc_hook_counts(ALLOC_ALL);
     assert_int_equal(after.calls - before.calls, 0);
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
+}
+
+static unsigned threads(void)
+{
+    DIR *tasks = opendir("/proc/self/task");
+    unsigned n = 0;
+
+    assert_non_null(tasks);
+    while (readdir(tasks)) /* NOLINT(concurrency-mt-unsafe): a stream of its own */
+        n++;
+    (void)closedir(tasks);
+    return n;
+}
+
+/* What a test leaves whose assertion failed: nothing of it may live beside the tests after it. */
+static void clients_end_before_the_clock_that_they_wait_by(void **state)
+{
+    unsigned before = threads(), guarded;
+    struct lampd_fixture *f;
+
+    (void)lampd_setup(state);
+    f = *state;
+    guarded = threads();
+    (void)lit_client(f);
+    (void)lampd_fixture_client(f);
+    assert_int_equal(threads(), guarded + 2); /* a renewer of each */
+    (void)lampd_teardown(state);
+    for (unsigned n = 0; n < 2000 && threads() != before; n++)
+        (void)usleep(1000); /* joined, and yet a moment in the list */
+    assert_int_equal(threads(), before);
 }
 
 int main(void)
@@ -398,6 +431,7 @@ int main(void)
         GUARDED(two_guardians_are_one_too_many),
         GUARDED(a_chip_that_vanishes_is_found_again_dark),
         GUARDED(a_running_guardian_allocates_nothing),
+        cmocka_unit_test(clients_end_before_the_clock_that_they_wait_by),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

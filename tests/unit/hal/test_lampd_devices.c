@@ -100,7 +100,7 @@ static void a_door_whose_switch_bounced_is_where_it_came_to_rest(void **state)
     while (atomic_load(&bank.edges) > 0)
         (void)ttf_clock_wait_until(f->clock, ttf_clock_now_ns(f->clock) + TTF_NS_PER_MS);
     assert_int_equal(ttf_lamps_lampd_door(lamps, NULL), 1);
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
 }
 
 static void edges_without_end_do_not_keep_the_guardian_from_its_clients(void **state)
@@ -113,7 +113,7 @@ static void edges_without_end_do_not_keep_the_guardian_from_its_clients(void **s
     atomic_store(&bank.edges, -1);
     for (unsigned i = 0; i < 3; i++)
         assert_int_equal(ttf_lamps_lampd_door(lamps, NULL), 0);
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
     lampd_fixture_stop(f);
     (void)alarm(0);
 }
@@ -249,7 +249,7 @@ static void a_chip_that_vanishes_takes_the_light_of_all_others_with_it(void **st
         (void)ttf_clock_wait_until(f->clock, ttf_clock_now_ns(f->clock) + 10 * TTF_NS_PER_MS);
     assert_int_equal(r, 0);
     assert_int_equal(level_in(paths[1]), '0');
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
     for (unsigned i = 0; i < 3; i++)
         (void)unlink(paths[i]);
 }
@@ -285,7 +285,7 @@ static void levels_reach_a_channel_and_its_light_ends_with_the_client(void **sta
     assert_int_equal(ttf_lamps_set(lamps, 1, 1000, NULL), 0);
     assert_int_equal(pwm_tree_number(&tree, "pwm1/duty_cycle"), 15050);
     assert_int_equal(pwm_tree_number(&tree, "pwm0/duty_cycle"), 50000);
-    ttf_lamps_destroy(lamps);
+    lampd_fixture_part(f, lamps);
     for (unsigned n = 0; n < 20000 && pwm_tree_number(&tree, "pwm1/enable") != 0; n++)
         (void)ttf_clock_wait_until(f->clock, ttf_clock_now_ns(f->clock) + TTF_NS_PER_MS);
     assert_int_equal(pwm_tree_number(&tree, "pwm1/enable"), 0);
