@@ -17,10 +17,12 @@ int64_t ttf_plan_end_ns(const struct ttf_plan *plan, const struct ttf_run_clock 
     int64_t end;
 
     if (plan->end == TTF_END_LENGTH)
-        return ttf_add_i64(clock->slot0_ns - clock->gaps_ns, plan->length_ns, &end) ? end
-                                                                                    : TTF_NS_NEVER;
+        return ttf_add_i64(ttf_near_difference_i64(clock->slot0_ns, clock->gaps_ns),
+                           plan->length_ns, &end)
+                   ? end
+                   : TTF_NS_NEVER;
     if (plan->end == TTF_END_UNTIL && clock->utc_offset_ns != TTF_NS_UNKNOWN)
-        return plan->until_utc_ns - clock->utc_offset_ns;
+        return ttf_near_difference_i64(plan->until_utc_ns, clock->utc_offset_ns);
     return TTF_NS_UNKNOWN;
 }
 

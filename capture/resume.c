@@ -5,11 +5,12 @@
 #include <string.h>
 
 #include "ledger.h"
+#include "ttf/base/checked.h"
 #include "ttf/base/time.h"
 
 static bool vouched(const struct ttf_segment *s)
 {
-    return s->origin_utc_ns != TTF_NS_UNKNOWN && ttf_segment_trust(s) != TTF_TRUST_NONE;
+    return ttf_segment_has_utc(s) && ttf_segment_trust(s) != TTF_TRUST_NONE;
 }
 
 static struct ttf_grid grid_of(const struct ttf_segment *s)
@@ -48,8 +49,8 @@ static int resolve_new(const struct ttf_resume_input *in, struct ttf_resume *r, 
 static struct ttf_run_clock clock_of(const struct ttf_resume_input *in, const struct ttf_grid *grid,
                                      int64_t gaps_ns, int64_t utc_offset_ns)
 {
-    return (struct ttf_run_clock){grid->origin_ns - in->elapsed_ns, gaps_ns, utc_offset_ns,
-                                  TTF_TRUST_NONE};
+    return (struct ttf_run_clock){ttf_near_difference_i64(grid->origin_ns, in->elapsed_ns), gaps_ns,
+                                  utc_offset_ns, TTF_TRUST_NONE};
 }
 
 /* The present, or a better clock that a run before this one in this boot knew: the boot clock has kept it. */
@@ -58,7 +59,7 @@ static struct ttf_utc best_of(const struct ttf_run_past *past, const struct ttf_
     if (past->boot_trust <= now->trust)
         return *now;
     return (struct ttf_utc){.boot_ns = now->boot_ns,
-                            .utc_ns = now->boot_ns + past->boot_offset_ns,
+                            .utc_ns = ttf_near_sum_i64(now->boot_ns, past->boot_offset_ns),
                             .uncertainty_ns = past->boot_uncertainty_ns,
                             .trust = past->boot_trust,
                             .steps = now->steps};
@@ -75,7 +76,7 @@ static struct ttf_run_clock clock_of_boot(const struct ttf_resume_input *in,
     clock.trust = utc.trust;
     if (clock.trust != TTF_TRUST_NONE) {
         clock.utc_offset_ns = utc.utc_ns - utc.boot_ns;
-        slot0_utc_ns = clock.slot0_ns + clock.utc_offset_ns;
+        slot0_utc_ns = ttf_near_sum_i64(clock.slot0_ns, clock.utc_offset_ns);
     }
     clock.gaps_ns = ttf_timeline_gaps_ns(&in->past, slot0_utc_ns, gap_unknown);
     return clock;
@@ -89,7 +90,7 @@ static struct ttf_run_clock clock_of_past(const struct ttf_resume_input *in,
     struct ttf_run_clock clock = clock_of(in, grid, gaps_ns, TTF_NS_UNKNOWN);
 
     if (slot0_utc_ns != TTF_NS_UNKNOWN)
-        clock.utc_offset_ns = slot0_utc_ns - clock.slot0_ns;
+        clock.utc_offset_ns = ttf_near_difference_i64(slot0_utc_ns, clock.slot0_ns);
     return clock;
 }
 
@@ -99,16 +100,16 @@ static int64_t tolerance_ns(const struct ttf_run_past *past, const struct ttf_ut
     int64_t ns = TTF_BEHIND_NS + past->last_run_ns / TTF_BEHIND_DRIFT;
 
     if (past->last_uncertainty_ns > 0)
-        ns += past->last_uncertainty_ns;
+        ns = ttf_near_sum_i64(ns, past->last_uncertainty_ns);
     if (utc->uncertainty_ns > 0)
-        ns += utc->uncertainty_ns;
+        ns = ttf_near_sum_i64(ns, utc->uncertainty_ns);
     return utc->trust == past->last_trust && ns < TTF_BEHIND_SAME_NS ? TTF_BEHIND_SAME_NS : ns;
 }
 
 bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_utc *utc)
 {
     return utc->trust != TTF_TRUST_NONE && utc->trust <= past->last_trust &&
-           utc->utc_ns < past->last_utc_ns - tolerance_ns(past, utc);
+           utc->utc_ns < ttf_near_difference_i64(past->last_utc_ns, tolerance_ns(past, utc));
 }
 
 struct ttf_utc ttf_resume_utc(const struct ttf_run_past *past, const struct ttf_utc *now)
@@ -186,9 +187,10 @@ static bool finds_grid(const struct ttf_resume_input *in, const struct ttf_utc *
      */
     const int64_t last_utc = ttf_grid_due_ns(&before_utc, next - 1 - in->state->lost_at_end);
     const int64_t now_utc = utc->utc_ns + (in->now_ns - utc->boot_ns);
-    const int64_t early_ns = last_utc - now_utc;
+    const int64_t early_ns = ttf_near_difference_i64(last_utc, now_utc);
 
-    r->grid.origin_ns = utc->boot_ns + (ttf_grid_due_ns(&before_utc, next) - utc->utc_ns);
+    r->grid.origin_ns = ttf_near_sum_i64(
+        utc->boot_ns, ttf_near_difference_i64(ttf_grid_due_ns(&before_utc, next), utc->utc_ns));
     r->pc_gives_up = next > 0 && gives_up_all(in, &r->grid);
     r->outage_ns = -early_ns;
     return next == 0 || (!r->pc_gives_up && early_ns < last->interval_ns &&
@@ -283,6 +285,8 @@ int64_t ttf_resume_gap_ns(const struct ttf_segment *before, int64_t first_index,
 
     if (!vouched(before) || origin_utc_ns == TTF_NS_UNKNOWN)
         return TTF_NS_UNKNOWN;
-    gap = origin_utc_ns - ttf_grid_due_ns(&grid, first_index);
+    gap = ttf_near_difference_i64(origin_utc_ns, ttf_grid_due_ns(&grid, first_index));
+    if (gap < -before->interval_ns)
+        return TTF_NS_UNKNOWN;
     return gap > 0 ? gap : 0;
 }

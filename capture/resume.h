@@ -80,7 +80,8 @@ const char *ttf_resume_lost(const struct ttf_resume *resume, int64_t index,
 
 /*
  * The gap of a segment that began with a clock nobody vouched for, now that UTC
- * of its origin is known: from where `before` would have had the slot due.
+ * of its origin is known: from where `before` would have had the slot due. 0: it came at once, before that.
+ * TTF_NS_UNKNOWN where it lies before the slot before it: of two clocks one is wrong, and tells no outage.
  */
 int64_t ttf_resume_gap_ns(const struct ttf_segment *before, int64_t first_index,
                           int64_t origin_utc_ns);

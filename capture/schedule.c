@@ -21,6 +21,6 @@ int64_t ttf_grid_index_at(const struct ttf_grid *grid, int64_t t_ns)
 
     if (t_ns <= grid->origin_ns)
         return grid->first_index;
-    since = t_ns - grid->origin_ns;
+    since = ttf_near_difference_i64(t_ns, grid->origin_ns);
     return grid->first_index + since / grid->interval_ns + (since % grid->interval_ns != 0);
 }

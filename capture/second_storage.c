@@ -209,21 +209,15 @@ int ttf_second_open(struct ttf_io *io, const char *path, const struct ttf_manife
 }
 
 /* Of the last slots how many were not taken, for ttf_writer_state. */
-static int count_lost(struct ttf_reader *reader, int64_t slots, int64_t *ret, struct ttf_err *err)
+static int64_t count_lost(const struct ttf_reader *reader, int64_t slots)
 {
-    struct ttf_slot_record record;
-    bool lost = true;
+    enum ttf_result result;
+    int64_t n = 0, index;
 
-    *ret = 0;
-    for (int64_t i = slots; lost && i-- > 0; *ret += lost) {
-        int r = ttf_reader_slot(reader, i, &record, err);
-
-        if (r < 0)
-            return r;
-        lost = record.result == TTF_RESULT_POWER || record.result == TTF_RESULT_MISSED;
-        ttf_slot_record_free(&record);
-    }
-    return 0;
+    while (ttf_reader_brief(reader, slots - 1 - n, &index, &result) == 0 &&
+           (result == TTF_RESULT_POWER || result == TTF_RESULT_MISSED))
+        n++;
+    return n;
 }
 
 int ttf_second_state_of(struct ttf_io *io, const char *first, struct ttf_writer_state *ret,
@@ -244,8 +238,7 @@ int ttf_second_state_of(struct ttf_io *io, const char *first, struct ttf_writer_
     memcpy(state.counts, summary->counts, sizeof(state.counts));
     if (state.n_segments > 0)
         r = ttf_reader_segment(reader, state.n_segments - 1, &state.last_segment);
-    if (r == 0)
-        r = count_lost(reader, summary->slots, &state.lost_at_end, err);
+    state.lost_at_end = count_lost(reader, summary->slots);
     *ret_manifest = *ttf_reader_manifest(reader);
     ttf_reader_close(reader);
     if (r == 0)

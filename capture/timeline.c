@@ -6,7 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ttf/base/checked.h"
 #include "ttf/base/time.h"
+
+/*
+ * What can be reckoned with: runs of 146 years (a plan may take 100), and UTC until 2116. Two of such can be added up, and
+ * what is between 1933 and then, and outages of 73 years, as well.
+ */
+#define TIME_MAX_NS (INT64_C(1) << 62)
+#define UTC_MIN_NS  (-(INT64_C(1) << 60))
+#define GAPS_MAX_NS (INT64_C(1) << 61)
 
 /* From where `a` begins to where the segment behind it does. */
 static int64_t step_ns(const struct ttf_segment *a, const struct ttf_segment *b)
@@ -19,8 +28,12 @@ static int64_t step_ns(const struct ttf_segment *a, const struct ttf_segment *b)
 int64_t ttf_timeline_run_ns(const struct ttf_segment *segment, int64_t slot0_ns)
 {
     int64_t run_ns = segment->origin_ns - slot0_ns;
+    int64_t by_grid_ns;
 
-    return run_ns == segment->first_index * segment->interval_ns || run_ns < 0 ? 0 : run_ns;
+    if (run_ns < 0 || (ttf_mul_i64(segment->first_index, segment->interval_ns, &by_grid_ns) &&
+                       by_grid_ns == run_ns))
+        return 0;
+    return run_ns;
 }
 
 int64_t ttf_timeline_elapsed_ns(const struct ttf_segment *segments, int n)
@@ -55,6 +68,11 @@ static enum ttf_trust trust_of(const char *name)
 enum ttf_trust ttf_segment_trust(const struct ttf_segment *segment)
 {
     return trust_of(segment->trust);
+}
+
+bool ttf_segment_has_utc(const struct ttf_segment *segment)
+{
+    return segment->origin_utc_ns > UTC_MIN_NS && segment->origin_utc_ns < TIME_MAX_NS;
 }
 
 static bool by_host(const struct ttf_segment *segment)
@@ -99,7 +117,16 @@ struct known {
 
 static int64_t later_by(int64_t slot0_utc_ns, int64_t than_ns)
 {
-    return slot0_utc_ns > than_ns ? slot0_utc_ns - than_ns : 0;
+    int64_t ns;
+
+    if (slot0_utc_ns <= than_ns)
+        return 0;
+    return ttf_add_i64(slot0_utc_ns, -than_ns, &ns) ? ns : GAPS_MAX_NS;
+}
+
+static int64_t with_gap(int64_t gaps_ns, int64_t gap_ns)
+{
+    return gap_ns < GAPS_MAX_NS - gaps_ns ? gaps_ns + gap_ns : GAPS_MAX_NS;
 }
 
 /* slot0_utc_ns: as this segment has it; TTF_NS_UNKNOWN: it does not, or its word does not count. */
@@ -111,12 +138,27 @@ static void go_on(struct known *known, const struct ttf_segment *segment, bool n
         return;
     }
     if (known->open && known->slot0_utc_ns != TTF_NS_UNKNOWN)
-        known->gaps_ns += later_by(slot0_utc_ns, known->slot0_utc_ns);
+        known->gaps_ns = with_gap(known->gaps_ns, later_by(slot0_utc_ns, known->slot0_utc_ns));
     else if (segment->gap_ns > 0)
-        known->gaps_ns += segment->gap_ns;
+        known->gaps_ns = with_gap(known->gaps_ns, segment->gap_ns);
     known->slot0_utc_ns = slot0_utc_ns;
     known->trust = ttf_segment_trust(segment);
     known->open = false;
+}
+
+/*
+ * Both, with a PC's word and without. The first that is not a PC's is told the outages of before by what the PC said,
+ * as long as it is the only one.
+ */
+static void go_on_both(struct known *all, struct known *sure, const struct ttf_segment *segment,
+                       bool new_boot, int64_t slot0_utc_ns)
+{
+    const bool first = sure->slot0_utc_ns == TTF_NS_UNKNOWN;
+
+    go_on(all, segment, new_boot, slot0_utc_ns);
+    go_on(sure, segment, new_boot, by_host(segment) ? TTF_NS_UNKNOWN : slot0_utc_ns);
+    if (first && sure->slot0_utc_ns != TTF_NS_UNKNOWN)
+        sure->gaps_ns = all->gaps_ns;
 }
 
 /*
@@ -165,8 +207,7 @@ void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past
         slot0 = now.origin_utc_ns - (now.origin_ns - slot0_ns);
     all.open |= gap_unknown;
     sure.open |= gap_unknown;
-    go_on(&all, &now, false, slot0);
-    go_on(&sure, &now, false, by_host(&now) ? TTF_NS_UNKNOWN : slot0);
+    go_on_both(&all, &sure, &now, false, slot0);
     segment->run_utc_ns = 0;
     segment->run_trust[0] = '\0';
     if (all.slot0_utc_ns == TTF_NS_UNKNOWN)
@@ -188,7 +229,7 @@ int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, int64_t slot0_utc_
     if (known->slot0_utc_ns == TTF_NS_UNKNOWN || slot0_utc_ns == TTF_NS_UNKNOWN ||
         !(known->open || gap_unknown))
         return known->gaps_ns;
-    return known->gaps_ns + later_by(slot0_utc_ns, known->slot0_utc_ns);
+    return with_gap(known->gaps_ns, later_by(slot0_utc_ns, known->slot0_utc_ns));
 }
 
 struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
@@ -206,8 +247,7 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
 
         if (s->origin_utc_ns != TTF_NS_UNKNOWN)
             slot0 = s->origin_utc_ns - ttf_timeline_elapsed_ns(segments, i + 1);
-        go_on(&all, s, new_boot, slot0);
-        go_on(&sure, s, new_boot, by_host(s) ? TTF_NS_UNKNOWN : slot0);
+        go_on_both(&all, &sure, s, new_boot, slot0);
         if (strcmp(s->boot_id, boot_id) == 0)
             learn_of_boot(&past, s);
         else
@@ -224,46 +264,88 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
 }
 
 /*
- * One more than the last slot of from .. until-1 that was taken; from: none was. What a resume gives up while its lamps
- * settle is recorded before it is due, and says nothing of when it was recorded.
+ * One more than the last slot from `from` on that was taken, of the slot lines before *at; from: none was. What a resume
+ * gives up while its lamps settle is recorded before it is due, and says nothing of when it was recorded.
  */
-static int find_taken(struct ttf_reader *reader, int64_t from, int64_t until, int64_t *ret,
-                      struct ttf_err *err)
+static int64_t find_taken(const struct ttf_reader *reader, int64_t from, int64_t *at)
 {
-    struct ttf_slot_record record;
-    bool lost = true;
+    int64_t taken_until = from, index;
+    enum ttf_result result;
 
-    while (until > from) {
-        int64_t at = ttf_reader_find(reader, until - 1);
-        int r = at < 0 ? 0 : ttf_reader_slot(reader, at, &record, err);
+    for (; ttf_reader_brief(reader, *at - 1, &index, &result) == 0 && index >= from; (*at)--)
+        if (taken_until == from && result != TTF_RESULT_POWER && result != TTF_RESULT_MISSED)
+            taken_until = index + 1;
+    return taken_until;
+}
 
-        if (r < 0)
-            return r;
-        if (at >= 0) {
-            lost = record.result == TTF_RESULT_POWER || record.result == TTF_RESULT_MISSED;
-            ttf_slot_record_free(&record);
-        }
-        if (!lost)
-            break;
-        until--;
+static bool in_reach(int64_t ns)
+{
+    return ns > -TIME_MAX_NS && ns < TIME_MAX_NS;
+}
+
+/* Of what may be unknown, what no clock can have said counts as that. */
+static void forget_beyond_reach(struct ttf_segment *s)
+{
+    if (!ttf_segment_has_utc(s))
+        s->origin_utc_ns = TTF_NS_UNKNOWN;
+    if (s->uncertainty_ns >= TIME_MAX_NS)
+        s->uncertainty_ns = TTF_NS_UNKNOWN;
+    if (s->gap_ns >= TIME_MAX_NS)
+        s->gap_ns = TTF_NS_UNKNOWN;
+    if (s->run_utc_ns >= TIME_MAX_NS)
+        s->run_utc_ns = 0;
+}
+
+/* Its slots before `until`, and where it lies on its clock: the run's time is added up of such. */
+static bool segment_in_reach(const struct ttf_segment *s, int64_t until)
+{
+    int64_t span_ns;
+
+    return in_reach(s->origin_ns) && in_reach(s->first_index) && in_reach(until) &&
+           in_reach(s->interval_ns) && in_reach(s->run_ns) &&
+           ttf_mul_i64(until - s->first_index, s->interval_ns, &span_ns) && in_reach(span_ns);
+}
+
+/* A foreign dataset's may be beyond all reckoning: it is refused here, once. until: one more than its last slot. */
+static int expect_in_reach(const struct ttf_segment *segments, int n, int64_t until,
+                           const char *path, struct ttf_err *err)
+{
+    int64_t elapsed_ns = 0;
+
+    for (int i = 0; i < n; i++) {
+        const struct ttf_segment *s = &segments[i];
+        bool ok = segment_in_reach(s, i + 1 < n ? segments[i + 1].first_index : until);
+
+        if (i > 0)
+            ok = ok && ttf_add_i64(elapsed_ns, step_ns(&segments[i - 1], s), &elapsed_ns);
+        else if (s->run_ns > 0)
+            elapsed_ns = s->run_ns;
+        else
+            ok = ok && ttf_mul_i64(s->first_index, s->interval_ns, &elapsed_ns);
+        if (!ok || !in_reach(elapsed_ns))
+            return ttf_err_set(err, -EINVAL, path,
+                               "segment %d says times that no clock can have shown: this dataset "
+                               "cannot be gone on with",
+                               i);
     }
-    *ret = until;
     return 0;
 }
 
 static int read_segments(struct ttf_reader *reader, struct ttf_segment *segments,
                          int64_t *taken_until, int n, struct ttf_err *err)
 {
-    int64_t until = ttf_reader_summary(reader)->last_index + 1;
+    const struct ttf_reader_summary *summary = ttf_reader_summary(reader);
+    int64_t at = summary->slots;
     int r = 0;
 
     for (int i = n - 1; i >= 0 && r == 0; i--) {
         r = ttf_reader_segment(reader, i, &segments[i]);
-        if (r == 0)
-            r = find_taken(reader, segments[i].first_index, until, &taken_until[i], err);
-        until = segments[i].first_index;
+        forget_beyond_reach(&segments[i]);
+        taken_until[i] = find_taken(reader, segments[i].first_index, &at);
     }
-    return r;
+    return r < 0 ? r
+                 : expect_in_reach(segments, n, summary->slots > 0 ? summary->last_index + 1 : 0,
+                                   ttf_reader_path(reader), err);
 }
 
 int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **ret,

@@ -14,6 +14,9 @@
 /* Who vouched for a segment's UTC: a name that is not known is worth as much as none. */
 enum ttf_trust ttf_segment_trust(const struct ttf_segment *segment);
 
+/* Whether it has a UTC that can be reckoned with: from 1933 to 2116. */
+bool ttf_segment_has_utc(const struct ttf_segment *segment);
+
 /* Time from where slot 0 was, or would have been, due to where the last of n segments begins. */
 int64_t ttf_timeline_elapsed_ns(const struct ttf_segment *segments, int n);
 
@@ -65,7 +68,8 @@ int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, int64_t slot0_utc_
 /*
  * The segments of a dataset in order, as corrected, and of each one more than its last slot that was not lost (`power`,
  * `missed`: those may have been recorded before they were due), its first index where there is none. To be freed.
- * *ret_n may be 0, the others NULL then.
+ * *ret_n may be 0, the others NULL then. -EINVAL: times that no clock can have shown (a foreign dataset's); what is
+ * returned can be reckoned with, as UTC, uncertainty and gap of such are unknown in it.
  */
 TTF_MUST_USE int ttf_timeline_read(struct ttf_io *io, const char *path, struct ttf_segment **ret,
                                    int64_t **ret_taken_until, int *ret_n, struct ttf_err *err);

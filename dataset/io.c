@@ -17,6 +17,11 @@ int ttf_io_sync_all(struct ttf_io *io, int file)
     return io->ops->sync_all ? io->ops->sync_all(io, file) : -EOPNOTSUPP;
 }
 
+int ttf_io_reserve(struct ttf_io *io, int file, int64_t offset, int64_t n)
+{
+    return io->ops->reserve ? io->ops->reserve(io, file, offset, n) : -EOPNOTSUPP;
+}
+
 int ttf_io_inherit(struct ttf_io *io, int file, const char *path)
 {
     return io->ops->inherit ? io->ops->inherit(io, file, path) : 0;

@@ -91,6 +91,14 @@ static int px_truncate(struct ttf_io *io, int file, int64_t bytes)
     return r < 0 ? -errno : 0;
 }
 
+static int px_reserve(struct ttf_io *io, int file, int64_t offset, int64_t n)
+{
+    int r;
+
+    RETRY(r, fallocate(file, 0, offset, n));
+    return r < 0 ? errno == ENOSYS ? -EOPNOTSUPP : -errno : 0;
+}
+
 static bool lies_on_f2fs(int file)
 {
     struct statfs fs;
@@ -296,6 +304,7 @@ static const struct ttf_io_ops posix_ops = {
     .lock = px_lock,
     .sync_all = px_sync_all,
     .inherit = px_inherit,
+    .reserve = px_reserve,
 };
 
 struct ttf_io *ttf_io_posix(void)

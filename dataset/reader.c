@@ -20,6 +20,7 @@ struct slot_at {
     int64_t index, offset;
     int64_t number; /* of the line, for messages */
     uint32_t bytes;
+    enum ttf_result result;
 };
 
 struct ttf_reader {
@@ -74,7 +75,8 @@ static int take_slot(struct ttf_reader *reader, const struct ttf_line *line, str
     reader->slots[sum->slots] = (struct slot_at){.index = brief.index,
                                                  .offset = line->offset,
                                                  .number = line->number,
-                                                 .bytes = (uint32_t)line->bytes};
+                                                 .bytes = (uint32_t)line->bytes,
+                                                 .result = brief.result};
     if (sum->slots == 0)
         sum->first_index = brief.index;
     sum->last_index = brief.index;
@@ -254,6 +256,16 @@ int ttf_reader_segment(struct ttf_reader *reader, int i, struct ttf_segment *ret
     if (i < 0 || i >= reader->summary.n_segments)
         return -ENOENT;
     *ret = reader->segments[i];
+    return 0;
+}
+
+int ttf_reader_brief(const struct ttf_reader *reader, int64_t i, int64_t *ret_index,
+                     enum ttf_result *ret_result)
+{
+    if (i < 0 || i >= reader->summary.slots)
+        return -ENOENT;
+    *ret_index = reader->slots[i].index;
+    *ret_result = reader->slots[i].result;
     return 0;
 }
 

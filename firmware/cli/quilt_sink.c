@@ -291,11 +291,28 @@ static int take_rows8(void *ctx, uint32_t t, uint32_t y0, uint32_t y1, const uin
     return r < 0 ? ttf_err_set(err, r, s->path, "cannot be written: %s", strerrordesc_np(-r)) : 0;
 }
 
+/* Frames of the input are those of the output where rows come as display codes. */
+static int reserve(void *ctx, unsigned part, unsigned parts, struct ttf_err *err)
+{
+    struct quilt_sink *s = ctx;
+    uint64_t all = (uint64_t)s->spec.config->width * s->spec.config->height * 3 * s->spec.input->n;
+    int64_t from = (int64_t)(all / parts * part);
+    int64_t to = part + 1 == parts ? (int64_t)all : (int64_t)(all / parts * (part + 1));
+    int r = to > from ? ttf_io_reserve(s->io, s->file, from, to - from) : 0;
+
+    if (r == 0 || r == -EOPNOTSUPP)
+        return 0;
+    return ttf_err_set(err, r, s->path, "cannot be written: %s", strerrordesc_np(-r));
+}
+
 struct ttf_quilt_sink quilt_sink_of(struct quilt_sink *sink)
 {
     bool narrow = sink->spec.kind == QUILT_SINK_RAW && !sink->edited;
 
-    return (struct ttf_quilt_sink){.frame = take, .rows8 = narrow ? take_rows8 : NULL, .ctx = sink};
+    return (struct ttf_quilt_sink){.frame = take,
+                                   .rows8 = narrow ? take_rows8 : NULL,
+                                   .reserve = narrow ? reserve : NULL,
+                                   .ctx = sink};
 }
 
 /* At the dataset's root, outside the seal: it holds times. */

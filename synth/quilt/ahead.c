@@ -8,10 +8,19 @@
 /* Frames of one piece: long enough that taking it costs nothing, short enough to share the last strip. */
 #define PIECE_FRAMES 8u
 
-/* Of one frame's strip: half of what a core's own cache holds, so that it is still there when it is written. */
-#define STRIP_BYTES ((size_t)384 << 10)
+/* Of a band: half of what a core's own cache holds, so that it is still there when it is written. */
+#define BAND_BYTES ((size_t)384 << 10)
 
-/* Strips end between pages of the file where they can. */
+/*
+ * Each strip reads the kept frames anew, from memory: while blocks are looked for, one waits until it is of so many times their pixels, or
+ * of half of the rows that are left (else the last strip would be long, when nothing else is left to do).
+ */
+#define STRIP_SOURCES 3u
+
+/* That the room for all rows is asked for in: each is short beside a frame's reading. */
+#define PARTS 4096u
+
+/* Bands end between pages of the file where they can. */
 #define PAGE 4096u
 
 /* Copied at once: what is too much is overwritten by the next run. */
@@ -19,6 +28,7 @@
 
 struct run {
     uint32_t from, bytes; /* of a frame's codes */
+    bool ends_band;
 };
 
 /* What a thread has to itself. */
@@ -31,7 +41,9 @@ struct ttf_ahead {
     const struct ttf_quilt_config *config;
     struct ttf_kept *kept;
     struct ttf_quilt_sink sink;
-    uint32_t rows_step, rows_max; /* of a strip */
+    struct ttf_aside aside;
+    uint32_t rows_step, rows_max; /* of a band */
+    uint32_t rows_least;          /* of a strip that is not among the last */
     /* the strip */
     uint32_t y0, y1;
     uint32_t next; /* frame */
@@ -61,7 +73,21 @@ static uint32_t rows_of_pages(size_t row)
 
     while (rows * row % PAGE != 0)
         rows *= 2;
-    return rows * row <= STRIP_BYTES ? rows : 1;
+    return rows * row <= BAND_BYTES ? rows : 1;
+}
+
+static uint32_t least_rows(const struct ttf_ahead *ahead)
+{
+    uint64_t rows = STRIP_SOURCES * (uint64_t)ahead->kept->frame / row_bytes(ahead);
+
+    return rows < ahead->config->height ? (uint32_t)rows : ahead->config->height;
+}
+
+static int reserve(void *ctx, unsigned part, struct ttf_err *err)
+{
+    const struct ttf_ahead *ahead = ctx;
+
+    return ahead->sink.reserve(ahead->sink.ctx, part, PARTS, err);
 }
 
 int ttf_ahead_create(const struct ttf_quilt_config *config, struct ttf_kept *kept,
@@ -72,11 +98,14 @@ int ttf_ahead_create(const struct ttf_quilt_config *config, struct ttf_kept *kep
     if (!ahead)
         return -ENOMEM;
     *ahead = (struct ttf_ahead){.config = config, .kept = kept, .sink = *sink, .n_desks = threads};
+    ahead->aside = (struct ttf_aside){
+        .kept = kept, .part = sink->reserve ? reserve : NULL, .ctx = ahead, .parts = PARTS};
     ahead->next = kept->frames;
     ahead->rows_step = rows_of_pages(row_bytes(ahead));
-    ahead->rows_max = (uint32_t)(STRIP_BYTES / row_bytes(ahead));
+    ahead->rows_max = (uint32_t)(BAND_BYTES / row_bytes(ahead));
     ahead->rows_max -= ahead->rows_max % ahead->rows_step;
     ahead->rows_max = ahead->rows_max > 0 ? ahead->rows_max : 1;
+    ahead->rows_least = least_rows(ahead);
     ahead->desks = calloc(threads, sizeof(*ahead->desks));
     for (unsigned i = 0; ahead->desks && i < threads; i++) {
         ahead->desks[i].codes = malloc(ahead->rows_max * row_bytes(ahead) + CHUNK);
@@ -104,14 +133,14 @@ void ttf_ahead_destroy(struct ttf_ahead *ahead)
     free(ahead);
 }
 
-struct ttf_kept *ttf_ahead_kept(struct ttf_ahead *ahead)
+const struct ttf_aside *ttf_ahead_aside(const struct ttf_ahead *ahead)
 {
-    return ahead->kept;
+    return &ahead->aside;
 }
 
 /* ---- strips ---- */
 
-static int add_run(struct ttf_ahead *ahead, uint32_t source, uint32_t pixels)
+static int add_run(struct ttf_ahead *ahead, uint32_t source, uint32_t pixels, bool ends_band)
 {
     if (ahead->n_runs == ahead->room_runs) {
         size_t room = ahead->room_runs ? 2 * ahead->room_runs : 4096;
@@ -122,24 +151,28 @@ static int add_run(struct ttf_ahead *ahead, uint32_t source, uint32_t pixels)
         ahead->runs = runs;
         ahead->room_runs = room;
     }
-    ahead->runs[ahead->n_runs++] = (struct run){source * 3, pixels * 3};
+    ahead->runs[ahead->n_runs++] = (struct run){source * 3, pixels * 3, ends_band};
     return 0;
 }
 
-/* Neighbours that are neighbours in the source, too. A run may go on in the next row. */
+/* Neighbours that are neighbours in the source, too. A run may go on in the next row of its band. */
 static int find_runs(struct ttf_ahead *ahead, const struct ttf_quilt_map *map)
 {
     const uint32_t *source = map->source + (size_t)ahead->y0 * map->width;
-    size_t n = (size_t)(ahead->y1 - ahead->y0) * map->width;
+    size_t n = (size_t)(ahead->y1 - ahead->y0) * map->width, band = 0;
     int r = 0;
 
     ahead->n_runs = 0;
     for (size_t at = 0; at < n && r == 0;) {
         size_t end = at + 1;
 
-        while (end < n && source[end] == source[end - 1] + 1)
+        if (at == band) {
+            band += (size_t)ahead->rows_max * map->width;
+            band = band < n ? band : n;
+        }
+        while (end < band && source[end] == source[end - 1] + 1)
             end++;
-        r = add_run(ahead, source[at], (uint32_t)(end - at));
+        r = add_run(ahead, source[at], (uint32_t)(end - at), end == band);
         at = end;
     }
     return r;
@@ -148,13 +181,16 @@ static int find_runs(struct ttf_ahead *ahead, const struct ttf_quilt_map *map)
 /* The last row that a strip from y0 on may end before; y0: there is none yet. */
 static uint32_t strip_end(const struct ttf_ahead *ahead, uint32_t final_rows)
 {
-    uint32_t end = final_rows;
+    uint32_t height = ahead->config->height, end = final_rows;
+    uint32_t half = (height - ahead->y1) / 2;
 
-    if (end < ahead->config->height)
-        end -= end % ahead->rows_step;
-    if (end <= ahead->y1)
-        return ahead->y1;
-    return end - ahead->y1 > ahead->rows_max ? ahead->y1 + ahead->rows_max : end;
+    if (end == height)
+        return end;
+    end -= end % ahead->rows_step;
+    return end > ahead->y1 &&
+                   end - ahead->y1 >= (half < ahead->rows_least ? half : ahead->rows_least)
+               ? end
+               : ahead->y1;
 }
 
 int ttf_ahead_take(struct ttf_ahead *ahead, const struct ttf_quilt_map *map, uint32_t final_rows,
@@ -200,10 +236,10 @@ bool ttf_ahead_finished(const struct ttf_ahead *ahead)
  * Whole chunks: faster than the exact length, and what is too much lies within the slack behind either. The next frame's are asked for
  * meanwhile: they are far from the processor, and no pattern that it would guess.
  */
-static void copy_strip(const struct ttf_ahead *ahead, const uint8_t *source, uint8_t *to)
+static const struct run *copy_band(const struct ttf_ahead *ahead, const struct run *run,
+                                   const uint8_t *source, uint8_t *to)
 {
-    for (size_t i = 0; i < ahead->n_runs; i++) {
-        const struct run *run = &ahead->runs[i];
+    for (bool more = true; more; run++) {
         const uint8_t *from = source + run->from;
 
         for (uint32_t k = 0; k < run->bytes; k += CHUNK) {
@@ -211,7 +247,29 @@ static void copy_strip(const struct ttf_ahead *ahead, const uint8_t *source, uin
             memcpy(to + k, from + k, CHUNK);
         }
         to += run->bytes;
+        more = !run->ends_band;
     }
+    return run;
+}
+
+/* All rows of the strip of frame t, band after band: those of the frame that the first has read are still near for the others. */
+static int hand_on(const struct ttf_ahead *ahead, uint32_t t, struct desk *desk,
+                   struct ttf_err *err)
+{
+    const uint8_t *source = ahead->kept->codes + t * ahead->kept->frame;
+    const struct run *run = ahead->runs;
+    int r = 0;
+
+    for (uint32_t y = ahead->y0, end; y < ahead->y1 && r == 0; y = end) {
+        int64_t copied_ns;
+
+        end = ahead->y1 - y > ahead->rows_max ? y + ahead->rows_max : ahead->y1;
+        run = copy_band(ahead, run, source, desk->codes);
+        copied_ns = now_ns(ahead);
+        r = ahead->sink.rows8(ahead->sink.ctx, t, y, end, desk->codes, err);
+        desk->sink_ns += now_ns(ahead) - copied_ns;
+    }
+    return r;
 }
 
 int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece, unsigned worker,
@@ -221,14 +279,8 @@ int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece, 
     int64_t start_ns = now_ns(ahead);
     int r = 0;
 
-    for (uint32_t t = piece->from; t < piece->to && r == 0; t++) {
-        int64_t copied_ns;
-
-        copy_strip(ahead, ahead->kept->codes + t * ahead->kept->frame, desk->codes);
-        copied_ns = now_ns(ahead);
-        r = ahead->sink.rows8(ahead->sink.ctx, t, ahead->y0, ahead->y1, desk->codes, err);
-        desk->sink_ns += now_ns(ahead) - copied_ns;
-    }
+    for (uint32_t t = piece->from; t < piece->to && r == 0; t++)
+        r = hand_on(ahead, t, desk, err);
     desk->render_ns += now_ns(ahead) - start_ns;
     return r < 0 ? r : 0;
 }

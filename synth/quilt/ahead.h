@@ -3,7 +3,8 @@
  * ahead.h: rows of output that are handed on while blocks further down are still looked for. What a file system takes, it takes from
  * one thread at a time; so one thread writes what is final already while the others search.
  *
- * A strip is some rows that are final, of all kept frames; a piece is a strip of some frames, the work of one thread at a time.
+ * A strip is some rows that are final, of all kept frames; a piece is a strip of some frames, the work of one thread at a time. A band is
+ * what of a strip's frame is put together and handed on at once.
  *
  * Threads: take and done under one lock of the caller's; `run` from any, each piece once.
  */
@@ -14,6 +15,7 @@
 #include <stdint.h>
 
 #include "search/kept.h"
+#include "search/learner.h"
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
 #include "ttf/synth/run.h"
@@ -30,7 +32,8 @@ TTF_MUST_USE int ttf_ahead_create(const struct ttf_quilt_config *config, struct 
                                   struct ttf_ahead **ret);
 void ttf_ahead_destroy(struct ttf_ahead *ahead); /* NULL allowed */
 
-struct ttf_kept *ttf_ahead_kept(struct ttf_ahead *ahead);
+/* What is done while frames are read: they are kept, and the sink takes room. Valid as long as `ahead` is. */
+const struct ttf_aside *ttf_ahead_aside(const struct ttf_ahead *ahead);
 
 /*
  * Is there a piece to hand on, of the map's first final_rows rows? alone: only if no other thread is at one. -ENOMEM; 0: there is none now;

@@ -29,6 +29,23 @@ void ttf_quilt_map_of_sources(const struct ttf_sources *sources, struct ttf_quil
                                                   sources->first[i]};
 }
 
+/* In four chains: one would wait for itself at each pixel. */
+static uint64_t mix_sources(uint64_t h, const uint32_t *source, size_t n)
+{
+    uint64_t chains[4] = {h, h + 1, h + 2, h + 3};
+    size_t i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        for (int k = 0; k < 4; k++)
+            chains[k] = ttf_mix64(chains[k] + source[i + (size_t)k]);
+    }
+    for (; i < n; i++)
+        chains[0] = ttf_mix64(chains[0] + source[i]);
+    for (int k = 0; k < 4; k++)
+        h = ttf_mix64(h ^ chains[k]);
+    return h;
+}
+
 uint64_t ttf_quilt_map_digest(const struct ttf_quilt_map *map)
 {
     size_t pixels = (size_t)map->width * map->height;
@@ -36,8 +53,7 @@ uint64_t ttf_quilt_map_digest(const struct ttf_quilt_map *map)
 
     for (unsigned i = 0; i < map->n_inputs; i++)
         h = ttf_mix64(h ^ (((uint64_t)map->inputs[i].width << 32) + map->inputs[i].height));
-    for (size_t i = 0; i < pixels; i++)
-        h = ttf_mix64(h + map->source[i]);
+    h = mix_sources(h, map->source, pixels);
     for (size_t i = 0; i < map->n_layers; i++) {
         h = ttf_mix64(h + map->layers[i].pixel);
         h = ttf_mix64(h + map->layers[i].source);

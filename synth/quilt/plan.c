@@ -128,13 +128,13 @@ static int prepare_full(struct ttf_plan *plan, uint32_t first, uint32_t frames, 
 }
 
 static int prepare_rank(struct ttf_plan *plan, uint32_t first, uint32_t frames,
-                        struct ttf_kept *kept, struct ttf_err *err)
+                        const struct ttf_aside *aside, struct ttf_err *err)
 {
     const struct ttf_quilt_config *config = plan->config;
     struct ttf_quilt_search_figures *figures = &plan->map.figures;
     uint32_t narrow = narrowest(plan);
     int64_t start_ns = now_ns(config), loaded_ns;
-    int r = ttf_matching_build(config, &plan->sources, first, frames, kept, plan->pool,
+    int r = ttf_matching_build(config, &plan->sources, first, frames, aside, plan->pool,
                                &plan->matching, err);
 
     if (r < 0)
@@ -192,7 +192,7 @@ static int plan_range(const struct ttf_quilt_config *config, struct ttf_sequence
     r = plan_alloc(&plan, err);
     if (r == 0)
         r = full ? prepare_full(&plan, first, frames, err)
-                 : prepare_rank(&plan, first, frames, ahead ? ttf_ahead_kept(ahead) : NULL, err);
+                 : prepare_rank(&plan, first, frames, ahead ? ttf_ahead_aside(ahead) : NULL, err);
     plan.map.figures.matching_bytes = ttf_quilt_matching_bytes(config, plan.sources.pixels, frames);
     if (r == 0)
         r = full || config->tileable ? ttf_order_raster(&plan, err)

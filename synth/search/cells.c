@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "search/eigen.h"
+#include "search/factor_kernels.h"
 #include "search/hash.h"
 
 #define SAMPLES  768u
@@ -85,7 +86,7 @@ static size_t sample_moments(const struct ttf_cells *cells, struct picture *pict
     size_t dims = cells->dims, positions = (size_t)columns * rows;
     size_t samples = positions < SAMPLES ? positions : SAMPLES;
     float cell[DIMS_MAX] = {0};
-    double wide[DIMS_MAX];
+    double wide[4][DIMS_MAX];
 
     for (size_t s = 0; s < samples; s++) {
         size_t from = positions * s / samples, to = positions * (s + 1) / samples;
@@ -94,13 +95,12 @@ static size_t sample_moments(const struct ttf_cells *cells, struct picture *pict
         picture->corner = at / columns * picture->width + at % columns;
         gather(cells, picture_pixel, picture, 0, cell);
         for (size_t i = 0; i < dims; i++)
-            wide[i] = cell[i];
-        for (size_t i = 0; i < dims; i++) {
-            double own = wide[i], *row = moments + i * dims;
-
-            for (size_t j = 0; j <= i; j++)
-                row[j] += own * wide[j];
-        }
+            wide[s % 4][i] = cell[i];
+        if (s % 4 < 3 && s + 1 < samples)
+            continue;
+        for (size_t k = s % 4 + 1; k < 4; k++)
+            memset(wide[k], 0, sizeof(wide[k])); /* adds nothing */
+        ttf_factor_kernels_best()->add_gram4(wide[0], DIMS_MAX, dims, moments);
     }
     for (size_t i = 0; i < dims; i++) {
         for (size_t j = i + 1; j < dims; j++)

@@ -7,7 +7,9 @@
 #include <string.h>
 
 #include "search/eigen.h"
+#include "search/factor_kernels.h"
 #include "search/hash.h"
+#include "search/lanes.h"
 #include "search/rank_kernels.h"
 #include "ttf/base/checked.h"
 
@@ -15,16 +17,17 @@
 #define ROUNDS     5
 #define TILE       2048u /* pixels of one tile */
 #define DIMS_MAX   (TTF_FACTORS_ROOM_MAX + 3 * TTF_FACTORS_BATCH)
-#define GRAM_TILES 64 /* at most */
+#define ROW_MAX    (DIMS_MAX + 4) /* kernels write a little more */
+#define GRAM_TILES 64             /* at most */
 
 static size_t columns_of(const struct ttf_factors *f, unsigned n)
 {
     return f->channel < 0 ? (size_t)3 * n : n;
 }
 
-size_t ttf_factors_tiles(const struct ttf_factors *f)
+unsigned ttf_factors_tiles(const struct ttf_factors *f)
 {
-    return (f->pixels + TILE - 1) / TILE;
+    return (unsigned)((f->pixels + TILE - 1) / TILE);
 }
 
 int ttf_factors_create(size_t pixels, unsigned room, int channel, struct ttf_factors *ret)
@@ -35,7 +38,7 @@ int ttf_factors_create(size_t pixels, unsigned room, int channel, struct ttf_fac
     f.n_samples = pixels < SAMPLES ? pixels : SAMPLES;
     if (!ttf_mul_size(pixels, room * sizeof(float), &bytes))
         return -ENOMEM;
-    f.coefs = calloc(bytes, 1);
+    f.coefs = (float *)(void *)ttf_lanes_alloc(bytes / sizeof(int16_t));
     f.singular = calloc(room, sizeof(*f.singular));
     f.w = calloc(dims * room, sizeof(*f.w));
     f.gram = calloc(dims * dims, sizeof(*f.gram));
@@ -94,21 +97,20 @@ static void row_of(const struct ttf_factors *f, const uint8_t *const *frames, un
 /* [C D]^T [C D] of the sampled pixels. */
 static void sample_gram(struct ttf_factors *f, const uint8_t *const *frames, unsigned n)
 {
+    const struct ttf_factor_kernels *kernels = ttf_factor_kernels_best();
     size_t dims = f->dims;
     float row[DIMS_MAX];
-    double wide[DIMS_MAX];
+    double wide[4][DIMS_MAX] = {{0}};
 
     memset(f->gram, 0, dims * dims * sizeof(*f->gram));
-    for (size_t s = 0; s < f->n_samples; s++) {
-        row_of(f, frames, n, f->sample[s], row);
-        for (size_t i = 0; i < dims; i++)
-            wide[i] = row[i];
-        for (size_t i = 0; i < dims; i++) {
-            double *to = f->gram + i * dims, own = wide[i];
-
-            for (size_t j = 0; j <= i; j++)
-                to[j] += own * wide[j];
+    for (size_t s = 0; s < f->n_samples; s += 4) {
+        for (size_t k = 0; k < 4; k++) {
+            if (s + k < f->n_samples)
+                row_of(f, frames, n, f->sample[s + k], row);
+            for (size_t i = 0; i < dims; i++)
+                wide[k][i] = s + k < f->n_samples ? row[i] : 0.0; /* adds nothing */
         }
+        kernels->add_gram4(wide[0], DIMS_MAX, dims, f->gram);
     }
     for (size_t i = 0; i < dims; i++) {
         for (size_t j = i + 1; j < dims; j++)
@@ -142,67 +144,71 @@ void ttf_factors_learn(struct ttf_factors *f, const uint8_t *const *frames, unsi
 }
 
 struct rotation {
-    struct ttf_factors *factors;
+    const struct ttf_factors *factors;
     const uint8_t *const *frames;
     unsigned n;
-    const struct ttf_rank_kernels *kernels;
 };
 
-/* Adds each pixel's squared codes; returns their sum. */
-static uint64_t add_energy(const struct rotation *r, size_t from, size_t to)
+/* A pixel's squared codes: 3 x 16 frames x 255^2 fit 32 bits. */
+static uint32_t energy_of(const struct rotation *r, size_t pixel)
 {
-    uint32_t own[TILE] = {0}; /* 3 x 16 frames x 255^2 fit 32 bits */
-    uint64_t sum = 0;
+    int channel = r->factors->channel;
+    uint32_t sum = 0;
 
     for (unsigned t = 0; t < r->n; t++) {
-        const uint8_t *codes = r->frames[t] + 3 * from;
+        const uint8_t *codes = r->frames[t] + 3 * pixel;
 
-        if (r->factors->channel >= 0) {
-            codes += r->factors->channel;
-            for (size_t i = 0; i < to - from; i++)
-                own[i] += (uint32_t)codes[3 * i] * codes[3 * i];
-            continue;
-        }
-        for (size_t i = 0; i < to - from; i++, codes += 3)
-            own[i] += (uint32_t)codes[0] * codes[0] + (uint32_t)codes[1] * codes[1] +
-                      (uint32_t)codes[2] * codes[2];
-    }
-    for (size_t i = 0; i < to - from; i++) {
-        r->factors->energy[from + i] += own[i];
-        sum += own[i];
+        for (int c = channel < 0 ? 0 : channel; c < (channel < 0 ? 3 : channel + 1); c++)
+            sum += (uint32_t)codes[c] * codes[c];
     }
     return sum;
 }
 
-static void rotate_tile(void *ctx, unsigned tile, unsigned worker)
+/* Rows of [C D] of up to four pixels, zeros where there are none, and what their codes weigh. */
+static void rows_of(const struct rotation *r, size_t pixel, size_t n, float in[4][ROW_MAX],
+                    uint32_t energy[4])
 {
-    const struct rotation *r = ctx;
-    struct ttf_factors *f = r->factors;
-    size_t from = (size_t)tile * TILE;
-    size_t to = from + TILE < f->pixels ? from + TILE : f->pixels;
-    float in[4][DIMS_MAX], out[4 * TTF_FACTORS_ROOM_MAX];
+    const struct ttf_factors *f = r->factors;
 
-    (void)worker;
-    for (size_t p = from; p < to; p += 4) {
-        size_t n = to - p < 4 ? to - p : 4;
-
-        for (size_t i = 0; i < n; i++)
-            row_of(f, r->frames, r->n, p + i, in[i]);
-        for (size_t i = n; i < 4; i++)
-            memset(in[i], 0, f->dims * sizeof(in[i][0]));
-        r->kernels->rotate4(f->w, f->dims, f->room, in[0], DIMS_MAX, out);
-        memcpy(f->coefs + p * f->room, out, n * f->room * sizeof(*out));
+    if (n == 4 && f->channel < 0) {
+        ttf_factor_kernels_best()->rows4(f->coefs + pixel * f->room, f->room, r->frames, r->n,
+                                         pixel, in[0], ROW_MAX, energy);
+        return;
     }
-    if (r->n > 0)
-        f->tile_energy[tile] += add_energy(r, from, to);
+    for (size_t i = 0; i < 4; i++) {
+        energy[i] = i < n ? energy_of(r, pixel + i) : 0;
+        if (i < n)
+            row_of(f, r->frames, r->n, pixel + i, in[i]);
+        else
+            memset(in[i], 0, f->dims * sizeof(in[i][0]));
+    }
 }
 
 void ttf_factors_rotate(struct ttf_factors *f, const uint8_t *const *frames, unsigned n,
-                        struct ttf_pool *pool)
+                        unsigned tile)
 {
-    struct rotation rotation = {f, frames, n, ttf_rank_kernels_best()};
+    const struct ttf_rank_kernels *kernels = ttf_rank_kernels_best();
+    const struct rotation r = {f, frames, n};
+    size_t from = (size_t)tile * TILE;
+    size_t to = from + TILE < f->pixels ? from + TILE : f->pixels;
+    float in[4][ROW_MAX], out[4 * TTF_FACTORS_ROOM_MAX];
 
-    ttf_pool_run(pool, (unsigned)ttf_factors_tiles(f), rotate_tile, &rotation);
+    for (size_t p = from; p < to; p += 4) {
+        size_t pixels = to - p < 4 ? to - p : 4;
+        uint32_t energy[4];
+
+        rows_of(&r, p, pixels, in, energy);
+        kernels->rotate4(f->w, f->dims, f->room, in[0], ROW_MAX, out);
+        memcpy(f->coefs + p * f->room, out, pixels * f->room * sizeof(*out));
+        for (size_t i = 0; i < pixels; i++) {
+            f->energy[p + i] += energy[i];
+            f->tile_energy[tile] += energy[i];
+        }
+    }
+}
+
+void ttf_factors_rotated(struct ttf_factors *f, unsigned n)
+{
     f->frames += n;
 }
 
@@ -221,16 +227,15 @@ static void gram_tile(void *ctx, unsigned tile, unsigned worker)
     size_t room = f->room, from = tile * gram->pixels;
     size_t to = from + gram->pixels < f->pixels ? from + gram->pixels : f->pixels;
     double *part = gram->parts + tile * room * room;
-    double wide[TTF_FACTORS_ROOM_MAX];
+    double wide[4][TTF_FACTORS_ROOM_MAX];
 
     (void)worker;
-    for (size_t p = from; p < to; p++) {
-        for (size_t i = 0; i < room; i++)
-            wide[i] = f->coefs[p * room + i];
-        for (size_t i = 0; i < room; i++) {
-            for (size_t j = 0; j <= i; j++)
-                part[i * room + j] += wide[i] * wide[j];
+    for (size_t p = from; p < to; p += 4) {
+        for (size_t k = 0; k < 4; k++) {
+            for (size_t i = 0; i < room; i++)
+                wide[k][i] = p + k < to ? f->coefs[(p + k) * room + i] : 0.0; /* adds nothing */
         }
+        ttf_factor_kernels_best()->add_gram4(wide[0], TTF_FACTORS_ROOM_MAX, room, part);
     }
 }
 
@@ -258,6 +263,12 @@ static int whole_gram(struct ttf_factors *f, struct ttf_pool *pool)
     return 0;
 }
 
+static void last_rotation(void *ctx, unsigned tile, unsigned worker)
+{
+    (void)worker;
+    ttf_factors_rotate(ctx, NULL, 0, tile);
+}
+
 int ttf_factors_finish(struct ttf_factors *f, struct ttf_pool *pool)
 {
     size_t room = f->room;
@@ -272,7 +283,7 @@ int ttf_factors_finish(struct ttf_factors *f, struct ttf_pool *pool)
             f->w[i * room + k] = (float)f->vector[k * room + i];
     }
     f->dims = room;
-    ttf_factors_rotate(f, NULL, 0, pool);
+    ttf_pool_run(pool, ttf_factors_tiles(f), last_rotation, f);
     return 0;
 }
 

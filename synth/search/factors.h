@@ -48,19 +48,20 @@ TTF_MUST_USE int ttf_factors_create(size_t pixels, unsigned room, int channel,
 void ttf_factors_free(struct ttf_factors *factors); /* a zeroed one is fine */
 
 /*
- * Two halves of appending n <= TTF_FACTORS_BATCH frames of pixels x 3 codes: `learn` finds the
- * directions, alone in its thread; `rotate` turns all pixels, by the pool. The
- * frames must be the same in both; nothing else may come in between.
+ * Three steps of appending n <= TTF_FACTORS_BATCH frames of pixels x 3 codes: `learn` finds the
+ * directions, alone in its thread; `rotate` turns the pixels of one tile, each once, by any threads;
+ * `rotated` ends it. The frames must be the same in all; nothing else may come in between.
  */
 void ttf_factors_learn(struct ttf_factors *factors, const uint8_t *const *frames, unsigned n);
 void ttf_factors_rotate(struct ttf_factors *factors, const uint8_t *const *frames, unsigned n,
-                        struct ttf_pool *pool);
+                        unsigned tile);
+void ttf_factors_rotated(struct ttf_factors *factors, unsigned n);
 
 /* Turns C to its principal axes, strongest first, and fills `singular`. May be followed by more frames. -ENOMEM. */
 TTF_MUST_USE int ttf_factors_finish(struct ttf_factors *factors, struct ttf_pool *pool);
 
-/* Entries of tile_energy. */
-size_t ttf_factors_tiles(const struct ttf_factors *factors);
+/* Tiles of all pixels: entries of tile_energy. */
+unsigned ttf_factors_tiles(const struct ttf_factors *factors);
 
 /* Sum of the squares of all codes that were appended. */
 double ttf_factors_energy(const struct ttf_factors *factors);

@@ -2,6 +2,7 @@
 #include "search/learner.h"
 
 #include <errno.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,15 +27,25 @@ struct work {
     struct ttf_pool *pool;
     unsigned batch_frames;
     struct batch batches[2];
-    struct ttf_kept *kept; /* where the codes of the first frames go; NULL: none */
+    const struct ttf_kept *kept; /* where the codes of the first frames go; NULL: none */
+    const struct ttf_aside *aside;
+    unsigned part;         /* of what goes on besides: the next */
+    atomic_uint own_tiles; /* of the running step that are not begun */
     uint8_t *block;        /* both batches' codes */
     uint16_t *scratch;
     /* of one round: learn this, read that */
     const struct batch *learn;
     struct batch *read;
     uint32_t read_from;
-    struct result results[TTF_FACTORS_BATCH];
+    struct result results[TTF_FACTORS_BATCH], besides;
 };
+
+/* Tiles of a step that come before those of its own: the longest first. */
+#define LEARN   0u
+#define BESIDES 1u
+#define READ    2u /* and so on, a frame each */
+#define NOISE   0u
+#define ROTATE  2u /* and so on */
 
 int ttf_learner_create(size_t pixels, unsigned room, bool per_channel, struct ttf_learner *ret)
 {
@@ -64,24 +75,68 @@ static const uint8_t *const *frames_of(const struct batch *batch)
     return (const uint8_t *const *)batch->codes;
 }
 
-/* The first tile, and so the first to be begun, learns; each other one reads a frame. */
-static void round_tile(void *ctx, unsigned tile, unsigned worker)
+/* As long as the other threads have something to do: none waits for what can as well be done in the next step. */
+static void do_besides(struct work *work)
+{
+    struct result *result = &work->besides;
+
+    if (!work->aside || !work->aside->part)
+        return;
+    while (result->code == 0 && work->part < work->aside->parts &&
+           atomic_load_explicit(&work->own_tiles, memory_order_relaxed) > 0)
+        result->code = work->aside->part(work->aside->ctx, work->part++, &result->err);
+}
+
+static void begin_tile(struct work *work)
+{
+    atomic_fetch_sub_explicit(&work->own_tiles, 1, memory_order_relaxed);
+}
+
+static void read_tile(void *ctx, unsigned tile, unsigned worker)
 {
     struct work *work = ctx;
     struct result *result;
 
-    if (tile == 0) {
+    if (tile != BESIDES)
+        begin_tile(work);
+    if (tile == LEARN) {
         for (unsigned i = 0; work->learn && i < work->learner->n_factors; i++)
             ttf_factors_learn(&work->learner->factors[i], frames_of(work->learn), work->learn->n);
         return;
     }
-    result = &work->results[tile - 1];
-    result->code =
-        work->cancel && *work->cancel
-            ? ttf_err_set(&result->err, -ECANCELED, NULL, "cancelled")
-            : ttf_sources_read_codes(work->sources, work->read_from + tile - 1, work->table,
-                                     work->scratch + worker * TTF_SOURCES_PIECE,
-                                     work->read->codes[tile - 1], &result->err);
+    if (tile == BESIDES) {
+        do_besides(work);
+        return;
+    }
+    tile -= READ;
+    result = &work->results[tile];
+    result->code = work->cancel && *work->cancel
+                       ? ttf_err_set(&result->err, -ECANCELED, NULL, "cancelled")
+                       : ttf_sources_read_codes(work->sources, work->read_from + tile, work->table,
+                                                work->scratch + worker * TTF_SOURCES_PIECE,
+                                                work->read->codes[tile], &result->err);
+}
+
+static void rotate_tile(void *ctx, unsigned tile, unsigned worker)
+{
+    struct work *work = ctx;
+    const struct batch *learn = work->learn;
+    unsigned tiles = ttf_factors_tiles(&work->learner->factors[0]);
+
+    (void)worker;
+    if (tile != BESIDES)
+        begin_tile(work);
+    if (tile == NOISE) {
+        for (unsigned i = 0; i < learn->n; i++)
+            ttf_second_differences_add(&work->learner->noise, learn->codes[i],
+                                       work->sources->pixels);
+    } else if (tile == BESIDES) {
+        do_besides(work);
+    } else {
+        tile -= ROTATE;
+        ttf_factors_rotate(&work->learner->factors[tile / tiles], frames_of(learn), learn->n,
+                           tile % tiles);
+    }
 }
 
 /* Where the codes of a batch from frame `from` on go: what is kept is read into its place. */
@@ -96,29 +151,44 @@ static void place_codes(const struct work *work, struct batch *batch, uint32_t f
                               : own + i * frame;
 }
 
+static int first_error(const struct work *work, unsigned n, struct ttf_err *err)
+{
+    const struct result *bad = work->besides.code < 0 ? &work->besides : NULL;
+
+    for (unsigned i = 0; i < n && !bad; i++)
+        bad = work->results[i].code < 0 ? &work->results[i] : NULL;
+    if (bad && err)
+        *err = bad->err;
+    return bad ? bad->code : 0;
+}
+
+static void run_step(struct work *work, unsigned tiles, ttf_tile_fn *tile)
+{
+    atomic_store_explicit(&work->own_tiles, tiles - 1, memory_order_relaxed);
+    ttf_pool_run(work->pool, tiles, tile, work);
+}
+
 /* Learns one batch while the next is read; then turns all pixels. */
 static int one_round(struct work *work, const struct batch *learn, struct batch *read,
                      uint32_t from, unsigned n, struct ttf_err *err)
 {
+    struct ttf_learner *learner = work->learner;
+    int r;
+
     work->learn = learn;
     work->read = read;
     work->read_from = from;
     read->n = n;
     place_codes(work, read, from);
     memset(work->results, 0, sizeof(work->results));
-    ttf_pool_run(work->pool, 1 + n, round_tile, work);
-    for (unsigned i = 0; i < n; i++) {
-        if (work->results[i].code < 0) {
-            if (err)
-                *err = work->results[i].err;
-            return work->results[i].code;
-        }
-    }
-    for (unsigned i = 0; learn && i < work->learner->n_factors; i++)
-        ttf_factors_rotate(&work->learner->factors[i], frames_of(learn), learn->n, work->pool);
-    for (unsigned i = 0; i < n; i++)
-        ttf_second_differences_add(&work->learner->noise, read->codes[i], work->sources->pixels);
-    return 0;
+    run_step(work, READ + n, read_tile);
+    r = first_error(work, n, err);
+    if (r < 0 || !learn)
+        return r;
+    run_step(work, ROTATE + learner->n_factors * ttf_factors_tiles(learner->factors), rotate_tile);
+    for (unsigned i = 0; i < learner->n_factors; i++)
+        ttf_factors_rotated(&learner->factors[i], learn->n);
+    return first_error(work, 0, err);
 }
 
 static int make_room(struct work *work, struct ttf_err *err)
@@ -137,19 +207,19 @@ static int make_room(struct work *work, struct ttf_err *err)
 }
 
 int ttf_learner_add(struct ttf_learner *learner, const struct ttf_sources *sources, uint32_t from,
-                    uint32_t to, const uint8_t *table, struct ttf_kept *kept,
+                    uint32_t to, const uint8_t *table, const struct ttf_aside *aside,
                     const volatile int *cancel, struct ttf_pool *pool, struct ttf_err *err)
 {
     struct work work = {.learner = learner,
                         .sources = sources,
                         .table = table,
-                        .kept = from == 0 ? kept : NULL,
+                        .aside = aside,
+                        .kept = from == 0 && aside ? aside->kept : NULL,
                         .cancel = cancel,
                         .pool = pool};
     const struct batch *learn = NULL;
     unsigned turn = 0;
     int r = make_room(&work, err);
-
     for (uint32_t t = from; r == 0 && (t < to || learn); turn ^= 1) {
         unsigned n = to - t < work.batch_frames ? (unsigned)(to - t) : work.batch_frames;
 

@@ -26,15 +26,28 @@ struct ttf_learner {
     uint32_t known; /* frames taken over */
 };
 
+/* What goes on besides, while frames are read. */
+struct ttf_aside {
+    struct ttf_kept *
+        kept; /* gets the codes of its frames, where the first of all is read; NULL: none are kept */
+    /*
+     * Called with 0, 1, .. up to parts-1, one after another, from any thread of the pool, while the others are busy with frames: as many as there
+     * is time for, in small pieces. Errors end it all. NULL: nothing.
+     */
+    int (*part)(void *ctx, unsigned part, struct ttf_err *err);
+    void *ctx;
+    unsigned parts;
+};
+
 /* Zeroed factors for so many pixels. -ENOMEM. */
 TTF_MUST_USE int ttf_learner_create(size_t pixels, unsigned room, bool per_channel,
                                     struct ttf_learner *ret);
 void ttf_learner_free(struct ttf_learner *learner); /* a zeroed one is fine */
 
-/* Adds frames from..to-1 and finishes. table: 16-bit codes to what is compared. kept: gets the codes of its frames, where `from` is 0; NULL: none are kept. */
+/* Adds frames from..to-1 and finishes. table: 16-bit codes to what is compared. aside: NULL for nothing. */
 TTF_MUST_USE int ttf_learner_add(struct ttf_learner *learner, const struct ttf_sources *sources,
                                  uint32_t from, uint32_t to, const uint8_t *table,
-                                 struct ttf_kept *kept, const volatile int *cancel,
+                                 const struct ttf_aside *aside, const volatile int *cancel,
                                  struct ttf_pool *pool, struct ttf_err *err);
 
 /* All of it as bytes, to be freed. -ENOMEM. */

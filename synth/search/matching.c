@@ -213,8 +213,8 @@ int ttf_matching_of_factors(const struct ttf_factors *factors, unsigned n, unsig
 /* ---- all of it ---- */
 
 static int learn(const struct ttf_quilt_config *config, const struct ttf_sources *sources,
-                 uint32_t first, uint32_t frames, struct ttf_kept *kept, struct ttf_pool *pool,
-                 struct ttf_learner *learner, struct ttf_err *err)
+                 uint32_t first, uint32_t frames, const struct ttf_aside *aside,
+                 struct ttf_pool *pool, struct ttf_learner *learner, struct ttf_err *err)
 {
     uint8_t *table = malloc(65536);
     uint32_t from = first;
@@ -233,7 +233,7 @@ static int learn(const struct ttf_quilt_config *config, const struct ttf_sources
             ttf_err_set(err, r, NULL, "no memory for the factors of %u pixels", sources->pixels);
     }
     if (r == 0)
-        r = ttf_learner_add(learner, sources, from, first + frames, table, kept, config->cancel,
+        r = ttf_learner_add(learner, sources, from, first + frames, table, aside, config->cancel,
                             pool, err);
     free(table);
     return r;
@@ -256,12 +256,12 @@ static int keep(const struct ttf_quilt_config *config, const struct ttf_learner 
 }
 
 int ttf_matching_build(const struct ttf_quilt_config *config, const struct ttf_sources *sources,
-                       uint32_t first, uint32_t frames, struct ttf_kept *kept,
+                       uint32_t first, uint32_t frames, const struct ttf_aside *aside,
                        struct ttf_pool *pool, struct ttf_matching *ret, struct ttf_err *err)
 {
     struct ttf_learner learner = {0};
     double noise;
-    int r = learn(config, sources, first, frames, kept, pool, &learner, err);
+    int r = learn(config, sources, first, frames, aside, pool, &learner, err);
 
     if (r == 0)
         r = keep(config, &learner, err);

@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 #include "search/factors.h"
-#include "search/kept.h"
+#include "search/learner.h"
 #include "search/sources.h"
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
@@ -29,11 +29,12 @@ struct ttf_matching {
     struct ttf_quilt_rank_figures figures;
 };
 
-/* Frames first .. first+frames-1 of the sources. kept: gets those of the first frames, if config->known has none; NULL: none are kept. -ENOMEM, -ECANCELED, the sequences' errors. */
+/* Frames first .. first+frames-1 of the sources. aside: as the learner has it, NULL for nothing. -ENOMEM, -ECANCELED, the sequences' and its errors. */
 TTF_MUST_USE int ttf_matching_build(const struct ttf_quilt_config *config,
                                     const struct ttf_sources *sources, uint32_t first,
-                                    uint32_t frames, struct ttf_kept *kept, struct ttf_pool *pool,
-                                    struct ttf_matching *ret, struct ttf_err *err);
+                                    uint32_t frames, const struct ttf_aside *aside,
+                                    struct ttf_pool *pool, struct ttf_matching *ret,
+                                    struct ttf_err *err);
 
 /*
  * From factors at hand (1, or 3 of a channel each; finished): k of each. noise as above.

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
+#include <stdbool.h>
 
 #include "search/rank_private.h"
 
@@ -62,26 +63,42 @@ static void bound_view(struct ttf_rank_workspace *w, unsigned index, uint32_t li
     exclude(w, index, columns, rows, bounds);
 }
 
-/* Positions that wait for others to be bounded with. */
+/* Pairs of neighbouring positions that wait for others to be bounded with: survivors come in clusters. */
 struct waiting {
     const int16_t *cells[TTF_RANK_ABREAST];
     uint32_t *bounds[TTF_RANK_ABREAST];
+    bool asked[TTF_RANK_ABREAST][2]; /* for the bound of this one and of its right neighbour */
     unsigned n;
 };
 
 static void refine_waiting(const struct ttf_rank_workspace *w, uint32_t limit,
                            struct waiting *waiting)
 {
-    uint64_t sums[TTF_RANK_ABREAST];
+    uint64_t sums[2 * TTF_RANK_ABREAST];
 
     for (unsigned i = waiting->n; i > 0 && i < TTF_RANK_ABREAST; i++)
         waiting->cells[i] = waiting->cells[0];
     if (waiting->n > 0)
-        w->search->kernels->cells_at4(waiting->cells, w->fine_at, w->template.fine,
-                                      w->template.n_cells[1], limit, sums);
-    for (unsigned i = 0; i < waiting->n; i++)
-        *waiting->bounds[i] = sums[i] < TTF_BOUND_MAX ? (uint32_t)sums[i] : TTF_BOUND_MAX;
+        w->search->kernels->ssd_at_pairs(waiting->cells, w->fine_at, w->template.fine,
+                                         w->template.n_cells[1], limit, sums);
+    for (unsigned i = 0; i < 2 * waiting->n; i++) {
+        if (waiting->asked[i / 2][i % 2])
+            waiting->bounds[i / 2][i % 2] =
+                sums[i] < TTF_BOUND_MAX ? (uint32_t)sums[i] : TTF_BOUND_MAX;
+    }
     waiting->n = 0;
+}
+
+static void wait_for_others(const struct ttf_rank_workspace *w, uint32_t limit,
+                            const int16_t *cells, uint32_t *bounds, bool here, bool next,
+                            struct waiting *waiting)
+{
+    waiting->cells[waiting->n] = cells;
+    waiting->bounds[waiting->n] = bounds;
+    waiting->asked[waiting->n][0] = here;
+    waiting->asked[waiting->n][1] = next;
+    if (++waiting->n == TTF_RANK_ABREAST)
+        refine_waiting(w, limit, waiting);
 }
 
 /* Bounds by fine cells in place of those by coarse ones; those that are out already stay so. */
@@ -98,16 +115,19 @@ static void refine_view(struct ttf_rank_workspace *w, unsigned index, uint32_t c
     for (uint32_t y = 0; y < rows; y++) {
         const int16_t *row = view->cells[1] + (size_t)y * view->width * TTF_CELL_DIMS;
 
-        for (uint32_t x = 0; x < columns; x++, bounds++) {
-            if (*bounds > coarse_limit) {
-                *bounds = TTF_RANK_EXCLUDED;
-                continue;
-            }
-            waiting.cells[waiting.n] = row + (size_t)x * TTF_CELL_DIMS;
-            waiting.bounds[waiting.n++] = bounds;
-            if (waiting.n == TTF_RANK_ABREAST)
-                refine_waiting(w, limit, &waiting);
+        for (uint32_t x = 0; x < columns; x += 2) {
+            bool here = bounds[x] <= coarse_limit;
+            bool next = x + 1 < columns && bounds[x + 1] <= coarse_limit;
+
+            if (!here)
+                bounds[x] = TTF_RANK_EXCLUDED;
+            if (!next && x + 1 < columns)
+                bounds[x + 1] = TTF_RANK_EXCLUDED;
+            if (here || next)
+                wait_for_others(w, limit, row + (size_t)x * TTF_CELL_DIMS, bounds + x, here, next,
+                                &waiting);
         }
+        bounds += columns;
     }
     refine_waiting(w, limit, &waiting);
 }

@@ -49,28 +49,70 @@ static int add_found(struct ttf_rank_workspace *w, const struct ttf_rank_positio
     return 0;
 }
 
-/* Positions that wait for others to be compared with. */
+/*
+ * Positions that wait for others to be compared with: up to four places side by side, each of one position or of two that are neighbours
+ * (survivors come in clusters).
+ */
 struct abreast {
-    struct ttf_rank_position at[TTF_RANK_ABREAST];
-    uint32_t bounds[TTF_RANK_ABREAST];
-    unsigned n;
+    struct ttf_rank_position at[2 * TTF_RANK_ABREAST];
+    uint32_t bounds[2 * TTF_RANK_ABREAST];
+    unsigned sum[2 * TTF_RANK_ABREAST]; /* which of the places' sums is whose: two of a place */
+    unsigned n, places;
 };
 
-/* The first n pixels of up to four positions of one view, side by side. */
+/* Neighbours lie one vector apart where a pixel has no more than that. */
+static bool has_pairs(const struct ttf_rank_workspace *w)
+{
+    return w->search->matching->stride == TTF_COEF_LANES;
+}
+
+/* Adds a position, if there is a place for it. */
+static bool put(const struct ttf_rank_workspace *w, struct abreast *list,
+                const struct ttf_rank_position *at, uint32_t bound)
+{
+    const struct ttf_rank_position *last = list->n > 0 ? &list->at[list->n - 1] : NULL;
+    bool follows = last && has_pairs(w) && list->sum[list->n - 1] % 2 == 0 &&
+                   at->view == last->view && at->y == last->y && at->x == last->x + 1;
+
+    if (!follows && (list->places == TTF_RANK_ABREAST || (last && at->view != last->view)))
+        return false;
+    list->places += !follows;
+    list->sum[list->n] = 2 * (list->places - 1) + follows;
+    list->bounds[list->n] = bound;
+    list->at[list->n++] = *at;
+    return true;
+}
+
+static void clear(struct abreast *list)
+{
+    list->n = list->places = 0;
+}
+
+/* The first n pixels of the positions of one view, side by side. */
 static void sums_abreast(const struct ttf_rank_workspace *w, const struct abreast *list, size_t n,
-                         uint64_t limit, uint64_t ret[TTF_RANK_ABREAST])
+                         uint64_t limit, uint64_t ret[2 * TTF_RANK_ABREAST])
 {
     const struct ttf_view *view = &w->search->views->list[list->at[0].view];
+    const struct ttf_rank_kernels *kernels = w->search->kernels;
     size_t stride = w->search->matching->stride, each = stride / TTF_COEF_LANES;
-    const int16_t *from[TTF_RANK_ABREAST];
+    const uint32_t *offsets = w->at + list->at[0].view * w->template.n_pixels * each;
+    const int16_t *from[TTF_RANK_ABREAST] = {NULL};
+    uint64_t sums[2 * TTF_RANK_ABREAST];
 
-    for (unsigned i = 0; i < TTF_RANK_ABREAST; i++) {
-        const struct ttf_rank_position *at = &list->at[i < list->n ? i : 0];
+    for (unsigned i = 0, place = 0; i < list->n; i++) {
+        const struct ttf_rank_position *at = &list->at[i];
 
-        from[i] = view->coefs + ((size_t)at->y * view->width + at->x) * stride;
+        if (list->sum[i] % 2 == 0)
+            from[place++] = view->coefs + ((size_t)at->y * view->width + at->x) * stride;
     }
-    w->search->kernels->ssd_at4(from, w->at + list->at[0].view * w->template.n_pixels * each,
-                                w->template.coefs, n * each, limit, ret);
+    for (unsigned place = list->places; place < TTF_RANK_ABREAST; place++)
+        from[place] = from[0];
+    if (list->n > list->places)
+        kernels->ssd_at_pairs(from, offsets, w->template.coefs, n * each, limit, sums);
+    else
+        kernels->ssd_at4(from, offsets, w->template.coefs, n * each, limit, sums);
+    for (unsigned i = 0; i < list->n; i++)
+        ret[i] = sums[list->n > list->places ? list->sum[i] : list->sum[i] / 2];
 }
 
 static uint64_t whole(double limit)
@@ -81,8 +123,8 @@ static uint64_t whole(double limit)
 /* Leaves out what the pixels that no fine cell holds exclude, together with what the cells have at least. */
 static void exclude_by_rest(const struct ttf_rank_workspace *w, struct abreast *list)
 {
-    uint64_t rest[TTF_RANK_ABREAST];
-    double left[TTF_RANK_ABREAST], most = -1.0;
+    uint64_t rest[2 * TTF_RANK_ABREAST] = {0};
+    double left[2 * TTF_RANK_ABREAST] = {0.0}, most = -1.0;
     unsigned kept = 0;
 
     if (w->template.n_rest == 0 || list->n == 0)
@@ -101,7 +143,7 @@ static void exclude_by_rest(const struct ttf_rank_workspace *w, struct abreast *
 
 /* Errors of the list's positions in full; beyond the limit, any numbers beyond it. */
 static void errors_abreast(struct ttf_rank_workspace *w, const struct abreast *list,
-                           uint64_t ret[TTF_RANK_ABREAST])
+                           uint64_t ret[2 * TTF_RANK_ABREAST])
 {
     uint64_t limit = whole(w->limit);
 
@@ -124,12 +166,12 @@ static void tighten(struct ttf_rank_workspace *w, uint64_t error)
 
 static void look_abreast(struct ttf_rank_workspace *w, struct abreast *list)
 {
-    uint64_t errors[TTF_RANK_ABREAST];
+    uint64_t errors[2 * TTF_RANK_ABREAST];
 
     errors_abreast(w, list, errors);
     for (unsigned i = 0; i < list->n; i++)
         tighten(w, errors[i]);
-    list->n = 0;
+    clear(list);
 }
 
 void ttf_rank_look_at(struct ttf_rank_workspace *w, const struct ttf_rank_position *list,
@@ -138,16 +180,17 @@ void ttf_rank_look_at(struct ttf_rank_workspace *w, const struct ttf_rank_positi
     struct abreast abreast = {.n = 0};
 
     for (unsigned i = 0; i < n; i++) {
-        if (abreast.n == TTF_RANK_ABREAST || (abreast.n > 0 && list[i].view != abreast.at[0].view))
+        if (!put(w, &abreast, &list[i], 0)) {
             look_abreast(w, &abreast);
-        abreast.at[abreast.n++] = list[i];
+            (void)put(w, &abreast, &list[i], 0);
+        }
     }
     look_abreast(w, &abreast);
 }
 
 static int compare_abreast(struct ttf_rank_workspace *w, struct abreast *list)
 {
-    uint64_t errors[TTF_RANK_ABREAST];
+    uint64_t errors[2 * TTF_RANK_ABREAST];
     int r = 0;
 
     errors_abreast(w, list, errors);
@@ -157,11 +200,11 @@ static int compare_abreast(struct ttf_rank_workspace *w, struct abreast *list)
         tighten(w, errors[i]);
         r = add_found(w, &list->at[i], errors[i]);
     }
-    list->n = 0;
+    clear(list);
     return r;
 }
 
-/* What passed by its bound: by the rest, then in full, four at a time. */
+/* What passed by its bound: by the rest, then in full, four places at a time. */
 struct funnel {
     struct abreast first, second;
 };
@@ -172,11 +215,12 @@ static int drain(struct ttf_rank_workspace *w, struct funnel *funnel)
 
     exclude_by_rest(w, &funnel->first);
     for (unsigned i = 0; i < funnel->first.n && r == 0; i++) {
-        funnel->second.at[funnel->second.n++] = funnel->first.at[i];
-        if (funnel->second.n == TTF_RANK_ABREAST)
-            r = compare_abreast(w, &funnel->second);
+        if (put(w, &funnel->second, &funnel->first.at[i], 0))
+            continue;
+        r = compare_abreast(w, &funnel->second);
+        (void)put(w, &funnel->second, &funnel->first.at[i], 0);
     }
-    funnel->first.n = 0;
+    clear(&funnel->first);
     return r;
 }
 
@@ -190,16 +234,16 @@ static int compare_view(struct ttf_rank_workspace *w, unsigned index, unsigned l
 
     ttf_rank_grid(&w->search->views->list[index], w->query, &columns, &rows);
     for (size_t at = 0; at < (size_t)columns * rows && r == 0; at++) {
-        struct abreast *first = &funnel.first;
+        struct ttf_rank_position position;
 
         if (bounds[at] > limit)
             continue;
-        first->bounds[first->n] = bounds[at];
-        first->at[first->n++] =
+        position =
             (struct ttf_rank_position){index, (uint32_t)(at % columns), (uint32_t)(at / columns)};
-        if (first->n < TTF_RANK_ABREAST)
+        if (put(w, &funnel.first, &position, bounds[at]))
             continue;
         r = drain(w, &funnel);
+        (void)put(w, &funnel.first, &position, bounds[at]);
         if (w->limit != limit_of) {
             limit_of = w->limit;
             limit = ttf_rank_cell_limit(w, level);

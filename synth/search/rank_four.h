@@ -7,6 +7,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Vectors whose squares fit a lane, even and odd ones apart: 32 times two times 8180^2. */
+#define TOGETHER 64u
+
 /* Sums of four places: of vectors with even and with odd indices (one alone would wait for itself), and what has been moved out of them. */
 struct four {
     __m256i even[4], odd[4], sums[4];
@@ -77,10 +80,10 @@ static inline __m256i sums_of_four(const __m256i v[4])
                             _mm256_permute2x128_si256(low, high, 0x31));
 }
 
-/* together: vectors whose squares fit a lane; look: so many times that, between looks at the limit. */
+/* look: vectors between looks at the limit, in TOGETHERs. */
 static inline __attribute__((always_inline)) void
 four_places(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b, size_t n,
-            uint64_t limit, size_t together, size_t look, uint64_t ret[4])
+            uint64_t limit, size_t look, uint64_t ret[4])
 {
     /* compared as signed numbers */
     const __m256i limits = _mm256_set1_epi64x((int64_t)(limit < INT64_MAX ? limit : INT64_MAX));
@@ -91,10 +94,10 @@ four_places(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b
     for (int k = 0; k < 4; k++)
         f.even[k] = f.odd[k] = f.sums[k] = sums;
     for (size_t i = 0; i < n;) {
-        size_t end = n - i < together * look ? n : i + together * look;
+        size_t end = n - i < TOGETHER * look ? n : i + TOGETHER * look;
 
         for (size_t most; i < end; i += most) {
-            most = end - i < together ? end - i : together;
+            most = end - i < TOGETHER ? end - i : TOGETHER;
             add_vectors(&f, at, offsets + i, b + i * 16, most);
             move_out(&f);
         }
@@ -105,18 +108,10 @@ four_places(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b
     _mm256_storeu_si256((__m256i *)(void *)ret, sums);
 }
 
-/* 32 vectors a lane, even and odd ones apart: 32 times two times 8180^2. */
 static void ssd_at4(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b, size_t n,
                     uint64_t limit, uint64_t ret[4])
 {
-    four_places(a, offsets, b, n, limit, 64, 2, ret);
-}
-
-/* 32 vectors a lane, of two times 2046^2: it could be more, but that is when the limit is looked at. */
-static void cells_at4(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b,
-                      size_t n, uint64_t limit, uint64_t ret[4])
-{
-    four_places(a, offsets, b, n, limit, 64, 1, ret);
+    four_places(a, offsets, b, n, limit, 2, ret);
 }
 
 #endif

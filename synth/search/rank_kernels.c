@@ -31,6 +31,18 @@ static void ssd_at4(const int16_t *const a[4], const uint32_t *offsets, const in
     }
 }
 
+static void ssd_at_pairs(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b,
+                         size_t n, uint64_t limit, uint64_t ret[8])
+{
+    for (int half = 0; half < 2; half++) {
+        const int16_t *first = a[2 * half], *second = a[2 * half + 1];
+        const int16_t *const at[4] = {first, first + TTF_COEF_LANES, second,
+                                      second + TTF_COEF_LANES};
+
+        ssd_at4(at, offsets, b, n, limit, ret + (size_t)4 * half);
+    }
+}
+
 static void bound_cells(const int16_t *cells, const struct ttf_cell_target *targets,
                         size_t n_targets, size_t n, uint32_t limit, uint32_t *bounds)
 {
@@ -71,7 +83,7 @@ const struct ttf_rank_kernels *ttf_rank_kernels_scalar(void)
         .name = "scalar",
         .ssd_i16 = ssd_i16,
         .ssd_at4 = ssd_at4,
-        .cells_at4 = ssd_at4,
+        .ssd_at_pairs = ssd_at_pairs,
         .bound_cells = bound_cells,
         .rotate4 = rotate4_plain,
     };
@@ -85,7 +97,7 @@ const struct ttf_rank_kernels *ttf_rank_kernels_best(void)
         .name = "vector",
         .ssd_i16 = ssd_i16,
         .ssd_at4 = ssd_at4,
-        .cells_at4 = ssd_at4,
+        .ssd_at_pairs = ssd_at_pairs,
         .bound_cells = bound_cells,
         .rotate4 = rotate4,
     };

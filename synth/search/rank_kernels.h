@@ -33,9 +33,9 @@ struct ttf_rank_kernels {
      */
     void (*ssd_at4)(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b, size_t n,
                     uint64_t limit, uint64_t ret[4]);
-    /* The same of cells: of values within TTF_CELL_MAX. */
-    void (*cells_at4)(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b,
-                      size_t n, uint64_t limit, uint64_t ret[4]);
+    /* The same at four pairs of neighbours: of a[k] into ret[2 k], of the place one vector further on into ret[2 k + 1]. */
+    void (*ssd_at_pairs)(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b,
+                         size_t n, uint64_t limit, uint64_t ret[8]);
     /*
      * Of n neighbouring positions: sum over cells of squared differences, clipped at TTF_BOUND_MAX. cells: the view's values
      * from the first position's corner on. Of a position beyond `limit`, any number beyond it.

@@ -120,13 +120,25 @@ static void bound_cells(const int16_t *cells, const struct ttf_cell_target *targ
         bound_group(cells + (n - 8) * TTF_CELL_DIMS, targets, n_targets, limit, bounds + n - 8);
 }
 
+static void ssd_at_pairs(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b,
+                         size_t n, uint64_t limit, uint64_t ret[8])
+{
+    for (int half = 0; half < 2; half++) {
+        const int16_t *first = a[2 * half], *second = a[2 * half + 1];
+        const int16_t *const at[4] = {first, first + TTF_COEF_LANES, second,
+                                      second + TTF_COEF_LANES};
+
+        four_places(at, offsets, b, n, limit, 1, ret + (size_t)4 * half);
+    }
+}
+
 const struct ttf_rank_kernels *ttf_rank_kernels_avx2(void)
 {
     static const struct ttf_rank_kernels kernels = {
         .name = "avx2",
         .ssd_i16 = ssd_i16,
         .ssd_at4 = ssd_at4,
-        .cells_at4 = cells_at4,
+        .ssd_at_pairs = ssd_at_pairs,
         .bound_cells = bound_cells,
         .rotate4 = rotate4,
     };

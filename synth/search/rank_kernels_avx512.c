@@ -6,8 +6,9 @@
 #include "search/rank_kernels.h"
 #include "search/rank_rotate.h"
 
-/* Cells added before the sums are looked at: 16 x 16 x 2046^2 and a clipped sum fit 32 bits. */
+/* Cells added before the sums are looked at: 16 x 16 x 2046^2 and a clipped sum fit 32 bits. Fewer at first: where a limit is near, they do. */
 #define CELLS_AT_ONCE 16
+#define CELLS_FIRST   8
 
 static __m512i load(const int16_t *p)
 {
@@ -110,9 +111,9 @@ static void bound_group(const int16_t *cells, const struct ttf_cell_target *targ
     __m512i most = _mm512_set1_epi32((int)limit);
     __m512i clip = _mm512_set1_epi32((int)TTF_BOUND_MAX);
 
-    for (size_t i = 0; i < n_targets; i += CELLS_AT_ONCE) {
-        size_t n = n_targets - i < CELLS_AT_ONCE ? n_targets - i : CELLS_AT_ONCE;
-
+    for (size_t i = 0, n; i < n_targets; i += n) {
+        n = i == 0 ? CELLS_FIRST : CELLS_AT_ONCE;
+        n = n_targets - i < n ? n_targets - i : n;
         sum =
             _mm512_min_epu32(_mm512_add_epi32(sum, sixteen_positions(cells, targets + i, n)), clip);
         if (_mm512_cmple_epu32_mask(sum, most) == 0)
@@ -136,6 +137,86 @@ static void bound_cells(const int16_t *cells, const struct ttf_cell_target *targ
         bound_group(cells + (n - 16) * TTF_CELL_DIMS, targets, n_targets, limit, bounds + n - 16);
 }
 
+/* Two neighbours' sums in the halves of each vector, of vectors with even and with odd indices (one alone would wait for itself). */
+struct pairs {
+    __m512i even[4], odd[4];
+};
+
+static inline __attribute__((always_inline)) struct pairs
+sums_of_pairs(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b, size_t n)
+{
+    const int16_t *a0 = a[0], *a1 = a[1], *a2 = a[2], *a3 = a[3];
+    __m512i zero = _mm512_setzero_si512();
+    __m512i s0 = zero, s1 = zero, s2 = zero, s3 = zero, t0 = zero, t1 = zero, t2 = zero, t3 = zero;
+    size_t i = 0;
+
+    for (; i + 2 <= n; i += 2) {
+        size_t first = (size_t)offsets[i] * 16, second = (size_t)offsets[i + 1] * 16;
+        __m512i own = _mm512_broadcast_i64x4(load_16(b + i * 16));
+        __m512i next = _mm512_broadcast_i64x4(load_16(b + i * 16 + 16));
+
+        s0 = add_squares(s0, own, load(a0 + first));
+        s1 = add_squares(s1, own, load(a1 + first));
+        s2 = add_squares(s2, own, load(a2 + first));
+        s3 = add_squares(s3, own, load(a3 + first));
+        t0 = add_squares(t0, next, load(a0 + second));
+        t1 = add_squares(t1, next, load(a1 + second));
+        t2 = add_squares(t2, next, load(a2 + second));
+        t3 = add_squares(t3, next, load(a3 + second));
+    }
+    if (i < n) {
+        size_t last = (size_t)offsets[i] * 16;
+        __m512i own = _mm512_broadcast_i64x4(load_16(b + i * 16));
+
+        s0 = add_squares(s0, own, load(a0 + last));
+        s1 = add_squares(s1, own, load(a1 + last));
+        s2 = add_squares(s2, own, load(a2 + last));
+        s3 = add_squares(s3, own, load(a3 + last));
+    }
+    return (struct pairs){{s0, s1, s2, s3}, {t0, t1, t2, t3}};
+}
+
+/* Eight lanes of 64 bits of each of four vectors to the sums of their halves, in order. */
+static __m512i sums_of_halves(const __m512i v[4])
+{
+    const __m512i order = _mm512_setr_epi64(0, 2, 1, 3, 4, 6, 5, 7);
+    __m512i low =
+        _mm512_add_epi64(_mm512_unpacklo_epi64(v[0], v[1]), _mm512_unpackhi_epi64(v[0], v[1]));
+    __m512i high =
+        _mm512_add_epi64(_mm512_unpacklo_epi64(v[2], v[3]), _mm512_unpackhi_epi64(v[2], v[3]));
+
+    return _mm512_permutexvar_epi64(order, _mm512_add_epi64(_mm512_shuffle_i64x2(low, high, 0x88),
+                                                            _mm512_shuffle_i64x2(low, high, 0xdd)));
+}
+
+/* Neighbouring lanes of 32 bits, taken as unsigned, added to theirs of 64: halves stay apart. */
+static inline __m512i widen_lanes(__m512i sum, __m512i part, __m512i low)
+{
+    sum = _mm512_add_epi64(sum, _mm512_and_si512(part, low));
+    return _mm512_add_epi64(sum, _mm512_srli_epi64(part, 32));
+}
+
+static void ssd_at_pairs(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b,
+                         size_t n, uint64_t limit, uint64_t ret[8])
+{
+    const __m512i low = _mm512_set1_epi64(0xffffffff), most = _mm512_set1_epi64((int64_t)limit);
+    __m512i wide[4], sums = _mm512_setzero_si512();
+
+    for (int k = 0; k < 4; k++)
+        wide[k] = _mm512_setzero_si512();
+    for (size_t i = 0; i < n; i += TOGETHER) {
+        struct pairs pairs =
+            sums_of_pairs(a, offsets + i, b + i * 16, n - i < TOGETHER ? n - i : TOGETHER);
+
+        for (int k = 0; k < 4; k++)
+            wide[k] = widen_lanes(widen_lanes(wide[k], pairs.even[k], low), pairs.odd[k], low);
+        sums = sums_of_halves(wide);
+        if (_mm512_cmple_epu64_mask(sums, most) == 0)
+            break;
+    }
+    _mm512_storeu_si512((void *)ret, sums);
+}
+
 typedef float rotate_v16 __attribute__((vector_size(64)));
 
 /* Sixteen numbers of four pixels. */
@@ -155,11 +236,39 @@ static void rotate_16(const float *w, size_t dims, size_t room, const float *in,
         memcpy(out + p * room, &sums[p], sizeof(sums[p]));
 }
 
+typedef float rotate_v8 __attribute__((vector_size(32)));
+
+/* Twenty-four, as many as rank 15 has room for: each number of a pixel is loaded once for all. */
+static void rotate_24(const float *w, size_t dims, size_t room, const float *in, size_t in_stride,
+                      float *out)
+{
+    rotate_v16 wide[4] = {{0}};
+    rotate_v8 rest[4] = {{0}};
+
+    for (size_t i = 0; i < dims; i++) {
+        rotate_v16 row;
+        rotate_v8 more;
+
+        memcpy(&row, w + i * room, sizeof(row));
+        memcpy(&more, w + i * room + 16, sizeof(more));
+        for (size_t p = 0; p < 4; p++) {
+            wide[p] += row * in[p * in_stride + i];
+            rest[p] += more * in[p * in_stride + i];
+        }
+    }
+    for (size_t p = 0; p < 4; p++) {
+        memcpy(out + p * room, &wide[p], sizeof(wide[p]));
+        memcpy(out + p * room + 16, &rest[p], sizeof(rest[p]));
+    }
+}
+
 static void rotate4_wide(const float *w, size_t dims, size_t room, const float *in,
                          size_t in_stride, float *out)
 {
     size_t r = 0;
 
+    for (; r + 24 <= room; r += 24)
+        rotate_24(w + r, dims, room, in, in_stride, out + r);
     for (; r + 16 <= room; r += 16)
         rotate_16(w + r, dims, room, in, in_stride, out + r);
     if (r < room)
@@ -172,7 +281,7 @@ const struct ttf_rank_kernels *ttf_rank_kernels_avx512(void)
         .name = "avx512",
         .ssd_i16 = ssd_i16,
         .ssd_at4 = ssd_at4,
-        .cells_at4 = cells_at4,
+        .ssd_at_pairs = ssd_at_pairs,
         .bound_cells = bound_cells,
         .rotate4 = rotate4_wide,
     };

@@ -93,7 +93,7 @@ static int fill_view(struct ttf_view *view, const struct ttf_views *views,
     struct fill fill = {.view = view, .matching = matching};
 
     if (view->turn != 0) {
-        view->own = ttf_lanes_alloc(pixels * matching->stride);
+        view->own = ttf_lanes_alloc(pixels * matching->stride + TTF_COEF_LANES);
         if (!view->own)
             return -ENOMEM;
         ttf_pool_run(pool, view->height, copy_row, &fill);
@@ -102,7 +102,8 @@ static int fill_view(struct ttf_view *view, const struct ttf_views *views,
     for (unsigned level = 0; level < TTF_CELL_LEVELS; level++) {
         uint32_t side = views->levels[level].side;
 
-        view->cells[level] = ttf_lanes_alloc(pixels * TTF_CELL_DIMS);
+        view->cells[level] =
+            ttf_lanes_alloc((pixels + 1) * TTF_CELL_DIMS); /* the last one's neighbour */
         if (!view->cells[level])
             return -ENOMEM;
         fill.cells = &views->levels[level];
@@ -111,6 +112,36 @@ static int fill_view(struct ttf_view *view, const struct ttf_views *views,
             ttf_pool_run(pool, view->height - side + 1, cells_row, &fill);
     }
     return 0;
+}
+
+struct find {
+    const struct ttf_sequence *input;
+    const struct ttf_matching *matching;
+    uint32_t overlap;
+    struct ttf_cells *levels;
+    int codes[TTF_CELL_LEVELS];
+};
+
+static void find_level(void *ctx, unsigned level, unsigned worker)
+{
+    struct find *find = ctx;
+
+    (void)worker;
+    find->codes[level] = ttf_cells_find(find->matching->coefs, find->input->width,
+                                        find->input->height, find->matching->stride,
+                                        ttf_cells_side(level, find->overlap), &find->levels[level]);
+}
+
+static int find_levels(const struct ttf_sequence *input, const struct ttf_matching *matching,
+                       uint32_t overlap, struct ttf_pool *pool, struct ttf_cells *levels)
+{
+    struct find find = {input, matching, overlap, levels, {0}};
+    int r = 0;
+
+    ttf_pool_run(pool, TTF_CELL_LEVELS, find_level, &find);
+    for (unsigned level = 0; level < TTF_CELL_LEVELS; level++)
+        r = r < 0 ? r : find.codes[level];
+    return r;
 }
 
 /* Adds a view; without numbers to match by, only its place. */
@@ -138,9 +169,8 @@ int ttf_views_create(const struct ttf_sources *sources, const struct ttf_matchin
     views.list = calloc((size_t)sources->n * TTF_TURN_COUNT, sizeof(*views.list));
     if (!views.list)
         return -ENOMEM;
-    for (unsigned level = 0; matching->coefs && level < TTF_CELL_LEVELS && r == 0; level++)
-        r = ttf_cells_find(matching->coefs, sources->list[0]->width, sources->list[0]->height,
-                           matching->stride, ttf_cells_side(level, overlap), &views.levels[level]);
+    if (matching->coefs)
+        r = find_levels(sources->list[0], matching, overlap, pool, views.levels);
     for (unsigned i = 0; i < sources->n && r == 0; i++) {
         for (unsigned turn = 0; turn < TTF_TURN_COUNT && r == 0; turn++) {
             if (turns & (1u << turn))

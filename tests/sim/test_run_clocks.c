@@ -167,11 +167,20 @@ static void power_that_flickers_hides_no_outage_from_a_length(void **state)
         {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
     static const struct until_belief a_pc[] = {
         {0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_NONE, 0}, {8 * MIN + 30 * S, TTF_TRUST_HOST, 0}};
+    static const struct until_belief after_a_pc[] = {{0, TTF_TRUST_HOST, 0},
+                                                     {4 * MIN, TTF_TRUST_NONE, 0},
+                                                     {7 * MIN + 30 * S, TTF_TRUST_NTP, 0},
+                                                     {8 * MIN + 30 * S, TTF_TRUST_NONE, 0}};
     static const struct {
         const struct until_belief *beliefs;
         unsigned n;
-        int64_t cut_ns; /* once more, and no clock behind it */
-    } cases[] = {{at_once, 3, 0}, {later, 3, 0}, {a_pc, 3, 0}, {at_once, 4, 8 * MIN + 20 * S}};
+        int64_t cut_ns; /* once more, and no clock behind it; or NTP */
+    } cases[] = {{at_once, 3, 0},
+                 {later, 3, 0},
+                 {a_pc, 3, 0},
+                 {at_once, 4, 8 * MIN + 20 * S},
+                 {after_a_pc, 4, 8 * MIN + 20 * S},
+                 {after_a_pc, 3, 8 * MIN + 20 * S}};
 
     (void)state;
     for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
@@ -182,7 +191,7 @@ static void power_that_flickers_hides_no_outage_from_a_length(void **state)
         sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 180;
         sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 6 * MIN + 50 * S)->amount = 60;
         if (cases[i].cut_ns > 0)
-            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, cases[i].cut_ns)->amount = 30;
+            sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, cases[i].cut_ns)->amount = 20;
         assert_int_equal(sim_run_through_cuts(&b.run), 0);
         until_expect_end(&b.run, "cccccc", "until");
         living_finish(&b.run);

@@ -62,6 +62,19 @@ static void checked_arithmetic_refuses_overflow(void **state)
     assert_int_equal(i, 7);
 }
 
+static void instants_that_do_not_fit_are_the_nearest_that_do(void **state)
+{
+    (void)state;
+    assert_int_equal(ttf_near_sum_i64(40, 2), 42);
+    assert_int_equal(ttf_near_sum_i64(INT64_MAX, 1), INT64_MAX);
+    assert_int_equal(ttf_near_sum_i64(-INT64_MAX, -1), -INT64_MAX);
+    assert_int_equal(ttf_near_sum_i64(-INT64_MAX, -2), -INT64_MAX);
+    assert_int_equal(ttf_near_difference_i64(44, 2), 42);
+    assert_int_equal(ttf_near_difference_i64(INT64_MAX, -1), INT64_MAX);
+    assert_int_equal(ttf_near_difference_i64(0, INT64_MIN), INT64_MAX);
+    assert_int_equal(ttf_near_difference_i64(-INT64_MAX, 1), -INT64_MAX);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -69,6 +82,7 @@ int main(void)
         cmocka_unit_test(prefixes_on_the_way_up),
         cmocka_unit_test(cuts_long_texts_and_takes_null),
         cmocka_unit_test(checked_arithmetic_refuses_overflow),
+        cmocka_unit_test(instants_that_do_not_fit_are_the_nearest_that_do),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -491,6 +491,18 @@ static void a_clock_is_behind_by_more_than_right_ones_differ(void **state)
     }
 }
 
+/* What a foreign dataset may say: nobody is behind what may have been at any time. */
+static void a_slot_of_no_certain_time_makes_no_clock_wrong(void **state)
+{
+    const struct ttf_run_past past = {
+        .last_trust = TTF_TRUST_RTC, .last_utc_ns = UTC0, .last_uncertainty_ns = INT64_MAX};
+    const struct ttf_utc utc = {
+        .utc_ns = UTC0 / 2, .uncertainty_ns = TTF_NS_PER_S, .trust = TTF_TRUST_HOST};
+
+    (void)state;
+    assert_false(ttf_resume_clock_behind(&past, &utc));
+}
+
 static void a_run_that_had_ended_in_time_gains_nothing_by_another_clock(void **state)
 {
     struct ttf_writer_state done = ten_slots_done();
@@ -514,6 +526,10 @@ static void the_gap_is_known_once_utc_is(void **state)
     (void)state;
     assert_int_equal(ttf_resume_gap_ns(&done.last_segment, 10, UTC0 + (600 + 300) * TTF_NS_PER_S),
                      300 * TTF_NS_PER_S);
+    /* Slot 9 was due at UTC0 + 540 s: gone on with at once, or by a clock that says that it was before that. */
+    assert_int_equal(ttf_resume_gap_ns(&done.last_segment, 10, UTC0 + 550 * TTF_NS_PER_S), 0);
+    assert_int_equal(ttf_resume_gap_ns(&done.last_segment, 10, UTC0 + 540 * TTF_NS_PER_S - 1),
+                     TTF_NS_UNKNOWN);
     snprintf(done.last_segment.trust, sizeof(done.last_segment.trust), "none");
     assert_int_equal(ttf_resume_gap_ns(&done.last_segment, 10, UTC0), TTF_NS_UNKNOWN);
 }
@@ -532,6 +548,7 @@ int main(void)
         cmocka_unit_test(an_untrusted_clock_goes_on_at_once_with_the_gap_unknown),
         cmocka_unit_test(a_clock_behind_the_last_slot_is_not_believed),
         cmocka_unit_test(a_clock_is_behind_by_more_than_right_ones_differ),
+        cmocka_unit_test(a_slot_of_no_certain_time_makes_no_clock_wrong),
         cmocka_unit_test(label_end_and_grid_go_by_the_same_clock),
         cmocka_unit_test(slots_given_up_ahead_of_time_do_not_make_the_clock_wrong),
         cmocka_unit_test(

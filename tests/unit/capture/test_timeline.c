@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cmocka_includes.h"
 
+#include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
+#include "datasets/plain_stream.h"
 #include "quantile.h"
 #include "schedule.h"
 #include "timeline.h"
 #include "ttf/base/time.h"
+#include "ttf/dataset/writer.h"
 
 static struct ttf_segment segment(const char *boot, int64_t first, int64_t origin_s)
 {
@@ -143,6 +148,33 @@ static void outages_without_a_clock_between_are_told_by_the_next_clock(void **st
     assert_int_equal(past_of(s, 4, "x", 12).sure_gaps_ns, 2 * gap);
 }
 
+/* A PC until slot 10; power and no clock; NTP: what it tells of the outage is told after the next cut as well. */
+static void an_outage_after_a_pc_s_word_is_told_by_the_next_clock(void **state)
+{
+    const int64_t slot0 = 1000 * TTF_NS_PER_S, gap = TTF_NS_PER_H;
+    struct ttf_segment s[4] = {segment("a", 0, 100), segment("b", 10, 20), segment("c", 12, 20),
+                               segment("d", 14, 20)};
+    struct ttf_run_past past;
+
+    (void)state;
+    s[0].origin_utc_ns = slot0;
+    snprintf(s[0].trust, sizeof(s[0].trust), "host");
+    s[1].gap_ns = s[2].gap_ns = TTF_NS_UNKNOWN;
+    past = past_of(s, 2, "c", 12);
+    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + gap, true), gap);
+    s[2].origin_utc_ns = slot0 + 12 * TTF_NS_PER_MIN + gap;
+    snprintf(s[2].trust, sizeof(s[2].trust), "ntp");
+    past = past_of(s, 3, "d", 14);
+    assert_int_equal(past.sure_gaps_ns, gap);
+    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + gap, false), gap);
+    assert_int_equal(ttf_timeline_gaps_ns(&past, TTF_NS_UNKNOWN, true), gap);
+    /* What a PC says from then on adds nothing by itself. */
+    s[3].gap_ns = gap;
+    s[3].origin_utc_ns = slot0 + 14 * TTF_NS_PER_MIN + 2 * gap;
+    snprintf(s[3].trust, sizeof(s[3].trust), "host");
+    assert_int_equal(past_of(s, 4, "x", 16).sure_gaps_ns, gap);
+}
+
 /* NTP, an outage, NTP; an outage, and it moves on there: to a dataset that has but its own segments. */
 static void what_was_known_before_a_move_is_known_after_it(void **state)
 {
@@ -269,6 +301,190 @@ static void when_the_last_slot_of_the_boots_before_was_is_known(void **state)
     assert_int_equal(past.last_utc_ns, 5120 * TTF_NS_PER_S);
 }
 
+/* The machine's, but syncing costs nothing, and it counts what is read. */
+struct counting_io {
+    struct ttf_io io; /* first */
+    struct ttf_io_ops ops;
+    int reads;
+};
+
+static int64_t count_pread(struct ttf_io *io, int file, void *buf, size_t n, int64_t offset)
+{
+    ((struct counting_io *)io)->reads++;
+    return ttf_io_posix()->ops->pread(io, file, buf, n, offset);
+}
+
+static int no_sync(struct ttf_io *io, int file, bool data_only)
+{
+    (void)io;
+    (void)file;
+    (void)data_only;
+    return 0;
+}
+
+static void commit(struct ttf_writer *writer, int64_t index, int segment, enum ttf_result result)
+{
+    struct ttf_slot_record record;
+
+    ttf_slot_record_init(&record);
+    record.index = index;
+    record.segment = segment;
+    record.result = result;
+    snprintf(record.reason, sizeof(record.reason), "for a test");
+    assert_int_equal(ttf_writer_commit(writer, &record, NULL), 0);
+    ttf_slot_record_free(&record);
+}
+
+/* Slots 0 to 2, of which one was taken, and a pause; an outage of so many slots, in which nothing was. */
+static void make_outage(struct ttf_io *io, const char *path, int64_t lost)
+{
+    struct ttf_segment s = segment("a", 0, 100);
+    struct ttf_manifest manifest;
+    struct ttf_writer *writer = NULL;
+
+    memset(&manifest, 0, sizeof(manifest));
+    assert_int_equal(ttf_manifest_init(&manifest, NULL), 0);
+    plain_stream(&manifest, "linear-srgb");
+    assert_int_equal(ttf_writer_create(io, path, &manifest, "# plan\n", "{}", &writer, NULL), 0);
+    snprintf(s.trust, sizeof(s.trust), "none");
+    for (int i = 0; i < 3; i++) {
+        s.segment = i;
+        assert_int_equal(ttf_writer_segment(writer, &s, NULL), 0);
+        if (i == 0)
+            for (int64_t k = 0; k < 3; k++)
+                commit(writer, k, i, k == 1 ? TTF_RESULT_PAUSED : TTF_RESULT_MISSED);
+        s.first_index = 3;
+    }
+    for (int64_t k = 3; k < 3 + lost; k++)
+        commit(writer, k, 2, k % 2 == 0 ? TTF_RESULT_MISSED : TTF_RESULT_POWER);
+    ttf_writer_close(writer);
+}
+
+static void slots_of_a_long_outage_are_not_read_one_by_one(void **state)
+{
+    struct counting_io c = {.io = {&c.ops}, .ops = *ttf_io_posix()->ops};
+    char folder[] = "/tmp/ttf-timeline-XXXXXX", path[64], line[64];
+    int64_t *taken_until = NULL;
+    struct ttf_segment *segments = NULL;
+    int n = 0;
+
+    (void)state;
+    c.ops.pread = count_pread;
+    c.ops.sync = no_sync;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof(path), "%s/d", folder);
+    make_outage(&c.io, path, 1000);
+    c.reads = 0;
+    assert_int_equal(ttf_timeline_read(&c.io, path, &segments, &taken_until, &n, NULL), 0);
+    assert_int_equal(n, 3);
+    assert_int_equal(taken_until[0], 2); /* slot 1: it was paused, when it was due */
+    assert_int_equal(taken_until[1], 3); /* its first index: it has no slot */
+    assert_int_equal(taken_until[2], 3); /* none was taken */
+    assert_in_range(c.reads, 1, 100);
+    free(segments);
+    free(taken_until);
+    snprintf(line, sizeof(line), "rm -rf %s", folder);
+    assert_int_equal(system(line), 0); /* NOLINT(cert-env33-c,concurrency-mt-unsafe): a test's */
+}
+
+/* A dataset with these segments, read as a run that goes on with it reads it. NULL: refused. */
+static struct ttf_segment *read_again(const struct ttf_segment *s, int n)
+{
+    struct counting_io c = {.io = {&c.ops}, .ops = *ttf_io_posix()->ops};
+    char folder[] = "/tmp/ttf-timeline-XXXXXX", path[64], line[64];
+    struct ttf_segment *segments = NULL;
+    int64_t *taken_until = NULL;
+    struct ttf_manifest manifest;
+    struct ttf_writer *writer = NULL;
+    int got = 0, r;
+
+    c.ops.sync = no_sync;
+    memset(&manifest, 0, sizeof(manifest));
+    assert_int_equal(ttf_manifest_init(&manifest, NULL), 0);
+    plain_stream(&manifest, "linear-srgb");
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof(path), "%s/d", folder);
+    assert_int_equal(ttf_writer_create(&c.io, path, &manifest, "# plan\n", "{}", &writer, NULL), 0);
+    for (int i = 0; i < n; i++) {
+        struct ttf_segment one = s[i];
+
+        one.segment = i;
+        assert_int_equal(ttf_writer_segment(writer, &one, NULL), 0);
+    }
+    ttf_writer_close(writer);
+    r = ttf_timeline_read(&c.io, path, &segments, &taken_until, &got, NULL);
+    assert_true(r == 0 || r == -EINVAL);
+    assert_int_equal(got, r == 0 ? n : 0);
+    free(taken_until);
+    snprintf(line, sizeof(line), "rm -rf %s", folder);
+    assert_int_equal(system(line), 0); /* NOLINT(cert-env33-c,concurrency-mt-unsafe): a test's */
+    return segments;
+}
+
+/* A foreign dataset's, or one that somebody spoiled: whole, by its crc. */
+static void times_beyond_all_clocks_are_not_reckoned_with(void **state)
+{
+    static const int64_t huge = INT64_MAX - 1;
+    static const struct {
+        int64_t origin_ns, interval_ns, first_index, run_ns;
+    } refused[] = {{huge, 1, 0, 0}, {-huge, 1, 0, 0}, {0, huge, 0, 0},
+                   {0, 1, huge, 0}, {0, 1, 0, huge},  {0, INT64_C(1) << 32, INT64_C(1) << 31, 0}};
+    struct ttf_segment s[2] = {segment("a", 0, 100), segment("b", 10, 20)}, *got;
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(refused) / sizeof(refused[0]); i++) {
+        struct ttf_segment one = s[0];
+
+        one.origin_ns = refused[i].origin_ns;
+        one.interval_ns = refused[i].interval_ns;
+        one.first_index = refused[i].first_index;
+        one.run_ns = refused[i].run_ns;
+        snprintf(one.trust, sizeof(one.trust), "ntp");
+        assert_null(read_again(&one, 1));
+    }
+    /* What may be unknown is. */
+    snprintf(s[0].trust, sizeof(s[0].trust), "ntp");
+    snprintf(s[1].trust, sizeof(s[1].trust), "ntp");
+    s[0].origin_utc_ns = huge;
+    s[0].uncertainty_ns = s[0].gap_ns = s[0].run_utc_ns = huge;
+    s[1].origin_utc_ns = -huge;
+    got = read_again(s, 2);
+    assert_non_null(got);
+    assert_int_equal(got[0].origin_utc_ns, TTF_NS_UNKNOWN);
+    assert_int_equal(got[0].uncertainty_ns, TTF_NS_UNKNOWN);
+    assert_int_equal(got[0].gap_ns, TTF_NS_UNKNOWN);
+    assert_int_equal(got[0].run_utc_ns, 0);
+    assert_int_equal(got[1].origin_utc_ns, TTF_NS_UNKNOWN);
+    free(got);
+    /* A hundred years of slots, which a plan may ask for, are not. */
+    s[1].first_index = INT64_C(100) * 366 * 24 * 60;
+    got = read_again(s, 2);
+    assert_non_null(got);
+    free(got);
+}
+
+/* As far as it goes; there and back again, as often as it likes. */
+static void a_clock_that_is_set_to_and_fro_adds_up_to_no_nonsense(void **state)
+{
+    static const int64_t ends[] = {-(INT64_C(1) << 60) + 1, (INT64_C(1) << 62) - 1};
+    struct ttf_segment s[8];
+    struct ttf_run_past past;
+
+    (void)state;
+    for (int i = 0; i < 8; i++) {
+        char boot[2] = {(char)('a' + i), '\0'};
+
+        s[i] = segment(boot, 10 * i, 100);
+        if (i % 2 == 0)
+            s[i].origin_utc_ns = ends[i / 2 % 2];
+        snprintf(s[i].trust, sizeof(s[i].trust), i % 2 == 0 ? "ntp" : "none");
+        s[i].gap_ns = i > 0 ? TTF_NS_UNKNOWN : 0;
+    }
+    past = past_of(s, 8, "x", 80);
+    assert_true(past.gaps_ns > 0 && past.sure_gaps_ns == past.gaps_ns);
+    assert_true(ttf_timeline_gaps_ns(&past, ends[1], true) >= past.gaps_ns);
+}
+
 static void a_due_time_beyond_all_time_is_never(void **state)
 {
     struct ttf_grid grid = {0, INT64_MAX - 10, TTF_NS_PER_DAY};
@@ -303,9 +519,13 @@ int main(void)
         cmocka_unit_test(slot_0_is_where_the_last_segment_with_utc_says),
         cmocka_unit_test(what_a_pc_alone_says_of_the_past_is_told_apart),
         cmocka_unit_test(outages_without_a_clock_between_are_told_by_the_next_clock),
+        cmocka_unit_test(an_outage_after_a_pc_s_word_is_told_by_the_next_clock),
         cmocka_unit_test(what_was_known_before_a_move_is_known_after_it),
         cmocka_unit_test(the_best_that_this_boot_knew_is_remembered),
         cmocka_unit_test(when_the_last_slot_of_the_boots_before_was_is_known),
+        cmocka_unit_test(slots_of_a_long_outage_are_not_read_one_by_one),
+        cmocka_unit_test(times_beyond_all_clocks_are_not_reckoned_with),
+        cmocka_unit_test(a_clock_that_is_set_to_and_fro_adds_up_to_no_nonsense),
         cmocka_unit_test(a_due_time_beyond_all_time_is_never),
         cmocka_unit_test(quantiles_of_errors_hold_at_both_ends),
     };

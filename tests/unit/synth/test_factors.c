@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "search/eigen.h"
+#include "search/factor_kernels.h"
 #include "search/factors.h"
 #include "search/learner.h"
 #include "search/matching.h"
@@ -85,6 +86,93 @@ static void learn(struct texture_sequence *texture, uint32_t n, unsigned room, b
     assert_int_equal(ttf_learner_create(W * H, room, per_channel, ret), 0);
     assert_int_equal(
         ttf_learner_add(ret, &sources, 0, n, table_of_display(), NULL, NULL, pool, NULL), 0);
+}
+
+/* ---- kernels ---- */
+
+static void same_rows(const struct ttf_factor_kernels *kernels)
+{
+    enum {
+        FRAMES = 16,
+        PIXELS = 13,
+        ROOM = 24,
+        STRIDE = ROOM + 3 * FRAMES + 1
+    };
+    static uint8_t codes[FRAMES][3 * PIXELS];
+    static float coefs[PIXELS * ROOM], want[4 * STRIDE], got[4 * STRIDE];
+    const uint8_t *frames[FRAMES];
+    uint32_t weighs[4], weighed[4];
+
+    for (uint32_t t = 0; t < FRAMES; t++) {
+        frames[t] = codes[t];
+        for (uint32_t i = 0; i < 3 * PIXELS; i++)
+            codes[t][i] = (uint8_t)(i % 3 == 1 ? 255 : texture_hash(t, i, 9));
+    }
+    for (uint32_t i = 0; i < PIXELS * ROOM; i++)
+        coefs[i] = (float)texture_hash(i, 2, 2) / 77.0f;
+    for (unsigned n = 0; n <= FRAMES; n++) {
+        for (size_t room = 8; room <= ROOM; room += 8) {
+            for (size_t pixel = 0; pixel + 4 <= PIXELS; pixel += 3) {
+                ttf_factor_kernels_scalar()->rows4(coefs + pixel * room, room, frames, n, pixel,
+                                                   want, STRIDE, weighs);
+                kernels->rows4(coefs + pixel * room, room, frames, n, pixel, got, STRIDE, weighed);
+                for (size_t p = 0; p < 4; p++) {
+                    assert_memory_equal(got + p * STRIDE, want + p * STRIDE,
+                                        (room + 3 * n) * sizeof(*got));
+                    assert_int_equal(weighed[p], weighs[p]);
+                }
+            }
+        }
+    }
+}
+
+static void same_gram(const struct ttf_factor_kernels *kernels)
+{
+    enum {
+        DIMS = 37
+    };
+    double rows[4 * (DIMS + 2)], want[DIMS * DIMS], got[DIMS * DIMS];
+
+    for (uint32_t i = 0; i < 4 * (DIMS + 2); i++)
+        rows[i] =
+            (double)texture_hash(i, 4, 4) / 3.0e5 - 7000.0; /* sums that depend on their order */
+    for (size_t dims = 1; dims <= DIMS; dims++) {
+        for (size_t i = 0; i < dims * dims; i++)
+            want[i] = got[i] = (double)texture_hash((uint32_t)i, 5, 5) / 7.0;
+        ttf_factor_kernels_scalar()->add_gram4(rows, DIMS + 2, dims, want);
+        kernels->add_gram4(rows, DIMS + 2, dims, got);
+        assert_memory_equal(got, want,
+                            dims * dims * sizeof(*got)); /* what lies above is left alone, too */
+    }
+}
+
+static void all_kernels_come_to_what_the_scalar_ones_do(void **state)
+{
+    (void)state;
+    same_rows(ttf_factor_kernels_best());
+    same_gram(ttf_factor_kernels_best());
+    if (ttf_factor_kernels_avx2()) {
+        same_rows(ttf_factor_kernels_avx2());
+        same_gram(ttf_factor_kernels_avx2());
+    }
+}
+
+/* The scalar rows are what they are to be: coefficients, then codes, and what the codes weigh. */
+static void a_row_is_coefficients_and_codes(void **state)
+{
+    const uint8_t codes[2][12] = {{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 255}, {0, 0, 1}};
+    const uint8_t *const frames[] = {codes[0], codes[1]};
+    float coefs[32], out[4 * 16];
+    uint32_t energy[4];
+
+    (void)state;
+    for (int i = 0; i < 32; i++)
+        coefs[i] = (float)i;
+    ttf_factor_kernels_scalar()->rows4(coefs, 8, frames, 2, 0, out, 16, energy);
+    assert_true(out[7] == 7.0f && out[8] == 1.0f && out[10] == 3.0f && out[13] == 1.0f);
+    assert_true(out[48] == 24.0f && out[48 + 10] == 255.0f && out[48 + 11] == 0.0f);
+    assert_int_equal(energy[0], 1 + 4 + 9 + 1);
+    assert_int_equal(energy[3], 100 + 121 + 65025);
 }
 
 static void streamed_factors_are_nearly_as_good_as_the_whole_decomposition(void **state)
@@ -303,6 +391,8 @@ static void a_constant_input_is_all_zeros(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_kernels_come_to_what_the_scalar_ones_do),
+        cmocka_unit_test(a_row_is_coefficients_and_codes),
         cmocka_unit_test(streamed_factors_are_nearly_as_good_as_the_whole_decomposition),
         cmocka_unit_test(distances_between_factors_never_exceed_those_between_trajectories),
         cmocka_unit_test(few_frames_are_represented_exactly),

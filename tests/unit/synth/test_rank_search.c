@@ -29,25 +29,84 @@ static int16_t value(uint32_t key, int most)
     return (int16_t)((int)(random % (2u * (unsigned)most + 1)) - most);
 }
 
-/* Four places, of which the limit leaves all, some or none. */
+/* Sums of several places, of which the limit leaves all, some or none. */
+static void within_limit_the_same(const uint64_t *want, const uint64_t *got, int n, uint64_t limit)
+{
+    for (int i = 0; i < n; i++)
+        assert_true(want[i] <= limit ? got[i] == want[i] : got[i] > limit);
+}
+
 static void same_at_four_as_scalar(const struct ttf_rank_kernels *kernels, const int16_t *a,
-                                   const int16_t *b, size_t most, bool cells)
+                                   const int16_t *b)
 {
     const int16_t *at[4] = {a, a + 16, a + 48, a + 16};
-    uint32_t offsets[600];
+    uint32_t offsets[256];
     uint64_t want[4], got[4];
 
-    for (uint32_t i = 0; i < 600; i++)
+    for (uint32_t i = 0; i < 256; i++)
         offsets[i] = texture_hash(i, 5, 1) % 250;
-    for (size_t n = 1; n <= most; n += n < 40 ? 1 : 37) {
+    for (size_t n = 1; n <= 256; n += n < 40 ? 1 : 37) {
         ttf_rank_kernels_scalar()->ssd_at4(at, offsets, b, n, UINT64_MAX, want);
         for (int k = -1; k < 4; k++) {
             uint64_t limit = k < 0 ? UINT64_MAX : want[k] - (k == 3);
 
-            (cells ? kernels->cells_at4 : kernels->ssd_at4)(at, offsets, b, n, limit, got);
-            for (int i = 0; i < 4; i++)
-                assert_true(want[i] <= limit ? got[i] == want[i] : got[i] > limit);
+            kernels->ssd_at4(at, offsets, b, n, limit, got);
+            within_limit_the_same(want, got, 4, limit);
         }
+    }
+}
+
+/* Each place of a pair by itself, as the pairs are. */
+static void same_at_pairs_as_scalar(const struct ttf_rank_kernels *kernels, const int16_t *a,
+                                    const int16_t *b, size_t most)
+{
+    const int16_t *at[4] = {a, a + 16, a + 64, a + 48};
+    uint32_t offsets[TTF_CELLS_MAX];
+    uint64_t want[8], got[8];
+
+    for (uint32_t i = 0; i < TTF_CELLS_MAX; i++)
+        offsets[i] = texture_hash(i, 5, 1) % 250;
+    for (size_t n = 1; n <= most; n += n < 80 ? 1 : 37) {
+        for (int k = 0; k < 8; k++) {
+            want[k] = 0;
+            for (size_t i = 0; i < n; i++)
+                want[k] += ttf_rank_kernels_scalar()->ssd_i16(
+                    at[k / 2] + 16 * (k % 2) + (size_t)offsets[i] * 16, b + i * 16, 16);
+        }
+        for (int k = -1; k < 8; k++) {
+            uint64_t limit = k < 0 ? UINT64_MAX : want[k] - (k % 3 == 2);
+
+            kernels->ssd_at_pairs(at, offsets, b, n, limit, got);
+            within_limit_the_same(want, got, 8, limit);
+        }
+    }
+}
+
+/* As far apart as numbers can be, in every lane, as many at once as there can be. */
+static void no_lane_overflows(const struct ttf_rank_kernels *kernels)
+{
+    static int16_t a[16 * 600], b[16 * 256];
+    const int16_t *const at[4] = {a, a + 16, a + 32, a + 48};
+    uint32_t offsets[256];
+    uint64_t got[8];
+
+    for (size_t i = 0; i < 16 * 600; i++)
+        a[i] = TTF_COEF_MAX;
+    for (uint32_t i = 0; i < 256; i++) {
+        offsets[i] = i;
+        for (size_t k = 0; k < 16; k++)
+            b[16 * i + k] = -TTF_COEF_MAX;
+    }
+    for (size_t n = 1; n <= 256; n += n < 70 ? 1 : 31) {
+        uint64_t want = 16 * n * (2 * TTF_COEF_MAX) * (2 * TTF_COEF_MAX);
+
+        kernels->ssd_at4(at, offsets, b, n, UINT64_MAX, got);
+        for (int i = 0; i < 4; i++)
+            assert_true(got[i] == want);
+        kernels->ssd_at_pairs(at, offsets, b, n, UINT64_MAX, got);
+        for (int i = 0; i < 8; i++)
+            assert_true(got[i] == want);
+        assert_true(kernels->ssd_i16(a, b, 16 * n) == want);
     }
 }
 
@@ -66,12 +125,14 @@ static void same_as_scalar(const struct ttf_rank_kernels *kernels)
     }
     for (size_t n = 16; n <= 4096; n += n < 400 ? 16 : 336)
         assert_int_equal(kernels->ssd_i16(a, b, n), scalar->ssd_i16(a, b, n));
-    same_at_four_as_scalar(kernels, a, b, 256, false);
+    same_at_four_as_scalar(kernels, a, b);
+    same_at_pairs_as_scalar(kernels, a, b, 256);
+    no_lane_overflows(kernels);
     for (uint32_t i = 0; i < 4096; i++)
         a[i] = value(i + 77, TTF_CELL_MAX);
     for (uint32_t i = 0; i < 16 * TTF_CELLS_MAX; i++)
         cells_of_b[i] = value(i + 7, TTF_CELL_MAX);
-    same_at_four_as_scalar(kernels, a, cells_of_b, TTF_CELLS_MAX, true);
+    same_at_pairs_as_scalar(kernels, a, cells_of_b, TTF_CELLS_MAX);
     for (uint32_t i = 0; i < TTF_CELLS_MAX; i++) {
         for (int d = 0; d < TTF_CELL_DIMS; d++)
             targets[i].value[d] = value(i * 8 + (uint32_t)d + 55, TTF_CELL_MAX);

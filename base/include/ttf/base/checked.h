@@ -3,7 +3,8 @@
  * checked.h: sizes from outside are multiplied and added only through these.
  *
  * Each returns true and writes *ret if the result fits, and false, leaving
- * *ret alone, if it does not.
+ * *ret alone, if it does not. Instants are added by those that return the
+ * nearest that fits: what lies beyond all clocks is compared, not shown.
  */
 #ifndef TTF_BASE_CHECKED_H
 #define TTF_BASE_CHECKED_H
@@ -52,6 +53,25 @@ TTF_MUST_USE static inline bool ttf_add_i64(int64_t a, int64_t b, int64_t *ret)
         return false;
     *ret = r;
     return true;
+}
+
+/* Never INT64_MIN, which stands for an instant that is not known (TTF_NS_UNKNOWN). */
+TTF_MUST_USE static inline int64_t ttf_near_sum_i64(int64_t a, int64_t b)
+{
+    int64_t r;
+
+    if (__builtin_add_overflow(a, b, &r))
+        return a < 0 ? -INT64_MAX : INT64_MAX;
+    return r < -INT64_MAX ? -INT64_MAX : r;
+}
+
+TTF_MUST_USE static inline int64_t ttf_near_difference_i64(int64_t a, int64_t b)
+{
+    int64_t r;
+
+    if (__builtin_sub_overflow(a, b, &r))
+        return a < 0 ? -INT64_MAX : INT64_MAX;
+    return r < -INT64_MAX ? -INT64_MAX : r;
 }
 
 #endif

@@ -68,6 +68,8 @@ struct ttf_io_ops {
     int (*lock)(struct ttf_io *io, int file);     /* exclusive, not blocking: -EAGAIN */
     int (*sync_all)(struct ttf_io *io, int file); /* ttf_io_sync_all; NULL: there is none */
     int (*inherit)(struct ttf_io *io, int file, const char *path); /* NULL: files have no owners */
+    int (*reserve)(struct ttf_io *io, int file, int64_t offset,
+                   int64_t n); /* ttf_io_reserve; NULL: there is none */
 };
 
 struct ttf_io {
@@ -102,6 +104,12 @@ TTF_MUST_USE int ttf_io_sync_all(struct ttf_io *io, int file);
  * -ELOOP: a link lies there.
  */
 TTF_MUST_USE int ttf_io_inherit(struct ttf_io *io, int file, const char *path);
+
+/*
+ * Room for bytes offset .. offset+n-1 is the file's own; it is as long as that at least, zeros where nothing was written. -EOPNOTSUPP: not on
+ * this file system, nothing is lost by that. -ENOSPC: known before anything is written.
+ */
+TTF_MUST_USE int ttf_io_reserve(struct ttf_io *io, int file, int64_t offset, int64_t n);
 
 /* Writes or appends all of it, going on after short counts and EINTR. 0 or a negative errno. */
 TTF_MUST_USE int ttf_io_pwrite_all(struct ttf_io *io, int file, const void *buf, size_t n,

@@ -43,6 +43,13 @@ TTF_MUST_USE int ttf_reader_segment(struct ttf_reader *reader, int i, struct ttf
 TTF_MUST_USE int ttf_reader_slot(struct ttf_reader *reader, int64_t i, struct ttf_slot_record *ret,
                                  struct ttf_err *err);
 
+/*
+ * Index and result of the i-th slot line as the opening saw them: reads nothing, where it is looked for among many.
+ * -ENOENT, leaving both alone.
+ */
+TTF_MUST_USE int ttf_reader_brief(const struct ttf_reader *reader, int64_t i, int64_t *ret_index,
+                                  enum ttf_result *ret_result);
+
 /* Which slot line (0..slots-1) has this index; -ENOENT: none. */
 int64_t ttf_reader_find(const struct ttf_reader *reader, int64_t index);
 
