@@ -8,6 +8,7 @@
 
 #include "io_path.h"
 #include "ttf/dataset/notes.h"
+#include "ttf/dataset/pool.h"
 
 void sequence_frames_free(struct sequence_frames *frames)
 {
@@ -174,6 +175,46 @@ static int add_slot(struct sequence_frames *frames, struct time_line *line,
     return 0;
 }
 
+/* ---- records, some at once: parsing them is most of what opening costs ---- */
+
+#define AT_ONCE 64
+
+struct some_records {
+    struct ttf_reader *reader;
+    int64_t first;
+    unsigned n;
+    struct ttf_slot_record records[AT_ONCE];
+    int codes[AT_ONCE];
+    struct ttf_err errs[AT_ONCE];
+};
+
+static void read_record(void *ctx, unsigned tile, unsigned worker)
+{
+    struct some_records *some = ctx;
+
+    (void)worker;
+    ttf_slot_record_init(&some->records[tile]);
+    some->codes[tile] =
+        ttf_reader_slot(some->reader, some->first + tile, &some->records[tile], &some->errs[tile]);
+}
+
+static void read_some(struct some_records *some, int64_t first, int64_t slots,
+                      struct ttf_pool *pool)
+{
+    some->first = first;
+    some->n = slots - first < AT_ONCE ? (unsigned)(slots - first) : AT_ONCE;
+    ttf_pool_run(pool, some->n, read_record, some);
+}
+
+static void free_some(struct some_records *some)
+{
+    for (unsigned i = 0; i < some->n; i++) {
+        if (some->codes[i] == 0)
+            ttf_slot_record_free(&some->records[i]);
+    }
+    some->n = 0;
+}
+
 /* Notes that exclude slots. */
 struct exclusions {
     struct ttf_note *note;
@@ -244,45 +285,79 @@ static int no_image(const struct sequence_frames *frames, const char *path,
     return -ENODATA;
 }
 
+/* What a sequence is collected with. */
+struct collector {
+    struct sequence_frames frames;
+    struct time_line line;
+    struct exclusions excluded;
+    const struct ttf_stream *stream;
+    const struct ttf_sequence_choice *choice;
+};
+
+static int collect_record(struct collector *c, const struct ttf_slot_record *record,
+                          struct ttf_err *err)
+{
+    const struct ttf_file_ref *file = chosen_image(record, c->stream->id, c->choice);
+
+    if (!file)
+        return 0;
+    if (!is_excluded(&c->excluded, record->index))
+        return add_slot(&c->frames, &c->line, record, file, err);
+    if (leave_out(&c->frames, record->index) < 0)
+        return ttf_err_set(err, -ENOMEM, ttf_reader_path(c->line.reader),
+                           "no memory for the slots that are left out");
+    return 0;
+}
+
+static int collect_all(struct collector *c, struct ttf_err *err)
+{
+    int64_t slots = ttf_reader_summary(c->line.reader)->slots;
+    struct ttf_pool *pool = slots > AT_ONCE ? ttf_pool_create(0) : NULL; /* NULL: one by one */
+    struct some_records *some = calloc(1, sizeof(*some));
+    int code =
+        some ? 0
+             : ttf_err_set(err, -ENOMEM, ttf_reader_path(c->line.reader), "no memory for records");
+
+    if (some)
+        some->reader = c->line.reader;
+    for (int64_t first = 0; first < slots && code == 0; first += AT_ONCE) {
+        read_some(some, first, slots, pool);
+        for (unsigned i = 0; i < some->n && code == 0; i++) {
+            code = some->codes[i];
+            if (code < 0 && err)
+                *err = some->errs[i];
+            if (code == 0)
+                code = collect_record(c, &some->records[i], err);
+        }
+        free_some(some);
+    }
+    free(some);
+    ttf_pool_destroy(pool);
+    return code;
+}
+
 int sequence_frames_collect(struct ttf_reader *reader, const struct ttf_stream *stream,
                             const struct ttf_sequence_choice *choice, struct sequence_frames *ret,
                             struct ttf_err *err)
 {
-    struct sequence_frames frames = {0};
-    struct time_line line = {.reader = reader};
+    struct collector c = {.line = {.reader = reader}, .stream = stream, .choice = choice};
     const char *path = ttf_reader_path(reader);
-    struct exclusions excluded = {0};
-    const struct ttf_note_visitor visitor = {.note = keep_exclusion, .ctx = &excluded};
-    int64_t slots = ttf_reader_summary(reader)->slots;
+    const struct ttf_note_visitor visitor = {.note = keep_exclusion, .ctx = &c.excluded};
     int code = 0;
 
     if (!choice->with_excluded)
         code = ttf_notes_read(ttf_reader_io(reader), path, &visitor, err);
-    if (!code && excluded.failed)
-        code = ttf_err_set(err, excluded.failed, path, "no memory for notes");
-    for (int64_t i = 0; i < slots && !code; i++) {
-        struct ttf_slot_record record;
-        const struct ttf_file_ref *file;
-
-        code = ttf_reader_slot(reader, i, &record, err);
-        if (code)
-            break;
-        file = chosen_image(&record, stream->id, choice);
-        if (file && is_excluded(&excluded, record.index)) {
-            code = leave_out(&frames, record.index);
-            if (code)
-                ttf_err_set(err, code, path, "no memory for the slots that are left out");
-        } else if (file)
-            code = add_slot(&frames, &line, &record, file, err);
-        ttf_slot_record_free(&record);
-    }
-    free(excluded.note);
-    if (!code && frames.n == 0)
-        code = no_image(&frames, path, stream, choice, err);
+    if (!code && c.excluded.failed)
+        code = ttf_err_set(err, c.excluded.failed, path, "no memory for notes");
+    if (!code)
+        code = collect_all(&c, err);
+    free(c.excluded.note);
+    if (!code && c.frames.n == 0)
+        code = no_image(&c.frames, path, stream, choice, err);
     if (code) {
-        sequence_frames_free(&frames);
+        sequence_frames_free(&c.frames);
         return code;
     }
-    *ret = frames;
+    *ret = c.frames;
     return 0;
 }

@@ -79,6 +79,14 @@ for header in "X-Content-Type-Options: nosniff" "Content-Security-Policy: defaul
     grep -qi "^$header" headers || fail "without $header"
 done
 
+# --- the page's own files may use this server, and nothing inline or of others
+get "${URL%/api/v1}/" 200
+policy=$(sed -n 's/^Content-Security-Policy: *//Ip' headers | tr -d '\r')
+for part in "default-src 'none'" "script-src 'self'" "style-src 'self'" "connect-src 'self'" "base-uri 'none'" "form-action 'none'" "frame-ancestors 'none'"; do
+    case "; $policy;" in *"; $part;"*) ;; *) fail "without $part: $policy" ;; esac
+done
+case $policy in *unsafe* | *'*'* | *http* | *//* | *nonce* | *sha256*) fail "it lets more in: $policy" ;; esac
+
 # --- notes and events: nothing where nobody said anything, else the file's own bytes
 rm -f data/grass/notes.jsonl
 get "$URL/datasets/grass/notes" 200

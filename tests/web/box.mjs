@@ -32,6 +32,7 @@ const { Box } = await import("./box.js");
 const { span, today } = await import("./words.js");
 const { stateWords } = await import("./state.js");
 const { startOf } = await import("./verdict.js");
+const { advice, histogram, marked, sharpness, spoiled } = await import("./aids.js");
 const { planText, presetChoice, PRESETS } = await import("./presets.js");
 const { lastSlot, pictured, slotOf, spread } = await import("./timeline.js");
 await import("./plot.js");
@@ -223,9 +224,44 @@ async function states_and_days_read_well() {
   assert.match(text, /^title: "a \\"b\\" \\\\ c d e f start: now"\n/, "a title is one line, whatever was pasted into it");
 }
 
+/* A picture of the same grey, but for what `paint` gives another code. */
+function picture(width, height, grey, paint = () => undefined) {
+  const data = new Uint8ClampedArray(4 * width * height);
+  for (let i = 0; i < width * height; i++)
+    data.set([0, 1, 2].map(() => paint(i % width, Math.floor(i / width)) ?? grey).concat(255), 4 * i);
+  return { data, width, height };
+}
+
+async function exposure_and_focus_are_judged_by_pixels() {
+  globalThis.ImageData = class {
+    constructor(data, width, height) {
+      Object.assign(this, { data, width, height });
+    }
+  };
+  const even = picture(40, 30, 180), bright = picture(40, 30, 180, (x) => (x < 4 ? 255 : undefined)), black = picture(40, 30, 3);
+  const edge = picture(40, 30, 60, (x) => (x < 20 ? 160 : undefined)), soft = picture(40, 30, 60, (x) => (x < 15 ? 160 : x < 25 ? 160 - 10 * (x - 15) : undefined));
+  assert.deepEqual([histogram(even).clipped, histogram(even).dark, histogram(even).counts[1][180]], [0, 0, 1200]);
+  assert.equal(histogram(bright).clipped, 0.1);
+  assert.equal(advice(histogram(even)), "nothing is clipped");
+  assert.match(advice(histogram(bright)), /^10 % is clipped: expose less$/);
+  assert.match(advice(histogram(black)), /expose more/);
+  assert.deepEqual([even, bright, black].map((p) => spoiled(histogram(p)).split(":")[0]), ["", "clipped", "nearly black"]);
+  assert.ok(sharpness(edge) > 4 * sharpness(soft) && sharpness(even) === 0, "a sharp edge counts more than a soft one");
+  const at = ({ data, width }, x, y) => [...data.slice(4 * (y * width + x), 4 * (y * width + x) + 3)].join();
+  const colours = (p) => new Set(Array.from({ length: 38 * 28 }, (_, i) => at(p, 1 + i % 38, 1 + Math.floor(i / 38))));
+  const clip = { clipping: true, peaking: false }, peak = { clipping: false, peaking: true };
+  assert.deepEqual(colours(marked(bright, clip)), new Set(["255,0,40", "255,255,255", "180,180,180"]), "what is clipped is striped");
+  assert.deepEqual(colours(marked(black, clip)), new Set(["40,90,255", "3,3,3"]), "what is black, in another colour");
+  assert.deepEqual(colours(marked(bright, { clipping: false, peaking: false })), new Set(["255,255,255", "180,180,180"]));
+  const yellow = marked(edge, peak);
+  assert.deepEqual([18, 19, 20, 21].map((x) => at(yellow, x, 15) === "255,230,0"), [false, true, true, false], "a sharp edge is marked where it is");
+  assert.ok(!colours(marked(soft, peak)).has("255,230,0"), "a soft one is not");
+  assert.ok(!colours(marked(bright, clip)).has("255,230,0"));
+}
+
 for (const part of [an_error_is_no_news_of_the_box, an_order_ends_when_the_box_was_started_again, an_order_that_nobody_answers_ends,
   the_time_left_goes_on_when_a_slot_comes, of_two_pages_that_listen_one_gives_way_at_once, where_there_are_locks_its_holder_listens, times_and_axes_read_well, a_slot_of_another_run_is_not_counted_to_this_one,
-  what_may_be_old_is_said_to_be, a_token_given_on_one_page_is_known_on_the_others, a_slot_is_found_among_points, states_and_days_read_well]) {
+  what_may_be_old_is_said_to_be, a_token_given_on_one_page_is_known_on_the_others, a_slot_is_found_among_points, states_and_days_read_well, exposure_and_focus_are_judged_by_pixels]) {
   await part();
   console.log(part.name.replaceAll("_", " "));
 }

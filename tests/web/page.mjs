@@ -301,6 +301,9 @@ async function slots_arrive_and_the_countdown_runs() {
   await until("another slot", async () => (await state()) !== head);
   assert.deepEqual(await page.evaluate(() => [document.getElementById("heard").textContent, globalThis.heard]), ["Capturing", []], "that a slot is done is not read out each time");
   assert.ok(await to_dataset.evaluate((e) => e === document.activeElement), "who has reached a link by keyboard is still there");
+  const known = (await page.locator(".now dl.facts").allTextContents()).join(" ");
+  for (const what of [/Time left[\d.]+ seconds?, until /, /Disk[\d.]+ [kMGT]?B free of [\d.]+ [kMGT]?B/, /Room for[\d,]+ more slots?/, /Interval1 second/])
+    assert.match(known, what);
   await go("Datasets");
   const counted = page.locator(".card", { hasText: NAME }).getByText(/^\d+ slots?: /), before = await counted.textContent();
   await page.getByRole("link", { name: NAME }).focus();

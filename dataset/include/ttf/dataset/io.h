@@ -5,7 +5,7 @@
  * So that a test can cut power at every operation, and the simulated box can
  * have a full disk. Paths are those of the process; handles are small integers
  * of the table's own. Ops return 0, a count or a handle, or a negative errno.
- * Thread-safe; one file's handle is used by one thread at a time.
+ * Thread-safe; one file's handle is used by one thread at a time, but for pread and pwrite, which any may call at once.
  */
 #ifndef TTF_DATASET_IO_H
 #define TTF_DATASET_IO_H

@@ -3,7 +3,7 @@
  * reader.h: random access to a dataset, whatever its length; repairs nothing.
  *
  * Holds an offset per record line and one parsed record at a time, never the
- * frames. Threads: one at a time per reader (open several).
+ * frames. Threads: one at a time per reader (open several), but for ttf_reader_slot.
  */
 #ifndef TTF_DATASET_READER_H
 #define TTF_DATASET_READER_H
@@ -39,7 +39,7 @@ struct ttf_io *ttf_reader_io(const struct ttf_reader *reader);
 /* Segment i as corrected by later lines; -ENOENT. */
 TTF_MUST_USE int ttf_reader_segment(struct ttf_reader *reader, int i, struct ttf_segment *ret);
 
-/* The i-th slot line (0..slots-1), parsed: free it with ttf_slot_record_free. */
+/* The i-th slot line (0..slots-1), parsed: free it with ttf_slot_record_free. By several threads at once, while nothing else is done with the reader. */
 TTF_MUST_USE int ttf_reader_slot(struct ttf_reader *reader, int64_t i, struct ttf_slot_record *ret,
                                  struct ttf_err *err);
 
