@@ -312,14 +312,14 @@ static int collect_record(struct collector *c, const struct ttf_slot_record *rec
 static int collect_all(struct collector *c, struct ttf_err *err)
 {
     int64_t slots = ttf_reader_summary(c->line.reader)->slots;
-    struct ttf_pool *pool = slots > AT_ONCE ? ttf_pool_create(0) : NULL; /* NULL: one by one */
     struct some_records *some = calloc(1, sizeof(*some));
-    int code =
-        some ? 0
-             : ttf_err_set(err, -ENOMEM, ttf_reader_path(c->line.reader), "no memory for records");
+    struct ttf_pool *pool;
+    int code = 0;
 
-    if (some)
-        some->reader = c->line.reader;
+    if (!some)
+        return ttf_err_set(err, -ENOMEM, ttf_reader_path(c->line.reader), "no memory for records");
+    some->reader = c->line.reader;
+    pool = slots > AT_ONCE ? ttf_pool_create(0) : NULL; /* NULL: one by one */
     for (int64_t first = 0; first < slots && code == 0; first += AT_ONCE) {
         read_some(some, first, slots, pool);
         for (unsigned i = 0; i < some->n && code == 0; i++) {
