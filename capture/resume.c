@@ -161,14 +161,35 @@ static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
 
 /*
  * A PC's word alone would give up every slot that is left: more likely the PC's clock is ahead than that the box was
- * without power until after its end. Nothing is given up for that.
+ * without power until after its end. Nothing is given up for that. Nor for what one said before the outage, by which
+ * a clock that was behind looks like a long one: of a plan by count, as a better one tells an end in time.
  */
 static bool gives_up_all(const struct ttf_resume_input *in, const struct ttf_grid *grid)
 {
     struct ttf_run_clock clock = clock_of_boot(in, grid, false);
+    const bool host_before = ttf_segment_trust(&in->state->last_segment) == TTF_TRUST_HOST;
 
-    return in->utc.trust == TTF_TRUST_HOST &&
+    return (in->utc.trust == TTF_TRUST_HOST || (host_before && !ttf_plan_ends_in_time(in->plan))) &&
            ttf_grid_index_at(grid, in->ready_ns) >= ttf_plan_slots(in->plan, grid, &clock);
+}
+
+/* No slot has come yet, and the first one is to come at an instant: however long that takes, and whatever is lost of it. */
+static bool waits_for_start(const struct ttf_resume_input *in)
+{
+    return in->state->next_index == 0 && in->start_utc_ns != 0;
+}
+
+/*
+ * Whether the next slot is further off than one that is to come, however clocks of one trust differ: by a clock that was
+ * ahead those before it were given up, or slot 0 was begun. Pictures of hours or years would be lost by waiting for it.
+ */
+static bool waits_in_vain(const struct ttf_resume_input *in, const struct ttf_utc *utc,
+                          int64_t due_ns)
+{
+    const int64_t wait_ns = ttf_near_difference_i64(due_ns, in->ready_ns);
+    const int64_t late_ns = ttf_near_difference_i64(wait_ns, in->state->last_segment.interval_ns);
+
+    return late_ns > TTF_BEHIND_SAME_NS && late_ns > tolerance_ns(&in->past, utc);
 }
 
 /*
@@ -192,10 +213,13 @@ static bool finds_grid(const struct ttf_resume_input *in, const struct ttf_utc *
 
     r->grid.origin_ns = ttf_near_sum_i64(
         utc->boot_ns, ttf_near_difference_i64(ttf_grid_due_ns(&before_utc, next), utc->utc_ns));
-    r->pc_gives_up = next > 0 && gives_up_all(in, &r->grid);
     r->outage_ns = ttf_near_difference_i64(now_utc, last_utc);
-    return next == 0 || (!r->pc_gives_up && early_ns < last->interval_ns &&
-                         early_ns <= tolerance_ns(&in->past, utc));
+    if (waits_for_start(in))
+        return true;
+    r->pc_gives_up = gives_up_all(in, &r->grid);
+    if (r->pc_gives_up || waits_in_vain(in, utc, r->grid.origin_ns))
+        return false;
+    return next == 0 || (early_ns < last->interval_ns && early_ns <= tolerance_ns(&in->past, utc));
 }
 
 static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resume *r)

@@ -411,6 +411,35 @@ static void a_clock_that_was_ahead_does_not_tell_a_right_one_the_end(void **stat
     }
 }
 
+/* An hour ahead in the boot between, which gave up the slots of that hour and took none: the right one waits for none. */
+static void what_a_clock_ahead_gave_up_is_not_waited_for(void **state)
+{
+    static const struct until_belief beliefs[] = {{0, TTF_TRUST_RTC, 0},
+                                                  {24 * MIN, TTF_TRUST_RTC, TTF_NS_PER_H},
+                                                  {25 * MIN, TTF_TRUST_NTP, 0}};
+    struct ttf_slot_record record;
+    struct until_clock b;
+
+    (void)state;
+    until_clock_init(&b, TTF_END_COUNT, 88, beliefs, 3);
+    b.run.plan.lamps = TTF_LAMPS_CONTINUOUS;
+    b.run.plan.settle_ns = 20 * MIN;
+    sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 23 * MIN + 40 * S)->amount = 20;
+    sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 24 * MIN + 40 * S)->amount = 20;
+    assert_int_equal(sim_run_through_cuts(&b.run), 0);
+    assert_int_equal(sim_run_events(&b.run, "resume", "at once"), 1);
+    expect_label(&b, 87, "ntp", 0);
+    sim_run_record(&b.run, 87, &record);
+    assert_true(record.due_ns + b.run.config.power_on_ns < 55 * MIN);
+    ttf_slot_record_free(&record);
+    until_expect_end(&b.run,
+                     "cccc"
+                     "wwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwwww"
+                     "mmmmmmmmmmmmmmmmmmmmcccc",
+                     "count");
+    living_finish(&b.run);
+}
+
 /* The last slot of before was at 23:12 by a network twenty minutes ahead; by another clock, or one of less trust. */
 static void a_clock_that_was_behind_is_believed_once_it_has_come_past(void **state)
 {
@@ -649,6 +678,7 @@ int main(void)
         cmocka_unit_test(a_right_clock_that_is_merely_earlier_is_believed),
         cmocka_unit_test(a_clock_that_was_ahead_does_not_tell_a_right_one_the_end),
         cmocka_unit_test(a_clock_that_was_behind_is_believed_once_it_has_come_past),
+        cmocka_unit_test(what_a_clock_ahead_gave_up_is_not_waited_for),
         cmocka_unit_test(slots_given_up_before_the_run_moved_make_no_clock_wrong),
         cmocka_unit_test(a_length_counts_the_outages_of_before_the_run_moved),
         cmocka_unit_test(what_a_clock_was_corrected_by_before_the_run_moved_is_no_outage),

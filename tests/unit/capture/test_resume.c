@@ -79,6 +79,42 @@ static void a_pcs_word_alone_gives_up_no_run(void **state)
     assert_int_equal(r.lost_until, BY_COUNT.count);
 }
 
+/* What one said before the outage is not worth more: by a clock that was behind the outage looks like a long one. */
+static void what_a_pc_said_before_gives_up_no_run_either(void **state)
+{
+    static const enum ttf_trust now[] = {TTF_TRUST_HOST, TTF_TRUST_RTC, TTF_TRUST_NTP};
+    static const int64_t day_ns = TTF_NS_PER_DAY;
+
+    (void)state;
+    for (unsigned i = 0; i < 6; i++) {
+        struct ttf_writer_state done = ten_slots_done();
+        struct ttf_resume_input in = boot(&done, UTC0 + 365 * day_ns, now[i % 3]);
+        struct ttf_plan plan = BY_COUNT;
+        struct ttf_resume r;
+
+        in.plan = &plan;
+        snprintf(done.last_segment.trust, sizeof(done.last_segment.trust), "host");
+        in.past.sure_slot0_utc_ns = TTF_NS_UNKNOWN;
+        if (i >= 3) /* nor where no slot was taken */
+            in.elapsed_ns = done.next_index = 0;
+        assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+        assert_true(r.pc_gives_up);
+        assert_int_equal(r.lost_until, done.next_index);
+        assert_int_equal(r.count, BY_COUNT.count);
+        assert_int_equal(r.grid.origin_ns, in.ready_ns);
+        in.utc.utc_ns = UTC0 + 12 * TTF_NS_PER_MIN; /* it is believed of an outage */
+        assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+        assert_true(r.on_grid);
+        in.utc.utc_ns = UTC0 + 365 * day_ns;
+        plan.end = TTF_END_UNTIL; /* the present tells such an end, if it is not a PC's word */
+        plan.until_utc_ns = UTC0 + 364 * day_ns;
+        if (now[i % 3] == TTF_TRUST_HOST || done.next_index == 0)
+            continue;
+        assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+        assert_true(r.end_passed || r.lost_until == r.count);
+    }
+}
+
 static void a_start_time_lies_where_utc_says(void **state)
 {
     struct ttf_writer_state none = {0};
@@ -245,6 +281,41 @@ static void slots_given_up_ahead_of_time_do_not_make_the_clock_wrong(void **stat
     in.utc.utc_ns = UTC0 + 2 * TTF_NS_PER_MIN;
     assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
     assert_true(r.clock_implausible);
+}
+
+/*
+ * By a clock three hours ahead it gave up the slots until then, and the power went again before one was taken; or it
+ * began by that clock and took none.
+ */
+static void no_slot_is_waited_for_that_a_clock_ahead_makes_the_next(void **state)
+{
+    static const enum ttf_trust now[] = {TTF_TRUST_HOST, TTF_TRUST_RTC, TTF_TRUST_NTP};
+
+    (void)state;
+    for (unsigned i = 0; i < 6; i++) {
+        struct ttf_writer_state done = ten_slots_done();
+        struct ttf_resume_input in = boot(&done, UTC0 + 6 * TTF_NS_PER_MIN, now[i % 3]);
+        struct ttf_resume r;
+
+        done.next_index = 184;
+        done.lost_at_end = 180;
+        if (i >= 3) {
+            in.elapsed_ns = done.next_index = done.lost_at_end = 0;
+            in.utc.utc_ns = UTC0 - 3 * TTF_NS_PER_H;
+        }
+        assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+        assert_false(r.on_grid);
+        assert_int_equal(r.gap_ns, TTF_NS_UNKNOWN);
+        assert_int_equal(r.grid.first_index, done.next_index);
+        assert_int_equal(r.grid.origin_ns, in.ready_ns);
+        assert_int_equal(r.lost_until, done.next_index);
+        if (i < 3)
+            continue;
+        in.start_utc_ns = UTC0; /* a start is waited for */
+        assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+        assert_true(r.on_grid);
+        assert_int_equal(r.grid.origin_ns, in.now_ns + 3 * TTF_NS_PER_H);
+    }
 }
 
 /* The power is back at 14:30 into the run; lamps settle until 17:00: slots 15 and 16 were not lost to the power. */
@@ -539,6 +610,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_new_run_begins_as_soon_as_it_is_ready),
         cmocka_unit_test(a_pcs_word_alone_gives_up_no_run),
+        cmocka_unit_test(what_a_pc_said_before_gives_up_no_run_either),
         cmocka_unit_test(a_start_time_lies_where_utc_says),
         cmocka_unit_test(a_start_time_needs_a_clock_somebody_vouches_for),
         cmocka_unit_test(a_trusted_clock_rejoins_the_grid_and_names_the_outage),
@@ -551,6 +623,7 @@ int main(void)
         cmocka_unit_test(a_slot_of_no_certain_time_makes_no_clock_wrong),
         cmocka_unit_test(label_end_and_grid_go_by_the_same_clock),
         cmocka_unit_test(slots_given_up_ahead_of_time_do_not_make_the_clock_wrong),
+        cmocka_unit_test(no_slot_is_waited_for_that_a_clock_ahead_makes_the_next),
         cmocka_unit_test(
             slots_that_pass_while_the_box_gets_ready_are_told_from_those_of_the_outage),
         cmocka_unit_test(an_outage_past_the_end_leaves_no_slot_unnamed),
