@@ -109,7 +109,8 @@ static int64_t tolerance_ns(const struct ttf_run_past *past, const struct ttf_ut
 bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_utc *utc)
 {
     return utc->trust != TTF_TRUST_NONE && utc->trust <= past->last_trust &&
-           utc->utc_ns < ttf_near_difference_i64(past->last_utc_ns, tolerance_ns(past, utc));
+           utc->utc_ns < ttf_near_difference_i64(past->last_utc_ns - past->last_ahead_ns,
+                                                 tolerance_ns(past, utc));
 }
 
 struct ttf_utc ttf_resume_utc(const struct ttf_run_past *past, const struct ttf_utc *now)
@@ -187,12 +188,12 @@ static bool finds_grid(const struct ttf_resume_input *in, const struct ttf_utc *
      */
     const int64_t last_utc = ttf_grid_due_ns(&before_utc, next - 1 - in->state->lost_at_end);
     const int64_t now_utc = utc->utc_ns + (in->now_ns - utc->boot_ns);
-    const int64_t early_ns = ttf_near_difference_i64(last_utc, now_utc);
+    const int64_t early_ns = ttf_near_difference_i64(last_utc, now_utc + in->past.last_ahead_ns);
 
     r->grid.origin_ns = ttf_near_sum_i64(
         utc->boot_ns, ttf_near_difference_i64(ttf_grid_due_ns(&before_utc, next), utc->utc_ns));
     r->pc_gives_up = next > 0 && gives_up_all(in, &r->grid);
-    r->outage_ns = -early_ns;
+    r->outage_ns = ttf_near_difference_i64(now_utc, last_utc);
     return next == 0 || (!r->pc_gives_up && early_ns < last->interval_ns &&
                          early_ns <= tolerance_ns(&in->past, utc));
 }

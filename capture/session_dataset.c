@@ -86,6 +86,12 @@ static int expect_known_plan(const struct ttf_session *s, struct ttf_err *err)
     return -EINVAL;
 }
 
+/* From now to the earliest slot that can still be met: those before are given up. */
+static int64_t ready_after_ns(const struct ttf_session *s)
+{
+    return s->first_settle_ns + s->lead_ns + READY_MARGIN_NS;
+}
+
 /* The run's own time, from the segments so far. */
 static int read_past(const struct ttf_session *s, struct ttf_resume_input *in, struct ttf_err *err)
 {
@@ -106,6 +112,8 @@ static int read_past(const struct ttf_session *s, struct ttf_resume_input *in, s
                          (in->state->next_index - last->first_index) * last->interval_ns;
     }
     in->past = ttf_timeline_past(segments, taken_until, n, ttf_clock_boot_id(s->box->clock));
+    if (in->past.last_moved)
+        in->past.last_ahead_ns = ready_after_ns(s);
     free(segments);
     free(taken_until);
     return 0;
@@ -129,7 +137,7 @@ static int resolve_grid(struct ttf_session *s, struct ttf_resume_input *in, stru
     in->start_utc_ns = s->config->rehearse > 0 ? 0 : s->plan.start_utc_ns;
     in->absence = s->config->absence;
     in->now_ns = ttf_clock_now_ns(s->box->clock);
-    in->ready_ns = in->now_ns + s->first_settle_ns + s->lead_ns + READY_MARGIN_NS;
+    in->ready_ns = in->now_ns + ready_after_ns(s);
     ttf_clock_utc(s->box->clock, &in->utc);
     r = ttf_resume_resolve(in, &s->resume, err);
     if (r < 0)

@@ -106,6 +106,7 @@ static void learn_of_last(struct ttf_run_past *past, const struct ttf_segment *s
     past->last_utc_ns = segment->origin_utc_ns + after_ns;
     past->last_uncertainty_ns = segment->uncertainty_ns;
     past->last_run_ns = elapsed_ns + after_ns;
+    past->last_moved = false;
 }
 
 /* Outages and UTC of slot 0 as known up to a segment. */
@@ -180,6 +181,7 @@ static void go_on_from_before(struct known *all, struct known *sure, struct ttf_
     past->last_trust = trust;
     past->last_run_ns = ttf_timeline_elapsed_ns(first, 1) - first->interval_ns;
     past->last_utc_ns = first->run_utc_ns + past->last_run_ns;
+    past->last_moved = true;
 }
 
 static struct known all_of(const struct ttf_run_past *past)

@@ -52,6 +52,12 @@ struct ttf_run_past {
     enum ttf_trust last_trust;
     int64_t last_utc_ns, last_uncertainty_ns;
     int64_t last_run_ns; /* its own time, by then */
+    /*
+     * It is of the dataset that the run moved on from, which says nothing of whether it was taken or given up while lamps
+     * settled: so long before it was due it may have been recorded (whoever knows the plan says how long).
+     */
+    bool last_moved;
+    int64_t last_ahead_ns;
 };
 
 /* boot_id: the present one; taken_until: of each segment, as ttf_timeline_read has it. */

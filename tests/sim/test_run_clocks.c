@@ -545,6 +545,50 @@ static void what_a_clock_was_corrected_by_before_the_run_moved_is_no_outage(void
     }
 }
 
+struct moved_while_given_up {
+    struct until_clock b; /* first */
+    int left; /* pieces of records that the first storage still takes in the second boot */
+};
+
+/* While lamps settle, and slots are given up for that. */
+static int first_can_only_be_read_after_records(struct sim_run *run, const char *op,
+                                                const char *path)
+{
+    int *left = &((struct moved_while_given_up *)run)->left;
+
+    if (!run->box || second_run_holds(path) ||
+        ttf_sim_elapsed_ns(run->box, ttf_clock_now_ns(run->box->clock)) < 24 * MIN)
+        return 0;
+    if (*left > 0 && strcmp(op, "append") == 0 && strstr(path, "/records.jsonl"))
+        --*left;
+    return *left > 0 ? 0 : EROFS;
+}
+
+/* As above, and the run moves on while they are given up: the second dataset does not know which slot was taken last. */
+static void slots_given_up_before_the_run_moved_make_no_clock_wrong(void **state)
+{
+    static const struct until_belief rtc[] = {{0, TTF_TRUST_RTC, 0}};
+    struct moved_while_given_up m = {.left = 40};
+    struct sim_run *run = &m.b.run;
+    struct sim_run second;
+
+    (void)state;
+    until_clock_init(&m.b, TTF_END_COUNT, 28, rtc, 1);
+    second_run_make(run);
+    run->fault = first_can_only_be_read_after_records;
+    run->plan.lamps = TTF_LAMPS_CONTINUOUS;
+    run->plan.settle_ns = 20 * MIN;
+    sim_run_fault(run, TTF_FAULT_POWER_CUT, 23 * MIN + 40 * S)->amount = 30;
+    sim_run_fault(run, TTF_FAULT_POWER_CUT, 24 * MIN + 40 * S)->amount = 20;
+    assert_int_equal(sim_run_through_cuts(run), 0);
+    assert_true(run->result.second_storage);
+    second = second_run_of(run);
+    assert_int_equal(sim_run_events(&second, "clock", "lies before the last slot"), 0);
+    assert_int_equal(sim_run_events(&second, "resume", "on the same grid"), 1);
+    second_run_expect_both(run, "ccccwmmmmmmmmmmmmmmmmmmmmccc");
+    living_finish(run);
+}
+
 /* Seen to be set, it is the same clock: no later boot takes the step for an outage. It moves no end. */
 static void the_box_s_own_clock_set_back_in_a_boot_leaves_the_grid(void **state)
 {
@@ -605,6 +649,7 @@ int main(void)
         cmocka_unit_test(a_right_clock_that_is_merely_earlier_is_believed),
         cmocka_unit_test(a_clock_that_was_ahead_does_not_tell_a_right_one_the_end),
         cmocka_unit_test(a_clock_that_was_behind_is_believed_once_it_has_come_past),
+        cmocka_unit_test(slots_given_up_before_the_run_moved_make_no_clock_wrong),
         cmocka_unit_test(a_length_counts_the_outages_of_before_the_run_moved),
         cmocka_unit_test(what_a_clock_was_corrected_by_before_the_run_moved_is_no_outage),
     };

@@ -200,13 +200,15 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     past = past_of(after, 1, "d", 14);
     assert_true(past.open && past.sure_open);
     assert_int_equal(past.last_trust, TTF_TRUST_NTP);
-    assert_int_equal(past.last_utc_ns, slot0 + 11 * TTF_NS_PER_MIN); /* at least */
+    assert_int_equal(past.last_utc_ns, slot0 + 11 * TTF_NS_PER_MIN); /* if it was taken */
+    assert_true(past.last_moved);
     assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + 3 * gap, true), 3 * gap);
     after[0].origin_utc_ns = slot0 + 12 * TTF_NS_PER_MIN + 2 * gap;
     snprintf(after[0].trust, sizeof(after[0].trust), "rtc");
     past = past_of(after, 1, "d", 14);
     assert_false(past.open || past.sure_open);
     assert_int_equal(past.sure_gaps_ns, 2 * gap);
+    assert_false(past.last_moved); /* slot 13 was taken, there */
     /* Said when that is known already, it says the same; that all of it was set since is no outage. */
     past = past_of(before, 2, "c", 12);
     ttf_timeline_run_utc(&after[0], &past, slot0_ns, true);
