@@ -17,9 +17,16 @@ int ttf_io_sync_all(struct ttf_io *io, int file)
     return io->ops->sync_all ? io->ops->sync_all(io, file) : -EOPNOTSUPP;
 }
 
+/* Only what writing would meet as well is an error: file systems that cannot say so in many ways (-EINVAL, -ENODEV, -EPERM). */
 int ttf_io_reserve(struct ttf_io *io, int file, int64_t offset, int64_t n)
 {
-    return io->ops->reserve ? io->ops->reserve(io, file, offset, n) : -EOPNOTSUPP;
+    int r = io->ops->reserve ? 0 : -EOPNOTSUPP;
+
+    if (offset < 0 || n <= 0)
+        return -EINVAL;
+    if (r == 0)
+        r = io->ops->reserve(io, file, offset, n);
+    return r == 0 || r == -ENOSPC || r == -EDQUOT || r == -EFBIG || r == -EIO ? r : -EOPNOTSUPP;
 }
 
 int ttf_io_inherit(struct ttf_io *io, int file, const char *path)

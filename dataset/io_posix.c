@@ -96,7 +96,7 @@ static int px_reserve(struct ttf_io *io, int file, int64_t offset, int64_t n)
     int r;
 
     RETRY(r, fallocate(file, 0, offset, n));
-    return r < 0 ? errno == ENOSYS ? -EOPNOTSUPP : -errno : 0;
+    return r < 0 ? -errno : 0;
 }
 
 static bool lies_on_f2fs(int file)

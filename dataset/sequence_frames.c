@@ -319,7 +319,8 @@ static int collect_all(struct collector *c, struct ttf_err *err)
     if (!some)
         return ttf_err_set(err, -ENOMEM, ttf_reader_path(c->line.reader), "no memory for records");
     some->reader = c->line.reader;
-    pool = slots > AT_ONCE ? ttf_pool_create(0) : NULL; /* NULL: one by one */
+    pool = slots > AT_ONCE && c->choice->threads != 1 ? ttf_pool_create(c->choice->threads)
+                                                      : NULL; /* NULL: one by one */
     for (int64_t first = 0; first < slots && code == 0; first += AT_ONCE) {
         read_some(some, first, slots, pool);
         for (unsigned i = 0; i < some->n && code == 0; i++) {

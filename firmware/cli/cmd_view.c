@@ -30,7 +30,8 @@ static int open_one(struct cli *cli, const char *path, const char *role, struct 
 
     /* What lies beside it has streams and brackets of its own. */
     if (strcmp(path, cli->opt.args[0]) != 0)
-        choice = (struct ttf_sequence_choice){.with_excluded = cli->opt.with_excluded};
+        choice = (struct ttf_sequence_choice){.with_excluded = choice.with_excluded,
+                                              .threads = choice.threads};
     r = ttf_reader_open(cli->io, path, &shown->reader, &cli->err);
     if (r == 0)
         r = ttf_sequence_of_dataset(shown->reader, &choice, &shown->sequence, &cli->err);

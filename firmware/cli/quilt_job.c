@@ -184,12 +184,13 @@ static int open_sink(struct quilt_job *job)
 static int check(struct quilt_job *job)
 {
     struct cli *cli = job->cli;
+    const struct ttf_sequence_choice all = {.threads = (unsigned)cli->opt.threads};
     struct ttf_reader *reader = NULL;
     struct ttf_sequence *output = NULL;
     int r = ttf_reader_open(cli->io, cli->opt.output, &reader, &cli->err);
 
     if (r == 0)
-        r = ttf_sequence_of_dataset(reader, NULL, &output, &cli->err);
+        r = ttf_sequence_of_dataset(reader, &all, &output, &cli->err);
     if (r == 0)
         r = ttf_quilt_verify(&job->config, first(job), output,
                              job->config.per_frame ? NULL : &job->map, &job->check, &cli->err);

@@ -96,6 +96,7 @@ struct ttf_sequence_choice cli_choice(const struct cli *cli)
         .one_bracket = cli->opt.bracket >= 0,
         .bracket = (int)cli->opt.bracket,
         .with_excluded = cli->opt.with_excluded,
+        .threads = (unsigned)cli->opt.threads,
     };
 }
 

@@ -58,12 +58,13 @@ static int read_said(struct ttf_io *io, const char *path, struct synthesis *ret,
 static int find_slots(struct ttf_io *io, const struct preview_subject *subject,
                       const struct synthesis *s, struct preview_made *ret, struct ttf_err *err)
 {
+    const struct ttf_sequence_choice alone = {.threads = 1};
     struct ttf_reader *reader = NULL;
     struct ttf_sequence *input = NULL;
     int r = ttf_reader_open(io, subject->path, &reader, err);
 
     if (r == 0)
-        r = ttf_sequence_of_dataset(reader, NULL, &input, err);
+        r = ttf_sequence_of_dataset(reader, &alone, &input, err);
     for (unsigned k = 0; k < ret->n_frames && r == 0; k++) {
         uint64_t t = ret->n_frames > 1 ? (uint64_t)k * (s->n - 1) / (ret->n_frames - 1) : 0;
         uint64_t from = t * (uint64_t)s->frame_step;

@@ -42,6 +42,7 @@ export function boards(main, box) {
     keepDraft("boards", { text: text.value, of });
     say(whose, of);
     name = null; /* until the box has said what it thinks of this one */
+    number++; /* what it still says of the one before counts no more */
     send.disabled = true;
     clearTimeout(timer);
     timer = setTimeout(check, 350);

@@ -39,8 +39,12 @@ export function calibrate(main, box) {
   const fields = { name, frames, reflectance, pitch }, light = { exposure, gain }, draft = kept("calibrate"), set = JSON.stringify([marks.exposure_ms, marks.gain]);
   const holds = draft && (draft.plan || draft.set === set || !(marks.exposure_ms > 0));
   let plan_kept = draft?.plan || "", typed = !!(holds && draft.typed), taken_with = !!(holds && draft.taken_with); /* plan_kept: until it is known which plans there are */
-  const remember = () => keepDraft("calibrate", { values: valuesOf({ ...fields, ...light }), plan: plan.value || plan_kept, typed, taken_with, set });
-  name.addEventListener("input", () => (typed = taken_with = false)); /* another calibration */
+  const the_plan = () => plan.value || plan_kept;
+  const remember = () => keepDraft("calibrate", { values: valuesOf({ ...fields, ...light }), plan: the_plan(), typed, taken_with, set });
+  name.addEventListener("input", () => {
+    if (taken_with) /* another calibration; else it is the same one, called otherwise */
+      typed = taken_with = false;
+  });
   for (const e of [exposure, gain, plan])
     e.addEventListener("input", () => (typed = !!(exposure.value || gain.value || plan.value)));
   putValues(fields, draft?.values);
@@ -49,8 +53,8 @@ export function calibrate(main, box) {
 
   /* What holds where nothing is said. */
   function hold() {
-    exposure.placeholder = plan.value || plan_kept ? "the plan's" : "20";
-    gain.placeholder = plan.value || plan_kept ? "the plan's" : "1";
+    exposure.placeholder = the_plan() ? "the plan's" : "20";
+    gain.placeholder = the_plan() ? "the plan's" : "1";
   }
 
   /* ---- what is asked of the box ---- */
@@ -66,7 +70,7 @@ export function calibrate(main, box) {
     try {
       taken_with = true;
       remember();
-      show(await post(`calibrations/${encodeURIComponent(name.value)}`, { part, frames: Number(frames.value), ...(plan.value && { plan: plan.value }),
+      show(await post(`calibrations/${encodeURIComponent(name.value)}`, { part, frames: Number(frames.value), ...(the_plan() && { plan: the_plan() }),
         ...(exposure.value > 0 && { exposure_ns: Math.round(exposure.value * 1e6) }), ...(gain.value > 0 && { gain_milli: Math.round(gain.value * 1000) }), ...body[part]?.() }));
     } catch (error) {
       say(wrong, error.text || error.message);

@@ -83,6 +83,7 @@ static void do_besides(struct work *work)
     if (!work->aside || !work->aside->part)
         return;
     while (result->code == 0 && work->part < work->aside->parts &&
+           !(work->cancel && *work->cancel) &&
            atomic_load_explicit(&work->own_tiles, memory_order_relaxed) > 0)
         result->code = work->aside->part(work->aside->ctx, work->part++, &result->err);
 }

@@ -86,6 +86,33 @@ async function what_is_refused_is_said_in_the_pages_words() {
   await browser.everywhere("guide-refused", shots);
 }
 
+/* Which plans there are, as the box says it from now on; nothing: it says nothing. */
+async function plans_are(plans) {
+  await page.unroute("**/api/v1/plans");
+  await page.route("**/api/v1/plans", (route) => plans && route.fulfill({ json: { plans } }));
+  await go("Now");
+  await go("Calibrate");
+}
+
+async function a_plan_that_was_chosen_holds_before_the_others_are_known() {
+  const chosen = page.getByLabel(/^For the light of the plan/), asked = [];
+  await plans_are([{ name: "leaf" }]);
+  await chosen.selectOption("leaf");
+  await plans_are(null);
+  assert.equal(await field("Gain").getAttribute("placeholder"), "the plan's");
+  browser.expected = AWAY;
+  await page.route("**/calibrations/*", (route) => { asked.push(route.request().postDataJSON()); return route.fulfill({ status: 400, json: { error: "not now" } }); });
+  await page.getByRole("button", { name: "Take the dark" }).click();
+  await page.getByRole("alert").getByText("not now").waitFor();
+  assert.equal(asked[0].plan, "leaf", "not all lamps, fully lit");
+  await page.unroute("**/calibrations/*");
+  browser.expected = null;
+  await plans_are([{ name: "leaf" }]);
+  await until("it is chosen still", async () => (await chosen.inputValue()) === "leaf");
+  await chosen.selectOption("");
+  await page.unroute("**/api/v1/plans");
+}
+
 async function what_was_typed_into_the_guide_stays() {
   await field("Dots apart, mm").fill("4.5");
   await go("Live view");
@@ -98,6 +125,12 @@ async function what_was_typed_into_the_guide_stays() {
   assert.ok(Number(await field("Exposure, ms").inputValue()) > 0, "what live view found is taken over");
   await field("Exposure, ms").fill("10"); /* of the lit box */
   await field("Gain").fill("1");
+  await field("Name of the calibration").fill("called-otherwise");
+  await field("Name of the calibration").fill(NAME);
+  await go("Live view");
+  await page.getByText("From the camera, now.").waitFor();
+  await go("Calibrate");
+  assert.equal(await field("Exposure, ms").inputValue(), "10", "whatever was typed first");
 }
 
 async function dark_and_flat_are_taken() {
@@ -219,6 +252,19 @@ async function boards_are_seen_checked_and_sent() {
   assert.ok(await send.isDisabled());
   await page.getByText("From the file bench.yaml.", { exact: true }).waitFor();
   await browser.everywhere("boards-wrong", shots);
+  let answer;
+  await page.route("**/boards/check", async (route) => {
+    const response = await route.fetch();
+    await new Promise((go_on) => (answer = go_on));
+    await route.fulfill({ response });
+  }, { times: 1 });
+  await text.fill(mine);
+  await until("the box has an answer", () => answer);
+  await send.evaluate((e) => new MutationObserver(() => (globalThis.was_enabled ||= !e.disabled)).observe(e, { attributes: true }));
+  await text.fill("board: {}\n");
+  answer();
+  await page.getByText(/^board:1:\d+: /).waitFor();
+  assert.ok(!await page.evaluate(() => globalThis.was_enabled), "what was said of another text lets nothing be sent");
   await text.fill(mine);
   await page.getByText("From the file bench.yaml, changed here.").waitFor();
   await page.getByText("A board can be described so.").waitFor();
@@ -243,7 +289,7 @@ async function boards_are_seen_checked_and_sent() {
 }
 
 try {
-  for (const part of [the_token_is_given, what_is_refused_is_said_in_the_pages_words, what_was_typed_into_the_guide_stays, dark_and_flat_are_taken, a_chart_is_marked_and_taken, a_grid_is_taken,
+  for (const part of [the_token_is_given, what_is_refused_is_said_in_the_pages_words, a_plan_that_was_chosen_holds_before_the_others_are_known, what_was_typed_into_the_guide_stays, dark_and_flat_are_taken, a_chart_is_marked_and_taken, a_grid_is_taken,
     what_was_typed_into_a_plan_stays, boards_are_seen_checked_and_sent]) {
     const begun = Date.now();
     await part();

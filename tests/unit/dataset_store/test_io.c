@@ -44,9 +44,11 @@ static void room_that_was_reserved_is_the_files_and_changes_nothing_in_it(void *
     io->ops->close(io, file);
 }
 
-static int none(struct ttf_io *io, int file, int64_t offset, int64_t n)
+static int says; /* a file system */
+
+static int say(struct ttf_io *io, int file, int64_t offset, int64_t n)
 {
-    return -ENOSPC;
+    return says;
 }
 
 static void a_table_without_it_says_so_and_errors_are_passed_on(void **state)
@@ -57,8 +59,33 @@ static void a_table_without_it_says_so_and_errors_are_passed_on(void **state)
     (void)state;
     ops.reserve = NULL;
     assert_int_equal(ttf_io_reserve(&io, 0, 0, 10), -EOPNOTSUPP);
-    ops.reserve = none;
+    ops.reserve = say;
+    says = -ENOSPC;
     assert_int_equal(ttf_io_reserve(&io, 0, 0, 10), -ENOSPC);
+}
+
+/* Room that cannot be had before is no reason to write nothing; no room is. */
+static void what_only_reserving_meets_is_no_error(void **state)
+{
+    static const int cannot[] = {EOPNOTSUPP, ENOSYS, EINVAL, ENODEV, EPERM, ESPIPE, EBADF},
+                     fails[] = {ENOSPC, EDQUOT, EFBIG, EIO};
+    struct ttf_io_ops ops = *ttf_io_posix()->ops;
+    struct ttf_io io = {.ops = &ops};
+
+    (void)state;
+    ops.reserve = say;
+    for (size_t i = 0; i < sizeof cannot / sizeof *cannot; i++) {
+        says = -cannot[i];
+        assert_int_equal(ttf_io_reserve(&io, 0, 0, 10), -EOPNOTSUPP);
+    }
+    for (size_t i = 0; i < sizeof fails / sizeof *fails; i++) {
+        says = -fails[i];
+        assert_int_equal(ttf_io_reserve(&io, 0, 0, 10), -fails[i]);
+    }
+    says = 0;
+    assert_int_equal(ttf_io_reserve(&io, 0, 0, 10), 0);
+    assert_int_equal(ttf_io_reserve(&io, 0, -1, 10), -EINVAL);
+    assert_int_equal(ttf_io_reserve(&io, 0, 0, 0), -EINVAL);
 }
 
 int main(void)
@@ -68,6 +95,7 @@ int main(void)
             room_that_was_reserved_is_the_files_and_changes_nothing_in_it, folder_setup,
             folder_teardown),
         cmocka_unit_test(a_table_without_it_says_so_and_errors_are_passed_on),
+        cmocka_unit_test(what_only_reserving_meets_is_no_error),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

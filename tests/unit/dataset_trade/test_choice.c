@@ -2,6 +2,8 @@
 /* test_choice.c: which images of a dataset are taken, what people said of them, and streams of floats. */
 #include <errno.h>
 #include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -215,6 +217,42 @@ static void what_a_note_excludes_is_left_out_unless_asked_for(void **state)
     note(path, "exclude", -1, -1); /* of the whole */
     assert_int_equal(ttf_sequence_of_dataset(reader, NULL, &sequence, &err), -ENODATA);
     assert_non_null(strstr(err.what, "exclude all 6"));
+    ttf_reader_close(reader);
+}
+
+/* Reads of threads that are not the test's own. */
+static pthread_t own_thread;
+static atomic_uint of_others;
+
+static int64_t count_others(struct ttf_io *io, int file, void *buf, size_t n, int64_t offset)
+{
+    if (!pthread_equal(pthread_self(), own_thread))
+        atomic_fetch_add(&of_others, 1);
+    return ttf_io_posix()->ops->pread(io, file, buf, n, offset);
+}
+
+/* A process of limited address space says 1: malloc keeps some for each thread that there was. */
+static void records_are_parsed_by_as_many_threads_as_is_said(void **state)
+{
+    const char *path = floats(state, 200);
+    struct ttf_io_ops ops = *ttf_io_posix()->ops;
+    struct ttf_io io = {.ops = &ops};
+    struct ttf_reader *reader;
+
+    own_thread = pthread_self();
+    ops.pread = count_others;
+    assert_int_equal(ttf_reader_open(&io, path, &reader, NULL), 0);
+    for (unsigned threads = 1; threads <= 4; threads++) {
+        struct ttf_sequence *sequence =
+            chosen(reader, (struct ttf_sequence_choice){.threads = threads});
+
+        if (threads == 1)
+            assert_int_equal(atomic_load(&of_others), 0);
+        assert_int_equal(sequence->n, 200);
+        for (uint32_t t = 0; t < 200; t++)
+            assert_int_equal(sequence->index[t], 2 * t);
+        ttf_sequence_destroy(sequence);
+    }
     ttf_reader_close(reader);
 }
 
@@ -482,6 +520,7 @@ int main(void)
         IN_FOLDER(what_lies_beside_an_image_is_read_by_its_role),
         IN_FOLDER(no_uncertainty_is_no_developed_image),
         IN_FOLDER(what_a_note_excludes_is_left_out_unless_asked_for),
+        IN_FOLDER(records_are_parsed_by_as_many_threads_as_is_said),
         IN_FOLDER(an_export_fills_excluded_slots_and_names_them),
         IN_FOLDER(floats_are_spread_over_sixteen_bits_and_read_back_as_values),
         IN_FOLDER(a_stream_that_never_changes_has_a_range_too),

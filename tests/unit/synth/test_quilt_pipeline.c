@@ -124,7 +124,8 @@ static void long_strips_are_handed_on_band_by_band(void **state)
 struct reserving {
     struct quilt_taker taker;
     unsigned asked, rows; /* parts so far; calls of rows8 */
-    unsigned fail_at;
+    unsigned fail_at, cancel_at;
+    int cancel;
     bool out_of_order;
 };
 
@@ -134,6 +135,8 @@ static int reserve_part(void *ctx, unsigned part, unsigned parts, struct ttf_err
 
     if (part == r->fail_at)
         return ttf_err_set(err, -ENOSPC, "disk", "is full");
+    if (part == r->cancel_at)
+        r->cancel = 1;
     if (part != r->asked || part >= parts || __atomic_load_n(&r->rows, __ATOMIC_RELAXED) > 0)
         r->out_of_order = true;
     r->asked = part + 1;
@@ -158,7 +161,8 @@ static void room_is_asked_for_in_order_before_rows_come(void **state)
     (void)state;
     config.measure = false;
     for (unsigned threads = 1; threads <= 3; threads++) {
-        struct reserving r = {.taker = quilt_taker_make(&config, N), .fail_at = UINT32_MAX};
+        struct reserving r = {
+            .taker = quilt_taker_make(&config, N), .fail_at = UINT32_MAX, .cancel_at = UINT32_MAX};
         struct ttf_quilt_sink sink = quilt_sink(&r.taker, true);
         struct ttf_pool *pool = ttf_pool_create(threads);
         struct ttf_err err = {0};
@@ -179,6 +183,31 @@ static void room_is_asked_for_in_order_before_rows_come(void **state)
         ttf_pool_destroy(pool);
         quilt_taker_free(&r.taker);
     }
+    texture_free(&input);
+}
+
+/* One thread asks for all of the room before it reads a frame. */
+static void who_cancels_does_not_wait_for_room(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_NOISE, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct reserving r;
+    struct ttf_quilt_sink sink;
+
+    (void)state;
+    config.measure = false;
+    r = (struct reserving){
+        .taker = quilt_taker_make(&config, N), .fail_at = UINT32_MAX, .cancel_at = 4};
+    sink = quilt_sink(&r.taker, true);
+    sink.rows8 = rows_after_room;
+    sink.reserve = reserve_part;
+    sink.ctx = &r;
+    config.cancel = &r.cancel;
+    assert_int_equal(ttf_quilt_run(&config, input.sequence, NULL, &sink, NULL, NULL, NULL),
+                     -ECANCELED);
+    assert_int_equal(r.asked, 5);
+    assert_int_equal(r.rows, 0);
+    quilt_taker_free(&r.taker);
     texture_free(&input);
 }
 
@@ -462,6 +491,7 @@ int main(void)
         cmocka_unit_test(rows_that_go_ahead_are_those_of_the_whole),
         cmocka_unit_test(long_strips_are_handed_on_band_by_band),
         cmocka_unit_test(room_is_asked_for_in_order_before_rows_come),
+        cmocka_unit_test(who_cancels_does_not_wait_for_room),
         cmocka_unit_test(what_is_kept_stays_within_the_memory_allowed),
         cmocka_unit_test(blends_and_times_between_frames_stay_16_bit),
         cmocka_unit_test(several_inputs_are_copied_bit_for_bit),

@@ -107,7 +107,8 @@ TTF_MUST_USE int ttf_io_inherit(struct ttf_io *io, int file, const char *path);
 
 /*
  * Room for bytes offset .. offset+n-1 is the file's own; it is as long as that at least, zeros where nothing was written. -EOPNOTSUPP: not on
- * this file system, nothing is lost by that. -ENOSPC: known before anything is written.
+ * this file system, whatever it says of it; nothing is lost by that. -ENOSPC, -EDQUOT, -EFBIG, -EIO: known before anything is written.
+ * -EINVAL: no such bytes.
  */
 TTF_MUST_USE int ttf_io_reserve(struct ttf_io *io, int file, int64_t offset, int64_t n);
 

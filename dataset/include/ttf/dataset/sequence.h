@@ -54,6 +54,8 @@ struct ttf_sequence_choice {
     bool one_bracket;   /* those of `bracket` alone, instead of the reference ones */
     int bracket;        /* its number, from 0 */
     bool with_excluded; /* also slots that a note tags "exclude" */
+    /* That records are parsed by; 0: one per processor. Each but the caller's costs address space for good (malloc's). */
+    unsigned threads;
 };
 
 /*
