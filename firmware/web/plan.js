@@ -334,6 +334,10 @@ export function plan(main, box) {
     h("section", { class: "card" }, h("h2", {}, "What it takes"), judged, takes, h("div", { class: "row end" }, actions), said, well, no_token),
     h("section", { class: "card" }, h("h2", {}, "Plans on this box"), list)));
 
+  /* Until the box has said what it has: what is set then would overwrite what somebody types before. */
+  const ready = (is) => form.querySelectorAll("fieldset").forEach((step) => { step.disabled = !is; });
+
+  ready(false);
   take_picked(null);
   async function ask_devices() {
     const got = await get("box");
@@ -352,6 +356,7 @@ export function plan(main, box) {
       restore(draft);
     else
       choose(PRESETS[0]);
+    ready(true);
   }
 
   /* At first, and when a box that was away is there again; what was typed meanwhile stays. */

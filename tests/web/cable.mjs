@@ -15,7 +15,12 @@ try {
   await other.getByText("To save or start one, enter the token.").waitFor();
   await other.getByText("With the token, the box says here what a plan takes.").waitFor(); /* nothing is asked that would be refused */
   await page.bringToFront();
+  await page.route("**/api/v1/box", async (route) => { /* a box that takes its time */
+    await new Promise((go) => setTimeout(go, 1500));
+    await route.continue();
+  });
   await page.getByRole("link", { name: "Plan", exact: true }).click();
+  assert.equal(await page.getByLabel("Title").isEnabled(), false, "nothing can be typed that would be overwritten");
   await page.getByLabel("Title").fill("Typed before the token was there");
   await page.locator("#login").click();
   await page.getByText("nobody has seen its token yet").waitFor();

@@ -162,7 +162,8 @@ async function a_server_that_comes_back_is_found() {
   await page.getByText("Connection lost: the box does not answer").waitFor();
   await page.reload().catch(() => {}); /* it is not there: what the browser shows then is no page of ours */
   await serve();
-  await page.goto(`${url}/#/data`);
+  /* the browser may still be at its own page of the error */
+  await until("the page is there again", () => page.goto(`${url}/#/data`).then(() => true));
   await page.getByRole("link", { name: "growing" }).waitFor();
   server.kill("SIGKILL");
   await page.getByText("Connection lost: the box does not answer").waitFor();
