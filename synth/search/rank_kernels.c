@@ -34,12 +34,11 @@ static void ssd_at4(const int16_t *const a[4], const uint32_t *offsets, const in
 static void ssd_at_pairs(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b,
                          size_t n, uint64_t limit, uint64_t ret[8])
 {
-    for (int half = 0; half < 2; half++) {
-        const int16_t *first = a[2 * half], *second = a[2 * half + 1];
-        const int16_t *const at[4] = {first, first + TTF_COEF_LANES, second,
-                                      second + TTF_COEF_LANES};
+    for (size_t half = 0; half < 2; half++) {
+        const int16_t *at[4];
 
-        ssd_at4(at, offsets, b, n, limit, ret + (size_t)4 * half);
+        ttf_places_of_pairs(a + 2 * half, at);
+        ssd_at4(at, offsets, b, n, limit, ret + 4 * half);
     }
 }
 

@@ -51,6 +51,13 @@ struct ttf_rank_kernels {
                     float *out);
 };
 
+/* The four places of two pairs, for kernels that have no vector as wide as a pair. */
+static inline void ttf_places_of_pairs(const int16_t *const pairs[2], const int16_t *ret[4])
+{
+    for (int k = 0; k < 4; k++)
+        ret[k] = pairs[k / 2] + (k % 2) * TTF_COEF_LANES;
+}
+
 /* The reference. */
 const struct ttf_rank_kernels *ttf_rank_kernels_scalar(void);
 
