@@ -106,11 +106,24 @@ static int64_t tolerance_ns(const struct ttf_run_past *past, const struct ttf_ut
     return utc->trust == past->last_trust && ns < TTF_BEHIND_SAME_NS ? TTF_BEHIND_SAME_NS : ns;
 }
 
+/*
+ * Of two of the box's own either may have been wrong, so one is heard again once it has come past that slot. A PC's against
+ * them is what is wrong, and no less so for waiting: it would have had this boot begin before that slot. (Of a run that
+ * has moved that slot may be of this boot.)
+ */
+static int64_t judged_at_ns(const struct ttf_run_past *past, const struct ttf_utc *utc)
+{
+    if (utc->trust == TTF_TRUST_HOST && past->last_trust > TTF_TRUST_HOST && !past->last_moved)
+        return ttf_near_difference_i64(utc->utc_ns, utc->boot_ns);
+    return utc->utc_ns;
+}
+
 bool ttf_resume_clock_behind(const struct ttf_run_past *past, const struct ttf_utc *utc)
 {
     return utc->trust != TTF_TRUST_NONE && utc->trust <= past->last_trust &&
-           utc->utc_ns < ttf_near_difference_i64(past->last_utc_ns - past->last_ahead_ns,
-                                                 tolerance_ns(past, utc));
+           judged_at_ns(past, utc) <
+               ttf_near_difference_i64(past->last_utc_ns - past->last_ahead_ns,
+                                       tolerance_ns(past, utc));
 }
 
 struct ttf_utc ttf_resume_utc(const struct ttf_run_past *past, const struct ttf_utc *now)
@@ -193,6 +206,22 @@ static bool waits_in_vain(const struct ttf_resume_input *in, const struct ttf_ut
 }
 
 /*
+ * When the last slot was due that was taken. Those that a resume gave up while its lamps settled were recorded before
+ * they were due: a clock that has not come to them yet is not wrong for that. Nor is it for where the last segment's
+ * grid would have had slots of before that segment, if none of it was taken: that one may have begun off the grid.
+ */
+static int64_t last_taken_utc_ns(const struct ttf_resume_input *in)
+{
+    const struct ttf_segment *last = &in->state->last_segment;
+    const struct ttf_grid utc = utc_grid_of(last);
+    const int64_t index = in->state->next_index - 1 - in->state->lost_at_end;
+
+    if (index >= last->first_index)
+        return ttf_grid_due_ns(&utc, index);
+    return in->past.last_trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : in->past.last_utc_ns;
+}
+
+/*
  * The grid of a boot before, found again through UTC that is vouched for then and now. A clock that is believed though
  * it stands before the last slot makes the next one come that much later: by less than an interval, and by no more
  * than right clocks differ, or the grid is not worth it.
@@ -203,23 +232,22 @@ static bool finds_grid(const struct ttf_resume_input *in, const struct ttf_utc *
     const struct ttf_segment *last = &in->state->last_segment;
     const int64_t next = in->state->next_index;
     const struct ttf_grid before_utc = utc_grid_of(last);
-    /*
-     * Slots that a resume gave up while its lamps settled were recorded before they were due: a clock that
-     * has not come to them yet is not wrong for that.
-     */
-    const int64_t last_utc = ttf_grid_due_ns(&before_utc, next - 1 - in->state->lost_at_end);
     const int64_t now_utc = utc->utc_ns + (in->now_ns - utc->boot_ns);
+    const int64_t last_utc = last_taken_utc_ns(in);
     const int64_t early_ns = ttf_near_difference_i64(last_utc, now_utc + in->past.last_ahead_ns);
 
     r->grid.origin_ns = ttf_near_sum_i64(
         utc->boot_ns, ttf_near_difference_i64(ttf_grid_due_ns(&before_utc, next), utc->utc_ns));
-    r->outage_ns = ttf_near_difference_i64(now_utc, last_utc);
+    if (last_utc != TTF_NS_UNKNOWN)
+        r->outage_ns = ttf_near_difference_i64(now_utc, last_utc);
     if (waits_for_start(in))
         return true;
     r->pc_gives_up = gives_up_all(in, &r->grid);
-    if (r->pc_gives_up || waits_in_vain(in, utc, r->grid.origin_ns))
+    r->waits_in_vain = !r->pc_gives_up && waits_in_vain(in, utc, r->grid.origin_ns);
+    if (r->pc_gives_up || r->waits_in_vain)
         return false;
-    return next == 0 || (early_ns < last->interval_ns && early_ns <= tolerance_ns(&in->past, utc));
+    return next == 0 || last_utc == TTF_NS_UNKNOWN ||
+           (early_ns < last->interval_ns && early_ns <= tolerance_ns(&in->past, utc));
 }
 
 static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resume *r)

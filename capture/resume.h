@@ -45,8 +45,9 @@ struct ttf_resume {
     bool on_grid;               /* the grid of before the interruption was kept */
     bool end_passed;            /* the plan's end is known to have come before the last slot */
     bool clock_implausible; /* UTC is vouched for then and now, but the grid is not kept by it */
-    bool pc_gives_up;  /* why: a PC's word would leave no slot. The end does not go by it either */
-    int64_t outage_ns; /* from the last record's due time to now; TTF_NS_UNKNOWN */
+    bool pc_gives_up;   /* why: a PC's word would leave no slot. The end does not go by it either */
+    bool waits_in_vain; /* why: the next slot would be too far off */
+    int64_t outage_ns;  /* from when the last slot that was taken was due to now; TTF_NS_UNKNOWN */
 };
 
 /* -EINVAL: a start time with a clock nobody vouches for. */

@@ -57,21 +57,23 @@ static void put_lost(const struct ttf_resume *r, char *ret, size_t size)
 static void tell_resumed(struct ttf_session *s)
 {
     const struct ttf_resume *r = &s->resume;
-    char lost[160];
+    char lost[160], after[48] = "";
     int64_t unready = r->lost_until - r->unready_from;
 
     if (!r->continued)
         return;
     if (r->on_grid)
         put_lost(r, lost, sizeof(lost));
+    if (r->outage_ns != TTF_NS_UNKNOWN)
+        snprintf(after, sizeof(after), ", %.1f s after the last", (double)r->outage_ns / 1e9);
     if (r->on_grid)
-        ttf_events_emit(&s->events, "resume",
-                        "on the same grid at slot %lld, %.1f s after the last; %s",
-                        (long long)r->grid.first_index, (double)r->outage_ns / 1e9, lost);
+        ttf_events_emit(&s->events, "resume", "on the same grid at slot %lld%s; %s",
+                        (long long)r->grid.first_index, after, lost);
     else
         ttf_events_emit(&s->events, "resume", "at once at slot %lld in a new segment: %s",
                         (long long)r->grid.first_index,
                         r->pc_gives_up         ? "a PC's clock alone would leave no slot"
+                        : r->waits_in_vain     ? "by UTC the next one would be too far off"
                         : r->clock_implausible ? "UTC lies before the last slot"
                                                : "how long the outage was is not known");
     if (unready > 0)
