@@ -58,10 +58,10 @@ struct ttf_committer {
     int segment_base, plan_base;
     int64_t slot0_ns; /* set before begin: where the run's slot 0 was, or would have been, due */
     const struct ttf_run_past *past; /* likewise: what the segments before said of its time */
-    bool gap_unknown; /* likewise: the outage before this session was of unknown length */
-    int n_plans;      /* by the session's numbers, written so far */
-    bool moved;       /* to the second storage */
-    struct ttf_segment continued; /* the first one there, if it was begun by this session */
+    struct ttf_outage outage;        /* likewise: before this session */
+    int n_plans;                     /* by the session's numbers, written so far */
+    bool moved;                      /* to the second storage */
+    struct ttf_segment continued;    /* the first one there, if it was begun by this session */
     bool has_continued;
     bool
         from_first; /* set before begin: this session begins the second one, by reading the first */

@@ -107,6 +107,6 @@ int ttf_committer_write_correction(struct ttf_committer *c, const struct ttf_seg
         segment.origin_utc_ns += segment.origin_utc_ns == TTF_NS_UNKNOWN ? 0 : later_ns;
     }
     if ((c->has_continued || c->from_first) && segment.segment == 0)
-        ttf_timeline_run_utc(&segment, c->past, c->slot0_ns, c->gap_unknown);
+        ttf_timeline_run_utc(&segment, c->past, c->slot0_ns, &c->outage);
     return c->writer ? ttf_writer_segment(c->writer, &segment, NULL) : -EIO;
 }

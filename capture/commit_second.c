@@ -90,7 +90,7 @@ static struct ttf_segment continued(const struct ttf_committer *c)
     if (segment.origin_utc_ns != TTF_NS_UNKNOWN)
         segment.origin_utc_ns += segment.origin_ns - c->in_force->segment.origin_ns;
     segment.run_ns = ttf_timeline_run_ns(&segment, c->slot0_ns);
-    ttf_timeline_run_utc(&segment, c->past, c->slot0_ns, c->gap_unknown);
+    ttf_timeline_run_utc(&segment, c->past, c->slot0_ns, &c->outage);
     segment.gap_ns = 0;
     segment.corrects = false;
     return segment;

@@ -2,6 +2,7 @@
 #include "resume.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "ledger.h"
@@ -65,9 +66,20 @@ static struct ttf_utc best_of(const struct ttf_run_past *past, const struct ttf_
                             .steps = now->steps};
 }
 
-/* By what is believed of UTC in this boot. It tells outages of unknown length, too: of such is the last one, or not. */
+/* What lies between the boots that the run has no time of, by a clock that says so of slot 0 (TTF_NS_UNKNOWN: nobody). */
+static int64_t gaps_by(const struct ttf_resume_input *in, const struct ttf_grid *grid,
+                       const struct ttf_outage *outage, enum ttf_trust trust, int64_t slot0_utc_ns)
+{
+    struct ttf_segment now = {.interval_ns = grid->interval_ns};
+
+    snprintf(now.trust, sizeof(now.trust), "%s", ttf_trust_name(trust));
+    return ttf_timeline_gaps_ns(&in->past, &now, outage, slot0_utc_ns);
+}
+
+/* By what is believed of UTC in this boot. It tells outages of unknown length, too, and slots given up for none. */
 static struct ttf_run_clock clock_of_boot(const struct ttf_resume_input *in,
-                                          const struct ttf_grid *grid, bool gap_unknown)
+                                          const struct ttf_grid *grid,
+                                          const struct ttf_outage *outage)
 {
     struct ttf_run_clock clock = clock_of(in, grid, 0, TTF_NS_UNKNOWN);
     const struct ttf_utc utc = ttf_resume_utc(&in->past, &in->utc);
@@ -78,7 +90,7 @@ static struct ttf_run_clock clock_of_boot(const struct ttf_resume_input *in,
         clock.utc_offset_ns = utc.utc_ns - utc.boot_ns;
         slot0_utc_ns = ttf_near_sum_i64(clock.slot0_ns, clock.utc_offset_ns);
     }
-    clock.gaps_ns = ttf_timeline_gaps_ns(&in->past, slot0_utc_ns, gap_unknown);
+    clock.gaps_ns = gaps_by(in, grid, outage, utc.trust, slot0_utc_ns);
     return clock;
 }
 
@@ -137,17 +149,37 @@ struct ttf_utc ttf_resume_utc(const struct ttf_run_past *past, const struct ttf_
     return best_of(past, &utc);
 }
 
+/*
+ * The same without a clock that is believed. One of the box's own that is not, as it contradicts another of the same
+ * trust, takes time back from slots that were given up by that one: which of the two was wrong nobody knows, and a
+ * run that goes on too long loses nothing.
+ */
+static int64_t gaps_by_past(const struct ttf_resume_input *in, const struct ttf_resume *r)
+{
+    const struct ttf_utc *utc = &in->utc;
+    const int64_t gaps_ns = gaps_by(in, &r->grid, &r->outage, TTF_TRUST_NONE, TTF_NS_UNKNOWN);
+    const int64_t slot0_ns = ttf_near_difference_i64(r->grid.origin_ns, in->elapsed_ns);
+    int64_t other_ns;
+
+    if (utc->trust != in->past.last_trust || !ttf_resume_clock_behind(&in->past, utc))
+        return gaps_ns;
+    other_ns = gaps_by(in, &r->grid, &r->outage, utc->trust,
+                       ttf_near_sum_i64(slot0_ns, utc->utc_ns - utc->boot_ns));
+    return other_ns < gaps_ns ? other_ns : gaps_ns;
+}
+
 /* What was known before: what a PC alone said counts where nobody else said anything, and as long as the end has not passed by it. */
 static void resolve_end_by_past(const struct ttf_resume_input *in, struct ttf_resume *r)
 {
     const struct ttf_run_past *past = &in->past;
+    const int64_t gaps_ns = gaps_by_past(in, r);
 
     if (past->sure_slot0_utc_ns == TTF_NS_UNKNOWN) {
-        r->clock = clock_of_past(in, &r->grid, past->gaps_ns, past->slot0_utc_ns);
+        r->clock = clock_of_past(in, &r->grid, gaps_ns, past->slot0_utc_ns);
         if (ttf_run_clock_believed(in->plan, &r->grid, r->grid.first_index, &r->clock, true))
             return;
     }
-    r->clock = clock_of_past(in, &r->grid, past->sure_gaps_ns, past->sure_slot0_utc_ns);
+    r->clock = clock_of_past(in, &r->grid, gaps_ns, past->sure_slot0_utc_ns);
 }
 
 /*
@@ -159,7 +191,7 @@ static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
     const int64_t index = r->grid.first_index;
     bool believed;
 
-    r->clock = clock_of_boot(in, &r->grid, r->gap_ns == TTF_NS_UNKNOWN);
+    r->clock = clock_of_boot(in, &r->grid, &r->outage);
     believed = !r->pc_gives_up && r->clock.trust != TTF_TRUST_NONE &&
                ttf_run_clock_believed(in->plan, &r->grid, index, &r->clock,
                                       r->continued && r->clock.trust == TTF_TRUST_HOST);
@@ -175,14 +207,14 @@ static void resolve_end(const struct ttf_resume_input *in, struct ttf_resume *r)
 /*
  * A PC's word alone would give up every slot that is left: more likely the PC's clock is ahead than that the box was
  * without power until after its end. Nothing is given up for that. Nor for what one said before the outage, by which
- * a clock that was behind looks like a long one: of a plan by count, as a better one tells an end in time.
+ * a clock that was behind looks like a long one: but for an instant that a better one tells now.
  */
 static bool gives_up_all(const struct ttf_resume_input *in, const struct ttf_grid *grid)
 {
-    struct ttf_run_clock clock = clock_of_boot(in, grid, false);
+    struct ttf_run_clock clock = clock_of_boot(in, grid, &(struct ttf_outage){0});
     const bool host_before = ttf_segment_trust(&in->state->last_segment) == TTF_TRUST_HOST;
 
-    return (in->utc.trust == TTF_TRUST_HOST || (host_before && !ttf_plan_ends_in_time(in->plan))) &&
+    return (in->utc.trust == TTF_TRUST_HOST || (host_before && in->plan->end != TTF_END_UNTIL)) &&
            ttf_grid_index_at(grid, in->ready_ns) >= ttf_plan_slots(in->plan, grid, &clock);
 }
 
@@ -275,12 +307,16 @@ static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resu
         r->lost_reason = in->state->sealed ? TTF_REASON_HAD_ENDED : TTF_REASON_NO_POWER;
         r->on_grid = true;
         r->gap_ns = 0;
+        r->outage.given_up_ns =
+            ttf_timeline_given_up_ns(r->grid.origin_ns, r->grid.interval_ns,
+                                     ttf_grid_index_at(&r->grid, in->now_ns) - r->grid.first_index);
         return;
     }
     r->clock_implausible = in->utc.trust != TTF_TRUST_NONE && vouched(last);
     r->outage_ns = TTF_NS_UNKNOWN;
     r->grid.origin_ns = in->ready_ns;
     r->gap_ns = TTF_NS_UNKNOWN;
+    r->outage.gap_unknown = true;
 }
 
 int ttf_resume_resolve(const struct ttf_resume_input *in, struct ttf_resume *ret,

@@ -48,6 +48,7 @@ struct ttf_resume {
     bool pc_gives_up;   /* why: a PC's word would leave no slot. The end does not go by it either */
     bool waits_in_vain; /* why: the next slot would be too far off */
     int64_t outage_ns;  /* from when the last slot that was taken was due to now; TTF_NS_UNKNOWN */
+    struct ttf_outage outage; /* for the run's time */
 };
 
 /* -EINVAL: a start time with a clock nobody vouches for. */

@@ -111,7 +111,8 @@ static int read_past(const struct ttf_session *s, struct ttf_resume_input *in, s
         in->elapsed_ns = ttf_timeline_elapsed_ns(segments, n) +
                          (in->state->next_index - last->first_index) * last->interval_ns;
     }
-    in->past = ttf_timeline_past(segments, taken_until, n, ttf_clock_boot_id(s->box->clock));
+    in->past = ttf_timeline_past(segments, taken_until, n, in->state->next_index,
+                                 ttf_clock_boot_id(s->box->clock));
     if (in->past.last_moved)
         in->past.last_ahead_ns = ready_after_ns(s);
     free(segments);
@@ -193,8 +194,7 @@ static int write_segment(struct ttf_session *s, struct ttf_writer *writer, int p
     segment->zone_offset_s = s->plan.zone_offset_s;
     if (s->from_first) {
         segment->run_ns = ttf_timeline_run_ns(segment, s->run.slot0_ns);
-        ttf_timeline_run_utc(segment, &s->past, s->run.slot0_ns,
-                             s->resume.gap_ns == TTF_NS_UNKNOWN);
+        ttf_timeline_run_utc(segment, &s->past, s->run.slot0_ns, &s->resume.outage);
     }
     snprintf(segment->box, sizeof(segment->box), "%s", s->box->description);
     segment->gap_ns = s->resume.gap_ns;
@@ -333,7 +333,7 @@ static int set_in_force(struct ttf_session *s, const struct ttf_manifest *manife
     c->slot0_ns = s->run.slot0_ns;
     c->past = &s->past;
     c->from_first = s->from_first;
-    c->gap_unknown = s->resume.gap_ns == TTF_NS_UNKNOWN;
+    c->outage = s->resume.outage;
     c->total = s->plan.count; /* as resolved */
     c->in_force->slot_bytes = s->figures.slot_bytes;
     c->n_plans = s->next_plan = ttf_writer_state(c->writer)->n_plans;

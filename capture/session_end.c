@@ -11,6 +11,15 @@ static void tell(struct ttf_session *s, int64_t before, int64_t index)
                             s->plan.count == index ? ", the plan's end has come" : "");
 }
 
+/* A clock that contradicts one of before moves no end, but may say that slots were given up by that one: too long loses nothing. */
+static bool takes_slots_back(struct ttf_session *s, int64_t gaps_ns)
+{
+    if (gaps_ns >= s->run.gaps_ns)
+        return false;
+    s->run.gaps_ns = gaps_ns;
+    return s->plan.end == TTF_END_LENGTH;
+}
+
 static void count_anew(struct ttf_session *s, int64_t index)
 {
     const struct ttf_segment *segment = &s->pulse.segment;
@@ -25,13 +34,16 @@ static void count_anew(struct ttf_session *s, int64_t index)
 
     clock.trust = trust;
     clock.utc_offset_ns = segment->origin_utc_ns - segment->origin_ns;
-    clock.gaps_ns = ttf_timeline_gaps_ns(&s->past, clock.slot0_ns + clock.utc_offset_ns,
-                                         s->resume.gap_ns == TTF_NS_UNKNOWN);
+    clock.gaps_ns = ttf_timeline_gaps_ns(&s->past, segment, &s->resume.outage,
+                                         clock.slot0_ns + clock.utc_offset_ns);
     if (ttf_resume_clock_behind(&s->past, &utc)) {
-        ttf_events_emit(
-            &s->events, "plan",
-            "UTC lies before the last slot of before: the plan's end is not moved by it");
-        return;
+        if (!takes_slots_back(s, clock.gaps_ns))
+            ttf_events_emit(
+                &s->events, "plan",
+                "UTC lies before the last slot of before: the plan's end is not moved by it");
+        if (s->plan.end != TTF_END_LENGTH)
+            return;
+        clock = s->run;
     }
     if (!ttf_run_clock_believed(&s->plan, &s->grid, index, &clock, trust == TTF_TRUST_HOST)) {
         ttf_events_emit(&s->events, "plan",

@@ -114,6 +114,8 @@ struct known {
     int64_t gaps_ns, slot0_utc_ns;
     enum ttf_trust trust;
     bool open;
+    /* Of slots given up: those that no clock of these has judged yet, and those that one has, and may take back. */
+    int64_t doubted_ns, given_up_ns;
 };
 
 static int64_t later_by(int64_t slot0_utc_ns, int64_t than_ns)
@@ -130,36 +132,82 @@ static int64_t with_gap(int64_t gaps_ns, int64_t gap_ns)
     return gap_ns < GAPS_MAX_NS - gaps_ns ? gaps_ns + gap_ns : GAPS_MAX_NS;
 }
 
-/* slot0_utc_ns: as this segment has it; TTF_NS_UNKNOWN: it does not, or its word does not count. */
-static void go_on(struct known *known, const struct ttf_segment *segment, bool new_boot,
-                  int64_t slot0_utc_ns)
+static int64_t without(int64_t gaps_ns, int64_t ns)
 {
+    return gaps_ns > ns - GAPS_MAX_NS ? gaps_ns - ns : -GAPS_MAX_NS;
+}
+
+int64_t ttf_timeline_given_up_ns(int64_t origin_ns, int64_t interval_ns, int64_t slots)
+{
+    int64_t n, ns;
+
+    if (origin_ns >= 0 || interval_ns <= 0 || slots <= 0)
+        return 0;
+    n = -(origin_ns + 1) / interval_ns + 1;
+    return ttf_mul_i64(n < slots ? n : slots, interval_ns, &ns) && ns < GAPS_MAX_NS ? ns
+                                                                                    : GAPS_MAX_NS;
+}
+
+/*
+ * One clock on either side of what lies between. Slots that were given up by one that was ahead of both are no time of
+ * the run: as many as slot 0 is said to be earlier now. More is no outage that was shorter, but a clock that was set.
+ */
+static void tell_outages(struct known *known, const struct ttf_segment *segment,
+                         int64_t slot0_utc_ns)
+{
+    const int64_t earlier_ns = later_by(known->slot0_utc_ns, slot0_utc_ns);
+
+    if (earlier_ns > 0 && segment->interval_ns > 0) {
+        int64_t ns = earlier_ns - earlier_ns % segment->interval_ns;
+
+        if (ns > known->given_up_ns)
+            ns = known->given_up_ns;
+        known->gaps_ns = without(known->gaps_ns, ns);
+        known->given_up_ns -= ns;
+    } else if (known->open) {
+        known->gaps_ns = with_gap(known->gaps_ns, later_by(slot0_utc_ns, known->slot0_utc_ns));
+    } else if (segment->gap_ns > 0) {
+        known->gaps_ns = with_gap(known->gaps_ns, segment->gap_ns);
+    }
+}
+
+/*
+ * slot0_utc_ns: as this segment has it; TTF_NS_UNKNOWN: it does not, or its word does not count. given_up_ns: what it
+ * began with of slots that were due before its boot.
+ */
+static void go_on(struct known *known, const struct ttf_segment *segment, bool new_boot,
+                  int64_t slot0_utc_ns, int64_t given_up_ns)
+{
+    known->doubted_ns = with_gap(known->doubted_ns, given_up_ns);
     if (slot0_utc_ns == TTF_NS_UNKNOWN) {
         known->open = known->open || new_boot || segment->gap_ns != 0;
         return;
     }
-    if (known->open && known->slot0_utc_ns != TTF_NS_UNKNOWN)
-        known->gaps_ns = with_gap(known->gaps_ns, later_by(slot0_utc_ns, known->slot0_utc_ns));
-    else if (segment->gap_ns > 0)
-        known->gaps_ns = with_gap(known->gaps_ns, segment->gap_ns);
+    if (known->slot0_utc_ns == TTF_NS_UNKNOWN) {
+        /* The first whose word counts: nobody's did who told the outages of before. */
+        known->gaps_ns = without(known->gaps_ns, known->doubted_ns);
+    } else {
+        known->given_up_ns = with_gap(known->given_up_ns, known->doubted_ns);
+        tell_outages(known, segment, slot0_utc_ns);
+    }
+    known->doubted_ns = 0;
     known->slot0_utc_ns = slot0_utc_ns;
     known->trust = ttf_segment_trust(segment);
     known->open = false;
 }
 
-/*
- * Both, with a PC's word and without. The first that is not a PC's is told the outages of before by what the PC said,
- * as long as it is the only one.
- */
+/* Both, with a PC's word and without. */
 static void go_on_both(struct known *all, struct known *sure, const struct ttf_segment *segment,
-                       bool new_boot, int64_t slot0_utc_ns)
+                       bool new_boot, int64_t slot0_utc_ns, int64_t given_up_ns)
 {
-    const bool first = sure->slot0_utc_ns == TTF_NS_UNKNOWN;
+    go_on(all, segment, new_boot, slot0_utc_ns, given_up_ns);
+    go_on(sure, segment, new_boot, by_host(segment) ? TTF_NS_UNKNOWN : slot0_utc_ns, given_up_ns);
+}
 
-    go_on(all, segment, new_boot, slot0_utc_ns);
-    go_on(sure, segment, new_boot, by_host(segment) ? TTF_NS_UNKNOWN : slot0_utc_ns);
-    if (first && sure->slot0_utc_ns != TTF_NS_UNKNOWN)
-        sure->gaps_ns = all->gaps_ns;
+/* In a run's time: what is told of outages, less the slots that nobody sure told one for. */
+static int64_t gaps_of(const struct known *known)
+{
+    return without(known->gaps_ns, known->doubted_ns);
 }
 
 /*
@@ -173,7 +221,10 @@ static void go_on_from_before(struct known *all, struct known *sure, struct ttf_
 
     if (first->run_utc_ns <= 0 || trust == TTF_TRUST_NONE)
         return;
-    *all = (struct known){0, first->run_utc_ns, trust, true};
+    *all = (struct known){.slot0_utc_ns = first->run_utc_ns,
+                          .trust = trust,
+                          .open = true,
+                          .given_up_ns = ttf_timeline_elapsed_ns(first, 1)};
     if (trust != TTF_TRUST_HOST)
         *sure = *all;
     if (first->origin_utc_ns != TTF_NS_UNKNOWN && strcmp(first->boot_id, boot_id) == 0)
@@ -194,22 +245,30 @@ static struct known all_of(const struct ttf_run_past *past)
 static struct known sure_of(const struct ttf_run_past *past)
 {
     return (struct known){past->sure_gaps_ns, past->sure_slot0_utc_ns, past->sure_trust,
-                          past->sure_open};
+                          past->sure_open,    past->sure_doubted_ns,   past->sure_given_up_ns};
+}
+
+/* Both, and the present segment, which begins with such an outage. */
+static void go_on_now(struct known *all, struct known *sure, const struct ttf_segment *segment,
+                      const struct ttf_outage *outage, int64_t slot0_utc_ns)
+{
+    struct ttf_segment now = *segment;
+
+    now.gap_ns = outage->gap_unknown ? TTF_NS_UNKNOWN : 0;
+    all->open |= outage->gap_unknown;
+    sure->open |= outage->gap_unknown;
+    go_on_both(all, sure, &now, false, slot0_utc_ns, outage->given_up_ns);
 }
 
 void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past *past,
-                          int64_t slot0_ns, bool gap_unknown)
+                          int64_t slot0_ns, const struct ttf_outage *outage)
 {
     struct known all = all_of(past), sure = sure_of(past);
-    struct ttf_segment now = *segment;
     int64_t slot0 = TTF_NS_UNKNOWN;
 
-    now.gap_ns = gap_unknown ? TTF_NS_UNKNOWN : 0;
-    if (now.origin_utc_ns != TTF_NS_UNKNOWN)
-        slot0 = now.origin_utc_ns - (now.origin_ns - slot0_ns);
-    all.open |= gap_unknown;
-    sure.open |= gap_unknown;
-    go_on_both(&all, &sure, &now, false, slot0);
+    if (segment->origin_utc_ns != TTF_NS_UNKNOWN)
+        slot0 = segment->origin_utc_ns - (segment->origin_ns - slot0_ns);
+    go_on_now(&all, &sure, segment, outage, slot0);
     segment->run_utc_ns = 0;
     segment->run_trust[0] = '\0';
     if (all.slot0_utc_ns == TTF_NS_UNKNOWN)
@@ -218,24 +277,22 @@ void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past
         all = sure;
     else
         all.trust = TTF_TRUST_HOST;
-    segment->run_utc_ns = all.slot0_utc_ns - all.gaps_ns;
+    segment->run_utc_ns = all.slot0_utc_ns - gaps_of(&all);
     snprintf(segment->run_trust, sizeof(segment->run_trust), "%s", ttf_trust_name(all.trust));
 }
 
-int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, int64_t slot0_utc_ns,
-                             bool gap_unknown)
+int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, const struct ttf_segment *segment,
+                             const struct ttf_outage *outage, int64_t slot0_utc_ns)
 {
-    const struct known all = all_of(past), sure = sure_of(past);
-    const struct known *known = sure.slot0_utc_ns != TTF_NS_UNKNOWN ? &sure : &all;
+    struct known all = all_of(past), sure = sure_of(past);
 
-    if (known->slot0_utc_ns == TTF_NS_UNKNOWN || slot0_utc_ns == TTF_NS_UNKNOWN ||
-        !(known->open || gap_unknown))
-        return known->gaps_ns;
-    return with_gap(known->gaps_ns, later_by(slot0_utc_ns, known->slot0_utc_ns));
+    go_on_now(&all, &sure, segment, outage, slot0_utc_ns);
+    return gaps_of(&sure);
 }
 
 struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
-                                      const int64_t *taken_until, int n, const char *boot_id)
+                                      const int64_t *taken_until, int n, int64_t next_index,
+                                      const char *boot_id)
 {
     struct known all = {.slot0_utc_ns = TTF_NS_UNKNOWN}, sure = all;
     struct ttf_run_past past = {0};
@@ -245,11 +302,15 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
     for (int i = 0; i < n; i++) {
         const struct ttf_segment *s = &segments[i];
         bool new_boot = i > 0 && strcmp(s->boot_id, segments[i - 1].boot_id) != 0;
-        int64_t slot0 = TTF_NS_UNKNOWN;
+        const int64_t until = i + 1 < n ? segments[i + 1].first_index : next_index;
+        int64_t slot0 = TTF_NS_UNKNOWN, given_up = 0;
 
         if (s->origin_utc_ns != TTF_NS_UNKNOWN)
             slot0 = s->origin_utc_ns - ttf_timeline_elapsed_ns(segments, i + 1);
-        go_on_both(&all, &sure, s, new_boot, slot0);
+        if (new_boot)
+            given_up =
+                ttf_timeline_given_up_ns(s->origin_ns, s->interval_ns, until - s->first_index);
+        go_on_both(&all, &sure, s, new_boot, slot0, given_up);
         if (strcmp(s->boot_id, boot_id) == 0)
             learn_of_boot(&past, s);
         else
@@ -262,6 +323,8 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
     past.sure_slot0_utc_ns = sure.slot0_utc_ns;
     past.sure_open = sure.open;
     past.sure_trust = sure.trust;
+    past.sure_doubted_ns = sure.doubted_ns;
+    past.sure_given_up_ns = sure.given_up_ns;
     return past;
 }
 

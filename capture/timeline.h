@@ -25,13 +25,25 @@ int64_t ttf_timeline_run_ns(const struct ttf_segment *segment, int64_t slot0_ns)
 
 struct ttf_run_past;
 
+/* What lies between the last record of before and the present segment. */
+struct ttf_outage {
+    bool gap_unknown;    /* of unknown length, and no slot stands for it */
+    int64_t given_up_ns; /* what slots stand for that were due before this boot */
+};
+
 /*
  * The same of UTC: when slot 0 was due, by what the segments before and this one's UTC say now, less the outages that
  * no slot stands for; 0 where nobody knows. slot0_ns: where it was, or would have been, due on this boot's clock.
- * gap_unknown: as of ttf_timeline_gaps_ns. To be said anew when that UTC is corrected: what it is then later by is no outage.
+ * To be said anew when that UTC is corrected: what it is then later by is no outage.
  */
 void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past *past,
-                          int64_t slot0_ns, bool gap_unknown);
+                          int64_t slot0_ns, const struct ttf_outage *outage);
+
+/*
+ * Of so many slots of a segment that begins there on a new boot's clock, those that were due before that boot: given up
+ * as lost to the outage, by what two clocks say of it. A boot clock starts near 0.
+ */
+int64_t ttf_timeline_given_up_ns(int64_t origin_ns, int64_t interval_ns, int64_t slots);
 
 /* UTC of slot 0, by the last of n segments that knows; TTF_NS_UNKNOWN. */
 int64_t ttf_timeline_slot0_utc_ns(const struct ttf_segment *segments, int n);
@@ -41,10 +53,12 @@ struct ttf_run_past {
     int64_t gaps_ns;      /* outages that no slot stands for, as far as their lengths are known */
     int64_t slot0_utc_ns; /* as ttf_timeline_slot0_utc_ns */
     bool open; /* outages of unknown length lie behind the segment that slot0_utc_ns is of */
-    /* Without what a PC's word alone says. */
+    /* Without what a PC's word alone says. The gaps are less by slots that were given up and are no time of the run. */
     int64_t sure_gaps_ns, sure_slot0_utc_ns;
     bool sure_open;
     enum ttf_trust sure_trust; /* who says that UTC of slot 0 */
+    /* Slots given up since the last of such clocks spoke, no time of the run so far; those of before, which one may take back. */
+    int64_t sure_doubted_ns, sure_given_up_ns;
     /* UTC - boot clock by the clock trusted most in this boot so far, the last of such; NONE: no run in it knew. */
     enum ttf_trust boot_trust;
     int64_t boot_offset_ns, boot_uncertainty_ns;
@@ -60,16 +74,20 @@ struct ttf_run_past {
     int64_t last_ahead_ns;
 };
 
-/* boot_id: the present one; taken_until: of each segment, as ttf_timeline_read has it. */
+/* boot_id: the present one; taken_until: of each segment, as ttf_timeline_read has it; next_index: without a record. */
 struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
-                                      const int64_t *taken_until, int n, const char *boot_id);
+                                      const int64_t *taken_until, int n, int64_t next_index,
+                                      const char *boot_id);
 
 /*
- * The outages that no slot stands for, now that slot 0 is said to have been due at that UTC (TTF_NS_UNKNOWN: nobody
- * says so): those of unknown length are what it lies later by than was known before. gap_unknown: the last one is of such.
+ * What a length ends earlier by than its slots say: outages that no slot stands for, less slots that stand for no
+ * outage, as far as two clocks of the box's own (rtc, ntp) tell them; what a PC says on either side tells none. Now
+ * that the present segment's clock says that slot 0 was due at that UTC (TTF_NS_UNKNOWN: nobody says so): outages of
+ * unknown length are what it lies later by than was known before, and slots given up by a clock ahead what it lies
+ * earlier by. Of the segment interval and trust are read.
  */
-int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, int64_t slot0_utc_ns,
-                             bool gap_unknown);
+int64_t ttf_timeline_gaps_ns(const struct ttf_run_past *past, const struct ttf_segment *segment,
+                             const struct ttf_outage *outage, int64_t slot0_utc_ns);
 
 /*
  * The segments of a dataset in order, as corrected, and of each one more than its last slot that was not lost (`power`,

@@ -32,7 +32,19 @@ static struct ttf_run_past past_of(const struct ttf_segment *s, int n, const cha
 
     for (int i = 0; i < n; i++)
         taken_until[i] = i + 1 < n ? s[i + 1].first_index : end;
-    return ttf_timeline_past(s, taken_until, n, boot_id);
+    return ttf_timeline_past(s, taken_until, n, end, boot_id);
+}
+
+static const struct ttf_outage NO_GAP = {0}, UNKNOWN_GAP = {.gap_unknown = true};
+
+/* In another boot, by such a clock. */
+static int64_t gaps_by(const struct ttf_run_past *past, const char *trust, int64_t slot0_utc_ns,
+                       bool gap_unknown)
+{
+    struct ttf_segment now = segment("x", 100, 20);
+
+    snprintf(now.trust, sizeof(now.trust), "%s", trust);
+    return ttf_timeline_gaps_ns(past, &now, gap_unknown ? &UNKNOWN_GAP : &NO_GAP, slot0_utc_ns);
 }
 
 static void over_segments_of_a_boot_its_clock_counts_over_a_boot_the_slots(void **state)
@@ -123,9 +135,9 @@ static void outages_without_a_clock_between_are_told_by_the_next_clock(void **st
         s[i].gap_ns = TTF_NS_UNKNOWN;
     past = past_of(s, 2, "x", 10);
     assert_true(past.open && past.sure_open);
-    assert_int_equal(ttf_timeline_gaps_ns(&past, TTF_NS_UNKNOWN, true), 0);
-    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + gap, false), gap);
-    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 - gap, true), 0);
+    assert_int_equal(gaps_by(&past, "ntp", TTF_NS_UNKNOWN, true), 0);
+    assert_int_equal(gaps_by(&past, "ntp", slot0 + gap, false), gap);
+    assert_int_equal(gaps_by(&past, "ntp", slot0 - gap, true), 0);
     /* The third knows. */
     s[2].origin_utc_ns = slot0 + 600 * TTF_NS_PER_S + gap;
     snprintf(s[2].trust, sizeof(s[2].trust), "ntp");
@@ -133,23 +145,23 @@ static void outages_without_a_clock_between_are_told_by_the_next_clock(void **st
     assert_false(past.open || past.sure_open);
     assert_int_equal(past.gaps_ns, gap);
     assert_int_equal(past.sure_gaps_ns, gap);
-    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + 3 * gap, false), gap); /* it was set */
-    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + 3 * gap, true), 3 * gap);
+    assert_int_equal(gaps_by(&past, "ntp", slot0 + 3 * gap, false), gap); /* it was set */
+    assert_int_equal(gaps_by(&past, "ntp", slot0 + 3 * gap, true), 3 * gap);
     /* A PC's, wrong by days, and by itself no more than that. */
     s[2].origin_utc_ns += 9 * TTF_NS_PER_DAY;
     snprintf(s[2].trust, sizeof(s[2].trust), "host");
     past = past_of(s, 3, "x", 12);
     assert_int_equal(past.gaps_ns, gap + 9 * TTF_NS_PER_DAY);
     assert_int_equal(past.sure_gaps_ns, 0);
-    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + 2 * gap, false), 2 * gap);
+    assert_int_equal(gaps_by(&past, "ntp", slot0 + 2 * gap, false), 2 * gap);
     s[3].origin_utc_ns = slot0 + 720 * TTF_NS_PER_S + 2 * gap;
     s[3].gap_ns = 0; /* behind that PC's */
     snprintf(s[3].trust, sizeof(s[3].trust), "ntp");
     assert_int_equal(past_of(s, 4, "x", 12).sure_gaps_ns, 2 * gap);
 }
 
-/* A PC until slot 10; power and no clock; NTP: what it tells of the outage is told after the next cut as well. */
-static void an_outage_after_a_pc_s_word_is_told_by_the_next_clock(void **state)
+/* A PC until slot 10; power and no clock; NTP: how late that PC was nobody knows, so it is no outage; nor after the next cut. */
+static void what_lies_behind_a_pc_s_word_is_no_outage(void **state)
 {
     const int64_t slot0 = 1000 * TTF_NS_PER_S, gap = TTF_NS_PER_H;
     struct ttf_segment s[4] = {segment("a", 0, 100), segment("b", 10, 20), segment("c", 12, 20),
@@ -161,18 +173,91 @@ static void an_outage_after_a_pc_s_word_is_told_by_the_next_clock(void **state)
     snprintf(s[0].trust, sizeof(s[0].trust), "host");
     s[1].gap_ns = s[2].gap_ns = TTF_NS_UNKNOWN;
     past = past_of(s, 2, "c", 12);
-    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + gap, true), gap);
+    assert_int_equal(gaps_by(&past, "ntp", slot0 + gap, true), 0);
     s[2].origin_utc_ns = slot0 + 12 * TTF_NS_PER_MIN + gap;
     snprintf(s[2].trust, sizeof(s[2].trust), "ntp");
     past = past_of(s, 3, "d", 14);
-    assert_int_equal(past.sure_gaps_ns, gap);
-    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + gap, false), gap);
-    assert_int_equal(ttf_timeline_gaps_ns(&past, TTF_NS_UNKNOWN, true), gap);
-    /* What a PC says from then on adds nothing by itself. */
+    assert_int_equal(past.sure_gaps_ns, 0);
+    assert_int_equal(gaps_by(&past, "ntp", slot0 + 3 * gap, true), 2 * gap); /* since then */
+    assert_int_equal(gaps_by(&past, "host", slot0 + 3 * gap, true), 0);
+    /* What a PC says from then on adds nothing by itself, and the next one that knows tells all of it. */
     s[3].gap_ns = gap;
     s[3].origin_utc_ns = slot0 + 14 * TTF_NS_PER_MIN + 2 * gap;
     snprintf(s[3].trust, sizeof(s[3].trust), "host");
-    assert_int_equal(past_of(s, 4, "x", 16).sure_gaps_ns, gap);
+    past = past_of(s, 4, "x", 16);
+    assert_int_equal(past.sure_gaps_ns, 0);
+    assert_int_equal(gaps_by(&past, "ntp", slot0 + 5 * gap, true), 4 * gap);
+}
+
+static void slots_that_were_due_before_the_boot_were_given_up(void **state)
+{
+    static const struct {
+        int64_t origin_s, interval_s, slots, given_up_s;
+    } cases[] = {{20, 60, 9, 0},    {0, 60, 9, 0},      {-1, 60, 9, 60}, {-60, 60, 9, 60},
+                 {-61, 60, 9, 120}, {-600, 60, 9, 540}, {-1, 60, 0, 0},  {-1, 0, 9, 0}};
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
+        assert_int_equal(ttf_timeline_given_up_ns(cases[i].origin_s * TTF_NS_PER_S,
+                                                  cases[i].interval_s * TTF_NS_PER_S,
+                                                  cases[i].slots),
+                         cases[i].given_up_s * TTF_NS_PER_S);
+}
+
+/* On the same grid behind an outage of three slots, by such clocks; then what another says of slot 0. */
+static void slots_given_up_are_time_of_the_run_as_far_as_sure_clocks_say_so(void **state)
+{
+    static const struct {
+        const char *before, *then, *now;
+        int64_t earlier_s, gaps_s;
+    } cases[] = {{"ntp", "rtc", "none", 0, 0},      {"ntp", "rtc", "ntp", 0, 0},
+                 {"ntp", "rtc", "ntp", 59, 0},      {"ntp", "rtc", "ntp", 60, -60},
+                 {"ntp", "rtc", "ntp", 179, -120},  {"ntp", "rtc", "ntp", 6000, -180},
+                 {"ntp", "rtc", "host", 6000, 0},   {"ntp", "host", "none", 0, -180},
+                 {"ntp", "host", "host", 0, -180},  {"ntp", "host", "ntp", 0, 0},
+                 {"ntp", "host", "ntp", 120, -120}, {"ntp", "host", "ntp", -120, 120},
+                 {"host", "rtc", "none", 0, -180},  {"host", "rtc", "ntp", 0, -180}};
+    const int64_t slot0 = 100000 * TTF_NS_PER_S;
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct ttf_segment s[2] = {segment("a", 0, 100), segment("b", 10, -170)};
+        struct ttf_run_past past;
+
+        snprintf(s[0].trust, sizeof(s[0].trust), "%s", cases[i].before);
+        snprintf(s[1].trust, sizeof(s[1].trust), "%s", cases[i].then);
+        s[0].origin_utc_ns = slot0;
+        s[1].origin_utc_ns = slot0 + 10 * TTF_NS_PER_MIN;
+        past = past_of(s, 2, "x", 20);
+        assert_int_equal(gaps_by(&past, cases[i].now,
+                                 strcmp(cases[i].now, "none") == 0
+                                     ? TTF_NS_UNKNOWN
+                                     : slot0 - cases[i].earlier_s * TTF_NS_PER_S,
+                                 false),
+                         cases[i].gaps_s * TTF_NS_PER_S);
+    }
+}
+
+/* The second dataset does not say which they were; what UTC of slot 0 is earlier than its first segment says tells of them. */
+static void slots_given_up_before_a_move_are_no_time_of_the_run_after_it(void **state)
+{
+    const int64_t slot0 = 100000 * TTF_NS_PER_S;
+    struct ttf_segment before[2] = {segment("a", 0, 100), segment("b", 10, -170)};
+    struct ttf_segment after = segment("c", 20, 20);
+    struct ttf_run_past past;
+
+    (void)state;
+    before[0].origin_utc_ns = slot0;
+    before[1].origin_utc_ns = slot0 + 10 * TTF_NS_PER_MIN;
+    after.origin_utc_ns = slot0 + 17 * TTF_NS_PER_MIN;
+    snprintf(before[0].trust, sizeof(before[0].trust), "ntp");
+    snprintf(before[1].trust, sizeof(before[1].trust), "rtc");
+    snprintf(after.trust, sizeof(after.trust), "ntp");
+    past = past_of(before, 2, "c", 20);
+    ttf_timeline_run_utc(&after, &past, after.origin_ns - 20 * TTF_NS_PER_MIN, &UNKNOWN_GAP);
+    assert_int_equal(after.run_utc_ns, slot0);
+    past = past_of(&after, 1, "d", 25);
+    assert_int_equal(past.sure_gaps_ns, -3 * TTF_NS_PER_MIN);
 }
 
 /* NTP, an outage, NTP; an outage, and it moves on there: to a dataset that has but its own segments. */
@@ -185,7 +270,7 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     struct ttf_run_past past = past_of(before, 2, "c", 12);
 
     (void)state;
-    ttf_timeline_run_utc(&after[0], &past, slot0_ns, true);
+    ttf_timeline_run_utc(&after[0], &past, slot0_ns, &UNKNOWN_GAP);
     assert_int_equal(after[0].run_utc_ns, 0); /* nobody knew */
     before[0].origin_utc_ns = slot0;
     before[1].origin_utc_ns = slot0 + 600 * TTF_NS_PER_S + gap;
@@ -193,7 +278,7 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     snprintf(before[0].trust, sizeof(before[0].trust), "ntp");
     snprintf(before[1].trust, sizeof(before[1].trust), "host");
     past = past_of(before, 2, "c", 12);
-    ttf_timeline_run_utc(&after[0], &past, slot0_ns, true);
+    ttf_timeline_run_utc(&after[0], &past, slot0_ns, &UNKNOWN_GAP);
     assert_int_equal(after[0].run_utc_ns, slot0);
     assert_string_equal(after[0].run_trust, "ntp");
     /* Both outages, as soon as somebody says when it is. */
@@ -202,7 +287,7 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     assert_int_equal(past.last_trust, TTF_TRUST_NTP);
     assert_int_equal(past.last_utc_ns, slot0 + 11 * TTF_NS_PER_MIN); /* if it was taken */
     assert_true(past.last_moved);
-    assert_int_equal(ttf_timeline_gaps_ns(&past, slot0 + 3 * gap, true), 3 * gap);
+    assert_int_equal(gaps_by(&past, "ntp", slot0 + 3 * gap, true), 3 * gap);
     after[0].origin_utc_ns = slot0 + 12 * TTF_NS_PER_MIN + 2 * gap;
     snprintf(after[0].trust, sizeof(after[0].trust), "rtc");
     past = past_of(after, 1, "d", 14);
@@ -211,14 +296,14 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     assert_false(past.last_moved); /* slot 13 was taken, there */
     /* Said when that is known already, it says the same; that all of it was set since is no outage. */
     past = past_of(before, 2, "c", 12);
-    ttf_timeline_run_utc(&after[0], &past, slot0_ns, true);
+    ttf_timeline_run_utc(&after[0], &past, slot0_ns, &UNKNOWN_GAP);
     assert_int_equal(after[0].run_utc_ns, slot0);
     assert_string_equal(after[0].run_trust, "rtc");
     before[1] = segment("b", 10, 20);
     before[1].origin_utc_ns = slot0 + 600 * TTF_NS_PER_S;
     snprintf(before[1].trust, sizeof(before[1].trust), "ntp");
     past = past_of(before, 2, "c", 12);
-    ttf_timeline_run_utc(&after[0], &past, slot0_ns, false);
+    ttf_timeline_run_utc(&after[0], &past, slot0_ns, &NO_GAP);
     assert_int_equal(after[0].run_utc_ns, slot0 + 2 * gap);
     assert_string_equal(after[0].run_trust, "rtc");
     assert_int_equal(past_of(after, 1, "d", 14).sure_gaps_ns, 0);
@@ -226,7 +311,7 @@ static void what_was_known_before_a_move_is_known_after_it(void **state)
     assert_int_equal(past_of(after, 1, "c", 14).last_trust, TTF_TRUST_NONE);
     /* What a PC says of the last outage leaves what better clocks said before. */
     snprintf(after[0].trust, sizeof(after[0].trust), "host");
-    ttf_timeline_run_utc(&after[0], &past, slot0_ns, false);
+    ttf_timeline_run_utc(&after[0], &past, slot0_ns, &NO_GAP);
     assert_int_equal(after[0].run_utc_ns, slot0);
     assert_string_equal(after[0].run_trust, "ntp");
     /* A PC's word alone stays one. */
@@ -291,7 +376,7 @@ static void when_the_last_slot_of_the_boots_before_was_is_known(void **state)
     assert_int_equal(past.last_run_ns, 14 * TTF_NS_PER_MIN);
     assert_int_equal(past.last_uncertainty_ns, 3);
     /* All of the last boot were given up, and some of the first: the last one that was taken counts. */
-    past = ttf_timeline_past(s, (const int64_t[]){8, 10, 12}, 3, "d");
+    past = ttf_timeline_past(s, (const int64_t[]){8, 10, 12}, 3, 15, "d");
     assert_int_equal(past.last_trust, TTF_TRUST_RTC);
     assert_int_equal(past.last_utc_ns, 1420 * TTF_NS_PER_S); /* slot 7 */
     snprintf(s[2].trust, sizeof(s[2].trust), "host");
@@ -484,7 +569,7 @@ static void a_clock_that_is_set_to_and_fro_adds_up_to_no_nonsense(void **state)
     }
     past = past_of(s, 8, "x", 80);
     assert_true(past.gaps_ns > 0 && past.sure_gaps_ns == past.gaps_ns);
-    assert_true(ttf_timeline_gaps_ns(&past, ends[1], true) >= past.gaps_ns);
+    assert_true(gaps_by(&past, "ntp", ends[1], true) >= past.gaps_ns);
 }
 
 static void a_due_time_beyond_all_time_is_never(void **state)
@@ -521,7 +606,10 @@ int main(void)
         cmocka_unit_test(slot_0_is_where_the_last_segment_with_utc_says),
         cmocka_unit_test(what_a_pc_alone_says_of_the_past_is_told_apart),
         cmocka_unit_test(outages_without_a_clock_between_are_told_by_the_next_clock),
-        cmocka_unit_test(an_outage_after_a_pc_s_word_is_told_by_the_next_clock),
+        cmocka_unit_test(what_lies_behind_a_pc_s_word_is_no_outage),
+        cmocka_unit_test(slots_that_were_due_before_the_boot_were_given_up),
+        cmocka_unit_test(slots_given_up_are_time_of_the_run_as_far_as_sure_clocks_say_so),
+        cmocka_unit_test(slots_given_up_before_a_move_are_no_time_of_the_run_after_it),
         cmocka_unit_test(what_was_known_before_a_move_is_known_after_it),
         cmocka_unit_test(the_best_that_this_boot_knew_is_remembered),
         cmocka_unit_test(when_the_last_slot_of_the_boots_before_was_is_known),
