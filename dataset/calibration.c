@@ -42,6 +42,30 @@ bool ttf_calibration_has(const struct ttf_calibration *calibration, enum ttf_cal
     return calibration->has_flicker;
 }
 
+static int refuse_order(enum ttf_calibration_part part, const char *why, const char *hint,
+                        struct ttf_err *err)
+{
+    ttf_err_set(err, -EINVAL, PARTS[part], "%s", why);
+    ttf_err_hint(err, "%s", hint);
+    return -EINVAL;
+}
+
+int ttf_calibration_may_take(const struct ttf_calibration *calibration,
+                             enum ttf_calibration_part part, struct ttf_err *err)
+{
+    if (part == TTF_CALIBRATION_DARK && calibration->has_flat)
+        return refuse_order(part, "the calibration has a flat, whose gains were made without it",
+                            "begin a new calibration: the dark first, then the flat", err);
+    if (part == TTF_CALIBRATION_CHART && !calibration->has_flat)
+        return refuse_order(part, "the calibration has no flat yet",
+                            "a chart is measured after a flat, under the same lamps", err);
+    if ((part == TTF_CALIBRATION_GEOMETRY || part == TTF_CALIBRATION_FLICKER) &&
+        !calibration->has_dark && !calibration->has_flat)
+        return refuse_order(part, "the calibration has neither dark nor flat yet",
+                            "it is kept with these: make one of them first", err);
+    return 0;
+}
+
 void ttf_calibration_init(struct ttf_calibration *calibration)
 {
     memset(calibration, 0, sizeof(*calibration));

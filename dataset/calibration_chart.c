@@ -296,13 +296,10 @@ static int check(const struct fitting *f, const struct ttf_chart_view *view)
 {
     int r = calibration_check_sum(f->calibration, f->frames, "chart", f->err);
 
+    if (r == 0)
+        r = ttf_calibration_may_take(f->calibration, TTF_CALIBRATION_CHART, f->err);
     if (r < 0)
         return r;
-    if (!f->calibration->has_flat) {
-        ttf_err_set(f->err, -EINVAL, "chart", "the calibration has no flat yet");
-        ttf_err_hint(f->err, "a chart is measured after a flat, under the same lamps");
-        return -EINVAL;
-    }
     if (f->calibration->cfa == TTF_CFA_NONE)
         return ttf_err_set(f->err, -EINVAL, "chart",
                            "this camera sees no colours: there is no matrix to fit");

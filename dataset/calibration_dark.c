@@ -188,8 +188,10 @@ int ttf_calibration_fit_dark(struct ttf_calibration *calibration, const struct t
     struct spread spread;
     int32_t *offset;
     uint32_t limit;
-    int r = calibration_check_sum(calibration, dark, "dark", err);
+    int r = ttf_calibration_may_take(calibration, TTF_CALIBRATION_DARK, err);
 
+    if (r == 0)
+        r = calibration_check_sum(calibration, dark, "dark", err);
     if (r < 0)
         return r;
     r = spread_of(dark, n, &spread);

@@ -187,7 +187,7 @@ static int32_t *signals_of(const struct ttf_calibration *calibration,
     if (!signal)
         return NULL;
     ttf_raw_sum_levels(&flat->format, &black, &white);
-    limit_16 = 16u * black + 16u * (uint32_t)(white - black) / 1000u * SATURATED_PER_MILLE;
+    limit_16 = 16u * black + 16u * (uint32_t)(white - black) * SATURATED_PER_MILLE / 1000u;
     *ret_saturated = 0;
     for (size_t i = 0; i < n; i++) {
         signal[i] = calibration_signal_16(calibration, flat, i, black);

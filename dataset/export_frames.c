@@ -81,6 +81,12 @@ static void fit_size(struct export_job *job)
         job->height = 1;
 }
 
+/* What holds no light between black and white, but a measurement: shown from the least to the greatest value that there can be. */
+static bool is_measurement(const struct ttf_sequence *sequence, double highest)
+{
+    return sequence->ops->read_values || highest <= 0.25 || highest > 4.0;
+}
+
 /* Codes to light between black and white; and from there to the display. */
 static int make_tables(struct export_job *job)
 {
@@ -90,7 +96,7 @@ static int make_tables(struct export_job *job)
     double highest = (65535.0 - encoding->pedestal) / encoding->scale;
 
     job->white = job->config->white > 0 ? job->config->white : 1.0;
-    if (!(job->config->white > 0) && (highest <= 0.25 || highest > 4.0)) {
+    if (!(job->config->white > 0) && is_measurement(job->sequence, highest)) {
         job->white = highest;
         job->black = lowest;
     }

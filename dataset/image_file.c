@@ -55,7 +55,8 @@ void image_info_of_tiff(const struct ttf_tiff_info *tiff, struct ttf_image_info 
     info->format = tiff->format;
     info->bits = tiff->format == TTF_SAMPLE_U8 ? 8 : tiff->bits > 16 ? 16 : tiff->bits;
     info->pages = tiff->pages;
-    info->transfer = tiff->display_encoded ? TTF_TRANSFER_SRGB : TTF_TRANSFER_LINEAR;
+    info->transfer = tiff->display_encoded && tiff->format != TTF_SAMPLE_F32 ? TTF_TRANSFER_SRGB
+                                                                             : TTF_TRANSFER_LINEAR;
     info->foreign_profile = false; /* tiff.h has read what it says about linearity */
     info->taken_utc_ns = tiff->times.start_utc_ns;
     info->zone_known = tiff->zone_known;

@@ -88,9 +88,13 @@ static int find_range(struct import_run *run, struct ttf_err *err)
         return code;
     run->range = (struct ttf_image_range){0.0, 1.0};
     if (range.lo < 0.0 || range.hi > 1.0) {
+        if (run->config->transfer == TTF_TRANSFER_SRGB)
+            return ttf_err_set(err, -EINVAL, run->config->inputs[0],
+                               "floats from %g to %g are no sRGB codes, which lie in 0 to 1",
+                               range.lo, range.hi);
         run->range = range;
-        if (!(range.hi > range.lo))
-            run->range.hi = range.lo + 1.0;
+        if (!(range.hi > range.lo)) /* all the same: some room that a double tells from it */
+            run->range.hi = range.lo + fmax(1.0, fabs(range.lo) * 1e-6);
     }
     return open_source(run, err);
 }

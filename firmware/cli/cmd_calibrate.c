@@ -56,7 +56,7 @@ static int choose_shot(struct cli *cli, struct guided *g)
     return 0;
 }
 
-/* What there is in CAL already; -EEXIST if it has the very part that is to be made. */
+/* What there is in CAL already; -EEXIST if it has the very part that is to be made, -EINVAL if another must be made first. */
 static int open_folder(struct cli *cli, struct guided *g)
 {
     const char *folder = cli->opt.output;
@@ -65,8 +65,10 @@ static int open_folder(struct cli *cli, struct guided *g)
     int r;
 
     (void)snprintf(path, sizeof path, "%s/calibration.json", folder);
-    if (cli->io->ops->stat(cli->io, path, &st) < 0)
-        return cli_refuse_existing(cli, folder);
+    if (cli->io->ops->stat(cli->io, path, &st) < 0) {
+        r = cli_refuse_existing(cli, folder);
+        return r < 0 ? r : ttf_calibration_may_take(&g->calibration, g->part, &cli->err);
+    }
     r = ttf_calibration_load(cli->io, folder, &g->calibration, &cli->err);
     if (r < 0)
         return r;
@@ -76,7 +78,7 @@ static int open_folder(struct cli *cli, struct guided *g)
         ttf_err_hint(&cli->err, "nothing is overwritten: make a new calibration with another -o");
         return -EEXIST;
     }
-    return 0;
+    return ttf_calibration_may_take(&g->calibration, g->part, &cli->err);
 }
 
 /* What a simulated target reflects; what others are told of their configuration is an option here. */

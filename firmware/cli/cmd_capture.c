@@ -2,6 +2,7 @@
 /* cmd_capture.c: `ttfbox capture`: a session, and, in a simulated box, its reboots. */
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,7 +72,8 @@ static void say_rehearsal(struct capture *c)
     cli_say(c->cli, "sustains          a slot every %.3f s",
             (double)s->sustained_interval_ns / 1e9);
     cli_say(c->cli, "headroom          %.2f stops below saturation", s->headroom_stops);
-    cli_say(c->cli, "sharpness         %.4g", s->sharpness);
+    if (!isnan(s->sharpness)) /* nothing was developed */
+        cli_say(c->cli, "sharpness         %.4g", s->sharpness);
     cli_say(c->cli, "settling          %+.3f %% from the first slot to the last",
             s->settle_change * 100);
     cli_say(c->cli, "size              %.2f MB a slot", (double)s->slot_bytes / 1e6);

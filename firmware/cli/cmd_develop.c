@@ -24,7 +24,8 @@ struct darkroom {
     char calibration_id[64];            /* empty: none */
     struct ttf_develop *develop;        /* for `format` under `calibration_id` */
     struct ttf_frame_format format;
-    bool sealed;
+    double plan_mm_per_px; /* 0: the plan does not say */
+    bool done;
     int64_t images, without_raw;
     char digest[65];
 };
@@ -50,6 +51,7 @@ static int read_plan(struct darkroom *d, char **ret_yaml, char **ret_json)
     if (r < 0)
         return r;
     d->region = ttf_plan_file_plan(file)->region;
+    d->plan_mm_per_px = ttf_plan_file_plan(file)->mm_per_px;
     ttf_plan_file_free(file);
     return 0;
 }
@@ -244,12 +246,19 @@ static int develop_all(struct darkroom *d)
         ttf_err_hint(&cli->err, "a plan with 'keep: raw' or 'keep: both' keeps them");
     }
     if (r == 0)
-        r = ttf_writer_seal(d->writer, n == s->slots ? "count" : "frames", d->digest, &cli->err);
-    d->sealed = r == 0;
+        r = derive_people(cli, cli->opt.args[0], cli->opt.output);
+    if (r == 0)
+        r = derive_seal(d->writer, n == s->slots ? "count" : "frames", d->digest, &cli->err);
+    d->done = r == 0;
     return r;
 }
 
-/* What the new values mean is the given calibration's to say: the parent may have had another, or none. */
+static bool is_of_camera(const struct ttf_calibration *calibration, const struct ttf_stream *stream)
+{
+    return !*calibration->camera || strcmp(calibration->camera, stream->camera) == 0;
+}
+
+/* What the new values mean, and how large a pixel is, is the given calibration's to say: the parent may have had another, or none. */
 static int name_values(struct darkroom *d, struct ttf_manifest *m)
 {
     struct cli *cli = d->cli;
@@ -267,6 +276,9 @@ static int name_values(struct darkroom *d, struct ttf_manifest *m)
                        given.has_flat ? "reflectance" : "radiance");
         (void)snprintf(s->colour_space, sizeof s->colour_space, "%s",
                        given.has_flat ? "linear-srgb" : "camera");
+        /* As of a capture: the plan's scale first. */
+        if (given.has_geometry && !(d->plan_mm_per_px > 0) && is_of_camera(&given, s))
+            s->mm_per_px = given.geometry.mm_per_px;
     }
     ttf_calibration_free(&given);
     return r;
@@ -332,7 +344,10 @@ static void say(struct darkroom *d)
     cli_say(cli, "images            %" PRId64 " developed, %" PRId64 " without a raw frame",
             d->images, d->without_raw);
     say_calibrations(d);
-    cli_say(cli, "sealed            digest %s", d->digest);
+    if (*d->digest)
+        cli_say(cli, "sealed            digest %s", d->digest);
+    else
+        cli_say(cli, "sealed            no: of a rehearsal");
     ttf_json_kstring(&cli->out, "dataset", cli->opt.output);
     ttf_json_kbool(&cli->out, "simulated", simulated);
     ttf_json_kint(&cli->out, "images", d->images);
@@ -356,7 +371,7 @@ int cmd_develop(struct cli *cli)
     }
     if (r == 0)
         r = develop_all(&d);
-    if (d.writer && d.sealed) {
+    if (d.writer && d.done) {
         ttf_writer_close(d.writer);
     } else if (d.writer) {
         ttf_writer_abandon(d.writer);

@@ -63,6 +63,7 @@ int derive_manifest(struct cli *cli, struct ttf_reader *parent, struct ttf_manif
     memcpy(ret->box_serial, old->box_serial, sizeof ret->box_serial);
     memcpy(ret->title, old->title, sizeof ret->title);
     ret->simulated = old->simulated;
+    ret->rehearsal = old->rehearsal;
     memcpy(ret->derived_uuid, old->uuid, sizeof ret->derived_uuid);
     if (ttf_reader_digest(parent, digest, NULL) == 0)
         memcpy(ret->derived_digest, digest, sizeof digest);
@@ -87,4 +88,13 @@ int derive_create(struct cli *cli, const char *path, const struct ttf_manifest *
     if (r < 0 && r != -EEXIST && r != -ENOTEMPTY && r != -EBUSY)
         derive_discard(cli->io, path);
     return r;
+}
+
+int derive_seal(struct ttf_writer *writer, const char *reason, char ret_digest[65],
+                struct ttf_err *err)
+{
+    ret_digest[0] = '\0';
+    return ttf_writer_manifest(writer)->rehearsal
+               ? 0
+               : ttf_writer_seal(writer, reason, ret_digest, err);
 }

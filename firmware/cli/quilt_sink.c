@@ -344,7 +344,7 @@ int quilt_sink_finish(struct quilt_sink *s, const struct ttf_quilt_report *repor
     int r = 0;
 
     if (s->spec.kind == QUILT_SINK_DATASET) {
-        r = ttf_writer_seal(s->writer, "count", s->digest, err);
+        r = derive_seal(s->writer, "count", s->digest, err);
         if (r == 0)
             r = write_report(s, report, err);
     } else if (s->spec.kind == QUILT_SINK_RAW) {

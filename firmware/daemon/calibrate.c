@@ -63,15 +63,17 @@ static int open_calibration(struct step *s, struct ttf_err *err)
     calibrations_path(s->d->calibrations, s->what.name, s->folder);
     (void)snprintf(path, sizeof path, "%s/calibration.json", s->folder);
     r = s->d->io->ops->stat(s->d->io, path, &st);
-    if (r == -ENOENT)
-        return 0; /* a new one */
+    if (r == -ENOENT) /* a new one */
+        return ttf_calibration_may_take(&s->calibration, s->what.part, err);
     if (r < 0)
         return ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
     r = ttf_calibration_load(s->d->io, s->folder, &s->calibration, err);
+    if (r < 0)
+        return r;
     /* It was not there when it was asked for, but may be since. */
-    return r == 0 && ttf_calibration_has(&s->calibration, s->what.part)
+    return ttf_calibration_has(&s->calibration, s->what.part)
                ? calibrations_refuse_twice(s->what.name, s->what.part, err)
-               : r;
+               : ttf_calibration_may_take(&s->calibration, s->what.part, err);
 }
 
 static int take_flat(struct step *s, struct ttf_guided_config *config, struct ttf_err *err)

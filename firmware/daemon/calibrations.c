@@ -239,12 +239,20 @@ int calibrations_refuse_twice(const char *name, enum ttf_calibration_part part, 
     return r;
 }
 
-/* A part that is there already, or one without what it is measured by. */
+/* Which parts calibration.json has (NULL: none), and nothing else of it. */
+static void read_parts(const json_t *json, struct ttf_calibration *ret)
+{
+    ttf_calibration_init(ret);
+    ret->has_dark = json_object_get(json, "dark");
+    ret->has_flat = json_object_get(json, "flat");
+}
+
+/* A part that is there already, or one that another must be made before. */
 static int refuse_part(struct calibrations *c, const struct ttf_http_calibrate *what,
                        struct ttf_err *err)
 {
-    bool first = what->part == TTF_CALIBRATION_DARK || what->part == TTF_CALIBRATION_FLAT;
     char folder[CALIBRATION_PATH];
+    struct ttf_calibration parts;
     json_t *json = NULL;
     int r = 0;
 
@@ -252,10 +260,9 @@ static int refuse_part(struct calibrations *c, const struct ttf_http_calibrate *
     if (read_json(c, folder, &json) == 0 &&
         json_object_get(json, ttf_calibration_part_name(what->part))) {
         r = calibrations_refuse_twice(what->name, what->part, err);
-    } else if (what->part == TTF_CALIBRATION_CHART && !json_object_get(json, "flat")) {
-        r = ttf_err_set(err, -EINVAL, what->name, "has no flat yet: a chart is measured by it");
-    } else if (!first && !json_object_get(json, "dark") && !json_object_get(json, "flat")) {
-        r = ttf_err_set(err, -EINVAL, what->name, "holds nothing yet: begin with dark and flat");
+    } else {
+        read_parts(json, &parts);
+        r = ttf_calibration_may_take(&parts, what->part, err);
     }
     json_decref(json);
     return r;

@@ -21,6 +21,14 @@ for camera in sharp soft; do
     expect 0 "$TTFBOX" export "$camera-plain" -o "$camera.npy"
 done
 
+# A flat's gains are of the dark that was there: none comes behind it.
+expect 0 "$TTFBOX" calibrate flat "${BOX[@]}" --plan p.yaml --scene white --frames 4 -o bright
+expect 2 "$TTFBOX" calibrate dark "${BOX[@]}" --plan p.yaml --frames 4 -o bright
+said err "has a flat"
+said err "the dark first"
+expect 0 "$TTFBOX" calibrate report bright --json
+is has_dark false
+
 # Not the chart, not where it is.
 expect 2 "$TTFBOX" calibrate chart "${BOX[@]}" "${SOFT[@]}" --plan p.yaml --scene chart --corners 1,2,3 -o soft
 said err "eight numbers"

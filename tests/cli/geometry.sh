@@ -17,7 +17,8 @@ said err "as --pitch 5"
 expect 2 "$TTFBOX" calibrate geometry "${BOX[@]}" --plan p.yaml --scene dots --pitch 0
 expect 2 "$TTFBOX" calibrate geometry "${BOX[@]}" --plan p.yaml --scene grass --pitch 5 --frames 4
 said err "5 columns and 5 rows are needed"
-expect 2 "$TTFBOX" calibrate geometry "${BOX[@]}" --plan p.yaml --scene dots --pitch 5 --frames 4 -o nothing-there
+# ... before any frame is taken: what it would have seen does not matter.
+expect 2 "$TTFBOX" calibrate geometry "${BOX[@]}" --plan p.yaml --scene grass --pitch 5 --frames 4 -o nothing-there
 said err "neither dark nor flat"
 [ ! -e nothing-there ] || fail "a calibration of nothing was left"
 

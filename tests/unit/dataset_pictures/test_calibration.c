@@ -234,6 +234,58 @@ static void useless_flats_are_refused_with_the_reason(void **state)
     ttf_calibration_free(&calibration);
 }
 
+/* The dead pixels that a flat finds stay known, and its gains are of the dark that was there. */
+static void a_dark_comes_before_the_flat_or_not_at_all(void **state)
+{
+    struct ttf_calibration calibration;
+    struct ttf_raw_sum dark, flat;
+    struct ttf_err err = {0};
+
+    ttf_calibration_init(&calibration);
+    make_flat(&flat, 1, 1.0);
+    flat.sum[1234] = BLACK;
+    assert_int_equal(ttf_calibration_fit_flat(&calibration, &flat, 0.9, NULL), 0);
+    make_dark(&dark, 16, 0);
+    assert_int_equal(ttf_calibration_fit_dark(&calibration, &dark, &err), -EINVAL);
+    assert_non_null(strstr(err.hint, "the dark first"));
+    assert_false(calibration.has_dark);
+    assert_int_equal(calibration.n_hot, 1);
+    ttf_raw_sum_free(&dark);
+    ttf_raw_sum_free(&flat);
+    ttf_calibration_free(&calibration);
+}
+
+/* A flat of one code everywhere, of a camera of 8 bits. */
+static int fit_even_flat(uint16_t code)
+{
+    struct ttf_frame_format narrow = format;
+    struct ttf_frame frame = {
+        .data = codes, .bytes = sizeof(codes), .settings = {10000000, 1000, 1000, 1000, 0}};
+    struct ttf_calibration calibration;
+    struct ttf_raw_sum flat;
+    int r;
+
+    narrow.bits = 8;
+    narrow.black_level = 16;
+    narrow.white_level = 255;
+    frame.format = narrow;
+    for (unsigned i = 0; i < W * H; i++)
+        codes[i] = code;
+    assert_int_equal(ttf_raw_sum_init(&flat, &narrow), 0);
+    assert_int_equal(ttf_raw_sum_add(&flat, &frame), 0);
+    ttf_calibration_init(&calibration);
+    r = ttf_calibration_fit_flat(&calibration, &flat, 0.9, NULL);
+    ttf_raw_sum_free(&flat);
+    ttf_calibration_free(&calibration);
+    return r;
+}
+
+static void full_scale_is_98_percent_of_few_codes_too(void **state)
+{
+    assert_int_equal(fit_even_flat(16 + 230), 0);       /* 96 % of 239 */
+    assert_int_equal(fit_even_flat(16 + 236), -EINVAL); /* 99 % */
+}
+
 static void frames_that_do_not_fit_are_refused(void **state)
 {
     struct ttf_raw_sum sum;
@@ -511,6 +563,8 @@ int main(void)
         cmocka_unit_test(a_flat_makes_all_pixels_alike),
         cmocka_unit_test(dead_pixels_join_the_list),
         cmocka_unit_test(useless_flats_are_refused_with_the_reason),
+        cmocka_unit_test(a_dark_comes_before_the_flat_or_not_at_all),
+        cmocka_unit_test(full_scale_is_98_percent_of_few_codes_too),
         cmocka_unit_test(frames_that_do_not_fit_are_refused),
         cmocka_unit_test_setup_teardown(a_calibration_comes_back_from_its_folder, scratch_make,
                                         scratch_remove),

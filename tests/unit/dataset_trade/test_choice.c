@@ -369,6 +369,46 @@ static void arrays_and_tiffs_of_floats_hold_the_values(void **state)
     ttf_reader_close(reader);
 }
 
+/* A normal's number goes below 0: black is the least, white the greatest, though both are near a picture's. */
+static void floats_are_shown_from_the_least_to_the_greatest(void **state)
+{
+    const char *path = in_folder(state, "normals");
+    struct ttf_export_config config = {.kind = TTF_EXPORT_PNG, .output = in_folder(state, "shown")};
+    struct ttf_sequence *sequence;
+    struct ttf_manifest manifest;
+    struct ttf_writer *writer;
+    struct ttf_reader *reader;
+    struct ttf_pixbuf normal, shown = {0};
+
+    assert_int_equal(ttf_manifest_init(&manifest, NULL), 0);
+    add_stream(&manifest, "normal", 1, TTF_SAMPLE_F32);
+    writer = create(path, &manifest);
+    add_segment(writer, 0, 0, TTF_NS_UNKNOWN);
+    assert_int_equal(ttf_pixbuf_alloc(&normal, W, H, 1, TTF_SAMPLE_F32), 0);
+    for (size_t i = 0; i < (size_t)W * H; i++)
+        ((float *)normal.data)[i] = (float)(i % 3) * 2 - 2;
+    add_slot(writer, 0, 0, TTF_NS_PER_H, &(struct shot){"normal", -1, 0, &normal}, 1);
+    ttf_writer_close(writer);
+    reader = open_reader(path);
+    sequence = chosen(reader, (struct ttf_sequence_choice){0});
+    assert_int_equal(ttf_export(sequence, ttf_io_posix(), &config, NULL, NULL), 0);
+    assert_int_equal(ttf_image_read(ttf_io_posix(), in_folder(state, "shown/frame.1001.png"), 0,
+                                    &shown, NULL, NULL),
+                     0);
+    for (unsigned i = 0; i < 3; i++) {
+        static const unsigned wanted[] = {0, 188, 255}; /* of light: none, half, all */
+
+        assert_int_equal(shown.format == TTF_SAMPLE_U8
+                             ? ((uint8_t *)shown.data)[3 * i]
+                             : (((uint16_t *)shown.data)[3 * i] + 128) / 257,
+                         wanted[i]);
+    }
+    ttf_pixbuf_free(&shown);
+    ttf_pixbuf_free(&normal);
+    ttf_sequence_destroy(sequence);
+    ttf_reader_close(reader);
+}
+
 struct seen {
     unsigned notes, wrong;
     int64_t wrong_line;
@@ -524,6 +564,7 @@ int main(void)
         IN_FOLDER(an_export_fills_excluded_slots_and_names_them),
         IN_FOLDER(floats_are_spread_over_sixteen_bits_and_read_back_as_values),
         IN_FOLDER(a_stream_that_never_changes_has_a_range_too),
+        IN_FOLDER(floats_are_shown_from_the_least_to_the_greatest),
         IN_FOLDER(arrays_and_tiffs_of_floats_hold_the_values),
         IN_FOLDER(notes_are_read_and_what_no_one_understands_is_told),
         IN_FOLDER(a_note_that_says_nothing_sure_is_told_and_excludes_nothing),

@@ -455,9 +455,26 @@ static void a_float_stack_keeps_its_values(void **state)
     ttf_pixbuf_free(&pixels);
 }
 
-/* The scale of what a grey picture of floats between -2 and 2 is kept with, or of 3 everywhere. */
-static struct ttf_encoding encoding_of_floats(void **state, bool even, struct ttf_image_range range,
-                                              const char *output)
+/* A grey picture of floats with a profile; even: of this value everywhere (0: -2 to 2). */
+static void write_floats(const char *path, float even, enum ttf_icc icc)
+{
+    struct ttf_pixbuf pixels = make_picture(W, H, 1, TTF_SAMPLE_F32, 9);
+    struct ttf_tiff_spec spec = {.times = {.start_utc_ns = TTF_NS_UNKNOWN}, .icc = icc};
+    struct ttf_io *io = ttf_io_posix();
+    int file;
+
+    for (size_t i = 0; i < (size_t)W * H; i++)
+        ((float *)pixels.data)[i] = even != 0 ? even : (float)(i % 5) - 2;
+    (void)io->ops->unlink(io, path);
+    file = io->ops->open(io, path, TTF_IO_CREATE_NEW);
+    assert_int_equal(ttf_tiff_write(io, file, &pixels, &spec, NULL), 0);
+    io->ops->close(io, file);
+    ttf_pixbuf_free(&pixels);
+}
+
+/* The scale of what such a picture is kept with. */
+static struct ttf_encoding encoding_of_floats(void **state, float even,
+                                              struct ttf_image_range range, const char *output)
 {
     const char *const inputs[] = {in_folder(state, "range.tif")};
     struct ttf_import_config config = {.inputs = inputs,
@@ -465,20 +482,10 @@ static struct ttf_encoding encoding_of_floats(void **state, bool even, struct tt
                                        .output = in_folder(state, "%s", output),
                                        .range = range,
                                        .interval_ns = TTF_NS_PER_S};
-    struct ttf_pixbuf pixels = make_picture(W, H, 1, TTF_SAMPLE_F32, 9);
-    struct ttf_tiff_spec spec = {.times = {.start_utc_ns = TTF_NS_UNKNOWN}};
-    struct ttf_io *io = ttf_io_posix();
     struct ttf_encoding encoding;
     struct opened opened;
-    int file;
 
-    for (size_t i = 0; i < (size_t)W * H; i++)
-        ((float *)pixels.data)[i] = even ? 3 : (float)(i % 5) - 2;
-    (void)io->ops->unlink(io, inputs[0]);
-    file = io->ops->open(io, inputs[0], TTF_IO_CREATE_NEW);
-    assert_int_equal(ttf_tiff_write(io, file, &pixels, &spec, NULL), 0);
-    io->ops->close(io, file);
-    ttf_pixbuf_free(&pixels);
+    write_floats(inputs[0], even, TTF_ICC_NONE);
     import_ok(&config);
     opened = open_dataset(config.output);
     encoding = opened.sequence->encoding;
@@ -488,17 +495,48 @@ static struct ttf_encoding encoding_of_floats(void **state, bool even, struct tt
 
 static void floats_are_kept_in_the_range_asked_for_or_their_own(void **state)
 {
-    struct ttf_encoding e = encoding_of_floats(state, false, (struct ttf_image_range){0}, "own");
+    struct ttf_encoding e = encoding_of_floats(state, 0, (struct ttf_image_range){0}, "own");
 
     assert_float_equal(e.scale, 65535.0 / 4, 1e-6);
     assert_float_equal(e.pedestal, 65535.0 / 2, 1e-6);
-    e = encoding_of_floats(state, false, (struct ttf_image_range){-4, 4}, "asked");
+    e = encoding_of_floats(state, 0, (struct ttf_image_range){-4, 4}, "asked");
     assert_float_equal(e.scale, 65535.0 / 8, 1e-6);
     assert_float_equal(e.pedestal, 65535.0 / 2, 1e-6);
     /* One value has no range: from it to 1 above. */
-    e = encoding_of_floats(state, true, (struct ttf_image_range){0}, "even/");
+    e = encoding_of_floats(state, 3, (struct ttf_image_range){0}, "even/");
     assert_float_equal(e.scale, 65535, 1e-6);
     assert_float_equal(e.pedestal, -3 * 65535.0, 1e-6);
+    /* ... or as far above as numbers of its size are told apart. */
+    e = encoding_of_floats(state, 1e20f, (struct ttf_image_range){0}, "large");
+    assert_float_equal((0.0 - e.pedestal) / e.scale / (double)1e20f, 1, 1e-6);
+}
+
+/* Floats are light, whatever a profile says of codes; and numbers beyond 1 are no codes of a curve. */
+static void floats_are_linear_by_themselves(void **state)
+{
+    const char *const inputs[] = {in_folder(state, "curved.tif")};
+    struct ttf_import_config config = {.inputs = inputs,
+                                       .n_inputs = 1,
+                                       .output = in_folder(state, "curved"),
+                                       .range = {-2, 2},
+                                       .interval_ns = TTF_NS_PER_S};
+    struct ttf_import_result result;
+    struct ttf_err err = {0};
+    struct opened opened;
+    uint16_t row[W * 3];
+
+    write_floats(inputs[0], 0, TTF_ICC_SRGB);
+    import_ok(&config);
+    opened = open_dataset(config.output);
+    assert_int_equal(ttf_sequence_read_rows(opened.sequence, 0, 0, 1, row, NULL), 0);
+    for (unsigned i = 0; i < 5; i++)
+        assert_int_equal(row[3 * i], (i * 65535 + 2) / 4);
+    close_dataset(&opened);
+    config.output = in_folder(state, "asked-curve");
+    config.range = (struct ttf_image_range){0};
+    config.transfer = TTF_TRANSFER_SRGB;
+    assert_int_equal(ttf_import(ttf_io_posix(), &config, &result, &err), -EINVAL);
+    assert_non_null(strstr(err.what, "no sRGB codes"));
 }
 
 static void an_origin_that_is_given_is_the_first_slots(void **state)
@@ -675,6 +713,7 @@ int main(void)
         IN_FOLDER(an_existing_dataset_is_left_alone),
         IN_FOLDER(a_float_stack_keeps_its_values),
         IN_FOLDER(floats_are_kept_in_the_range_asked_for_or_their_own),
+        IN_FOLDER(floats_are_linear_by_themselves),
         IN_FOLDER(an_origin_that_is_given_is_the_first_slots),
         IN_FOLDER(a_region_is_cut_out),
         IN_FOLDER(a_video_comes_in_through_ffmpeg),

@@ -152,6 +152,13 @@ const char *ttf_calibration_part_name(enum ttf_calibration_part part);
 TTF_MUST_USE int ttf_calibration_part_find(const char *name);
 bool ttf_calibration_has(const struct ttf_calibration *calibration, enum ttf_calibration_part part);
 
+/*
+ * May this part be added to what is there, to be saved with it? Asked before frames are taken for it. -EINVAL and what to do first: a dark
+ * behind a flat (whose gains were made without it), a chart before a flat, grid or flicker where there is neither dark nor flat.
+ */
+TTF_MUST_USE int ttf_calibration_may_take(const struct ttf_calibration *calibration,
+                                          enum ttf_calibration_part part, struct ttf_err *err);
+
 /* Nothing known: identity. */
 void ttf_calibration_init(struct ttf_calibration *calibration);
 void ttf_calibration_free(struct ttf_calibration *calibration);
@@ -159,7 +166,7 @@ void ttf_calibration_free(struct ttf_calibration *calibration);
 /*
  * Fits the dark part from frames taken with all lamps off (plain average; hot
  * pixels are those over the median by 10 robust standard deviations and 8
- * codes). -EINVAL with a reason a user understands if the frames are not dark.
+ * codes). -EINVAL with a reason a user understands if the frames are not dark, or there is a flat.
  */
 TTF_MUST_USE int ttf_calibration_fit_dark(struct ttf_calibration *calibration,
                                           const struct ttf_raw_sum *dark, struct ttf_err *err);
