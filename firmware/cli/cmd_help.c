@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_help.c: `ttfbox help [--man] [COMMAND]`. */
 #include <errno.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -22,6 +23,18 @@ static const struct cli_command *named(const struct cli *cli)
     return NULL;
 }
 
+/* One word that several commands begin with, as "synth". */
+static bool is_group(const struct cli *cli)
+{
+    const struct cli_command *c;
+    size_t n = strlen(cli->opt.args[0]);
+
+    for (unsigned i = 0; cli->opt.n_args == 1 && (c = cli_command(i)); i++)
+        if (strncmp(c->name, cli->opt.args[0], n) == 0 && c->name[n] == ' ')
+            return true;
+    return false;
+}
+
 int cmd_help(struct cli *cli)
 {
     const struct cli_command *c;
@@ -34,6 +47,10 @@ int cmd_help(struct cli *cli)
         return CLI_DONE;
     }
     c = named(cli);
+    if (!c && !cli->opt.man && is_group(cli)) {
+        help_overview(stdout, cli->opt.args[0]);
+        return CLI_DONE;
+    }
     if (!c) {
         ttf_err_set(&cli->err, -EINVAL, NULL, "there is no such command");
         ttf_err_hint(&cli->err, "'ttfbox help' lists them");

@@ -39,6 +39,7 @@ static const struct rule RULES[] = {
     {NEEDS, OPT_NORMALS, OPT_LIGHT, "as --light 0.5,0.3,0.4"},
     {NEEDS, OPT_HEIGHTS, OPT_LIGHT, "as --light 0.5,0.3,0.4"},
     {NEEDS, OPT_KEEP_GRADIENT, OPT_FLATTEN, "there is no gradient otherwise"},
+    {APART, OPT_KEEP_GRADIENT, OPT_TILEABLE, "a gradient does not fit its other side"},
     {NEEDS, OPT_FLATTEN_SIGMA, OPT_FLATTEN, "it says what --flatten takes for slow"},
     {NEEDS, OPT_DEFLICKER_WINDOW, OPT_DEFLICKER, "it says how many frames --deflicker looks at"},
     {NEEDS, OPT_TIME, OPT_PREVIEW, "a whole synthesis takes the time it needs"},

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "derive.h"
 
@@ -24,7 +25,8 @@ struct quilt_sink {
     enum ttf_icc icc;
     int64_t interval_ns, index_step; /* from one of the input's frames to the next */
     /* raw */
-    int file; /* -1: none */
+    char *beside; /* the name that the file has until it is whole */
+    int file;     /* -1: none */
     uint8_t *display, *table;
     char digest[65];
 };
@@ -119,14 +121,35 @@ static int create_dataset(struct cli *cli, struct quilt_sink *s)
     return r;
 }
 
+/* Hidden, in the same folder, of this process. NULL: no memory. */
+static char *name_beside(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    size_t folder = slash ? (size_t)(slash + 1 - path) : 0;
+    char *name = NULL;
+
+    return asprintf(&name, "%.*s.%.40s.part-%ld", (int)folder, path, path + folder,
+                    (long)getpid()) < 0
+               ? NULL
+               : name;
+}
+
 static int create_raw(struct quilt_sink *s, struct ttf_err *err)
 {
+    struct ttf_io_stat there;
+
     s->table = malloc(65536);
     s->display = malloc((size_t)s->spec.config->width * s->spec.config->height * 3);
     if (!s->table || !s->display)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     ttf_display8_table(&s->spec.input->encoding, s->table);
-    s->file = s->io->ops->open(s->io, s->path, TTF_IO_CREATE_NEW);
+    if (s->io->ops->stat(s->io, s->path, &there) == 0) /* an empty folder passes for an output */
+        return ttf_err_set(err, -EEXIST, s->path, "is there already, and no file");
+    s->beside = name_beside(s->path);
+    if (!s->beside)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    (void)s->io->ops->unlink(s->io, s->beside); /* of a process of the same number, long ago */
+    s->file = s->io->ops->open(s->io, s->beside, TTF_IO_CREATE_NEW);
     if (s->file < 0)
         return ttf_err_set(err, s->file, s->path, "cannot be written: %s",
                            strerrordesc_np(-s->file));
@@ -349,8 +372,10 @@ int quilt_sink_finish(struct quilt_sink *s, const struct ttf_quilt_report *repor
             r = write_report(s, report, err);
     } else if (s->spec.kind == QUILT_SINK_RAW) {
         r = s->io->ops->sync(s->io, s->file, false);
+        if (r == 0)
+            r = s->io->ops->rename(s->io, s->beside, s->path);
         if (r < 0)
-            ttf_err_set(err, r, s->path, "cannot be synced: %s", strerrordesc_np(-r));
+            ttf_err_set(err, r, s->path, "cannot be finished: %s", strerrordesc_np(-r));
     }
     s->finished = r == 0;
     return r;
@@ -371,8 +396,9 @@ void quilt_sink_destroy(struct quilt_sink *s)
     if (s->file >= 0) {
         (void)s->io->ops->close(s->io, s->file);
         if (!s->finished)
-            (void)s->io->ops->unlink(s->io, s->path);
+            (void)s->io->ops->unlink(s->io, s->beside);
     }
+    free(s->beside);
     free(s->edited);
     free(s->display);
     free(s->table);

@@ -18,6 +18,9 @@ said out "plan check"
 expect 2 "$TTFBOX" plan chek
 said err "there is no command 'plan chek'"
 expect 2 "$TTFBOX" help nonsense
+expect 0 "$TTFBOX" help synth
+said out "synth quilt"
+said out "Usage: ttfbox synth COMMAND"
 
 commands=$("$TTFBOX" --help | sed -n 's/^  \([a-z]\+\( [a-z]\+\)\?\)  .*/\1/p' | sort -u)
 [ "$(wc -l <<<"$commands")" -ge 13 ] || fail "not all commands are listed: $commands"

@@ -46,6 +46,23 @@ rm -rf q && expect 0 "$TTFBOX" synth quilt d --size 96x64 --block 16x16 -o q --n
 is report.measured false
 said q/report.json '"measured": false'
 
+# ---- a raw file has its name when it is whole, and not before ----
+"$TTFBOX" synth quilt d --size 1500x1500 --block 16x16 --sink raw -o killed.rgb -q &
+child=$!
+for _ in $(seq 1000); do
+    parts=(.killed.rgb.part-*)
+    [ -e "${parts[0]}" ] && break
+    sleep 0.01
+done
+[ -e "${parts[0]}" ] || fail "nothing was begun"
+kill -KILL $child
+wait $child && fail "it was whole before it could be killed"
+[ ! -e killed.rgb ] || fail "a file that is not whole has its name"
+rm "${parts[0]}"
+mkdir taken
+expect 2 "$TTFBOX" synth quilt d --block 16x16 --sink raw -o taken
+[ -z "$(ls -A taken)" ] || fail "something was left in the folder"
+
 # ---- blocks and matching ----
 rm -f auto.rgb && expect 0 "$TTFBOX" synth quilt d --block auto --sink raw -o auto.rgb --json
 is report.prepared.block_from_features true

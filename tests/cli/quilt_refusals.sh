@@ -111,6 +111,7 @@ done <<END
 --rate-gain 2
 --jitter-rounded
 --keep-gradient
+--keep-gradient --flatten --tileable
 --flatten-sigma 5
 --deflicker-window 5
 --time 5s
@@ -178,14 +179,15 @@ for sink in raw dataset; do
     "$TTFBOX" synth quilt e --size 4000x3000 "${B[@]}" --sink $sink -o never --save-map never.json --factors never.f \
         >"$WORK/out" 2>"$WORK/err" &
     for _ in $(seq 200); do # until there is something to take away
-        [ -e never ] && break
+        begun=$(compgen -G never || compgen -G '.never.part-*') && break
         sleep 0.02
     done
-    [ -e never ] || fail "nothing was begun"
+    [ "$begun" ] || fail "nothing was begun"
     kill -INT $!
     wait $!
     [ $? = 1 ] || fail "stopped, it ended otherwise"
     [ -e never ] && fail "a stopped synthesis left its output ($sink)"
+    compgen -G '.never*' && fail "a stopped synthesis left what was to be its output"
     [ -e never.json ] && fail "a stopped synthesis left its map"
     if [ -e never.f ]; then # all of it, or nothing
         expect 0 "$TTFBOX" synth quilt e "${B[@]}" --sink null --factors never.f --json
