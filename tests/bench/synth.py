@@ -41,7 +41,7 @@ def main():
     parser.add_argument("tests", help="the folder of bench_agreement and bench_patches")
     parser.add_argument("sections", nargs="*", metavar="SECTION")
     parser.add_argument("--json", metavar="FILE", default="build/bench-synth.json")
-    parser.add_argument("--plots", metavar="FOLDER", default="build", help="where scaling.csv and scaling.svg go")
+    parser.add_argument("--plots", metavar="FOLDER", default="build", help="where scaling.csv, scaling.svg and exemplars.csv go")
     parser.add_argument("--runs", type=int, default=5, help="of what is timed (default: 5)")
     parser.add_argument("--grass", metavar="DATASET", help="a capture of the plan made before (default: make it)")
     args = parser.parse_intermixed_args()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sections agreement, coherence and exemplars: what comes out, in figures of its report."""
+import csv
 import json
 import os
 
@@ -25,7 +26,10 @@ def agreement(bench):
 
 COHERENCE = [("plain", []), ("jitter 4", ["--jitter", "4"]),
              ("jitter 4 rounded", ["--jitter", "4", "--jitter-rounded"]), ("feather 6", ["--feather", "6"]),
-             ("jitter 4, feather 6", ["--jitter", "4", "--feather", "6"])]
+             ("jitter 4, feather 6", ["--jitter", "4", "--feather", "6"]),
+             ("jitter 4, every 4", ["--jitter", "4", "--jitter-every", "4"]),
+             ("jitter 4, every 1", ["--jitter", "4", "--jitter-every", "1"]),
+             ("feather 32", ["--overlap", "32x32", "--feather", "32"])]
 
 
 def figure(value):
@@ -62,24 +66,47 @@ def coherence(bench):
     return rows
 
 
+def write_colours(bench, rows):
+    """The distance at each time, for who wants to set another system's beside it."""
+    path = os.path.join(bench.plots, "exemplars.csv")
+    with open(path, "w", encoding="ascii", newline="") as f:
+        writer = csv.writer(f, lineterminator="\n")
+        writer.writerow(["input", "options", "frame", "colour_distance"])
+        for row in rows:
+            colour = row["colour_distance"]
+            writer.writerows([row["input"], row["options"], frame, f"{distance:.3f}"]
+                             for frame, distance in zip(colour["frames"], colour["distances"]))
+    print(f"written: {path}")
+
+
+def exemplar(bench, name, dataset, options):
+    options = ["--size", "512x512", "--threads", "2", *options]
+    report = bench.quilt(dataset, "--sink", "null", "--figures", *options)["report"]
+    best = min((bench.quilt_raw(dataset, *options) for _ in range(bench.runs)), key=lambda done: done["cpu"])
+    colour, over_time, words = report["colour_distance"], report["temporal_coherence"], " ".join(options[4:])
+    largest_at = colour["frames"][colour["distances"].index(max(colour["distances"]))]
+    print(f"{name:8} {words or '-':22} {report['frames']:6} {colour['mean']:11.2f} {colour['largest']:8.2f} {largest_at:8} "
+          f"{figure(over_time['difference_ratio_copied']):>9} {figure(over_time['difference_ratio']):>9} "
+          f"{figure(over_time['second_difference_ratio']):>9} {best['cpu']:7.2f} {best['wall']:7.2f}")
+    return {"input": name, "options": words, "frames": report["frames"], "colour_distance": colour,
+            "temporal_coherence": over_time, "costs_of_least_cpu": costs(best), "load": load()}
+
+
+# As they come, and as an uneven light asks for.
+EXEMPLAR_OPTIONS = [[], ["--flatten", "--avoid", "64"]]
+
+
 def exemplars(bench):
     """The inputs that a learnt system is shown with: how near the colours stay, and at what cost."""
     rows = []
-    print("256 x 256 to 512 x 512, all frames, default arguments; costs are of the raw sink without figures")
-    print(f"{'input':8} {'frames':>6} {'colour mean':>11} {'largest':>8} {'at frame':>8} {'d copied':>9} {'d whole':>9} "
+    print("256 x 256 to 512 x 512, all frames; costs are of the raw sink without figures")
+    print(f"{'input':8} {'options':22} {'frames':>6} {'colour mean':>11} {'largest':>8} {'at frame':>8} {'d copied':>9} {'d whole':>9} "
           f"{'dd whole':>9} {'cpu s':>7} {'wall s':>7}")
     for name in ("copper", "clay"):
         dataset = bench.real(name)
         if not dataset:
             continue
-        size = ["--size", "512x512", "--threads", "2"]
-        report = bench.quilt(dataset, "--sink", "null", "--figures", *size)["report"]
-        best = min((bench.quilt_raw(dataset, *size) for _ in range(bench.runs)), key=lambda done: done["cpu"])
-        colour, over_time = report["colour_distance"], report["temporal_coherence"]
-        largest_at = colour["frames"][colour["distances"].index(max(colour["distances"]))]
-        rows.append({"input": name, "frames": report["frames"], "colour_distance": colour,
-                     "temporal_coherence": over_time, "costs_of_least_cpu": costs(best), "load": load()})
-        print(f"{name:8} {report['frames']:6} {colour['mean']:11.2f} {colour['largest']:8.2f} {largest_at:8} "
-              f"{over_time['difference_ratio_copied']:9.4f} {over_time['difference_ratio']:9.4f} "
-              f"{over_time['second_difference_ratio']:9.4f} {best['cpu']:7.2f} {best['wall']:7.2f}")
+        rows += [exemplar(bench, name, dataset, options) for options in EXEMPLAR_OPTIONS]
+    if rows:
+        write_colours(bench, rows)
     return rows
