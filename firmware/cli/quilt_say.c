@@ -3,6 +3,7 @@
 #include "quilt_say.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 
 static void say_prepared(const struct quilt_job *job)
@@ -58,6 +59,23 @@ static void say_repetition(const struct quilt_job *job)
             job->config.avoid_px ? "" : avoid);
 }
 
+/* Of an input that does not change there is no share: what the output does is said as it is. */
+static void say_coherence(const struct cli *cli, const struct ttf_quilt_report *p)
+{
+    if (!isnan(p->coherence))
+        cli_say(cli, "coherence         %.4f of the input's mean frame difference", p->coherence);
+    else if (p->frames < 2)
+        cli_say(cli, "coherence         nothing to compare: the input is one frame");
+    else
+        cli_say(
+            cli,
+            "coherence         nothing to compare: the input does not change, the output by %.2f "
+            "codes a frame",
+            p->output.mean_difference);
+    if (!isnan(p->flicker))
+        cli_say(cli, "flicker           %.4f of the input's second difference", p->flicker);
+}
+
 static void say_figures(const struct quilt_job *job)
 {
     const struct ttf_quilt_report *p = &job->report;
@@ -72,8 +90,7 @@ static void say_figures(const struct quilt_job *job)
         cli_say(cli, "matched           rank %u, which misses %.2f %%%s", p->rank.rank,
                 100 * p->rank.error, p->rank.known_frames ? "; gone on with known factors" : "");
     if (p->measured) {
-        cli_say(cli, "coherence         %.4f of the input's mean frame difference", p->coherence);
-        cli_say(cli, "flicker           %.4f of the input's second difference", p->flicker);
+        say_coherence(cli, p);
         say_repetition(job);
     }
     cli_say(cli, "time              %.2f s with %u threads", (double)p->total_ns / 1e9, p->threads);

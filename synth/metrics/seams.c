@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 
@@ -146,6 +147,8 @@ void ttf_seams_figures(const struct ttf_seams *seams, struct ttf_seams_figures *
         .seam_gradient = ratio((double)seams->seam, 3.0 * (double)seams->n_seam),
         .source_gradient = ratio((double)seams->source, 3.0 * (double)seams->n_source),
         .input_gradient = ratio((double)seams->input, 3.0 * (double)seams->n_input)};
+    /* a step in what is flat is no excess of anything, and surely not 0 */
+    ret->excess = ret->input_excess = (double)NAN;
     if (ret->source_gradient > 0.0 && seams->n_seam > 0)
         ret->excess = ret->seam_gradient / ret->source_gradient - 1.0;
     if (ret->input_gradient > 0.0 && seams->n_seam > 0)

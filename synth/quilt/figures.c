@@ -186,9 +186,10 @@ void ttf_figures_add(struct ttf_figures *f, uint32_t t, const uint16_t *source,
     add_colours(f, t, source, output, pool);
 }
 
+/* NAN of nothing: 0 would read as perfectly still. */
 static double ratio(double a, double b)
 {
-    return b > 0.0 ? a / b : 0.0;
+    return b > 0.0 ? a / b : (double)NAN;
 }
 
 /* Activity of the source pixels, each counted as often as it was copied, over all frames. */
@@ -243,6 +244,7 @@ static void finish_coherence(const struct ttf_figures *f, const struct ttf_quilt
     report->coherence_noise_free = ratio(without_noise(report->output.mean_difference, noise),
                                          without_noise(report->input.mean_difference, noise));
     report->flicker = ratio(report->output.second_difference, report->input.second_difference);
+    report->coherence_copied = report->flicker_copied = (double)NAN;
     if (f->config->per_frame || f->config->rate)
         return;
     report->coherence_copied = ratio(report->output.mean_difference, copied_difference(f, map));

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "ttf/synth/report.h"
 
+#include <math.h>
 #include <stdio.h>
 
 static void put_hex(struct ttf_json *json, const char *key, uint64_t value)
@@ -69,11 +70,11 @@ static void put_activity(struct ttf_json *json, const char *key,
     ttf_json_object_end(json);
 }
 
-/* A number, or null where it says nothing. */
+/* A number, or null where it says nothing; NAN never does. */
 static void put_figure(struct ttf_json *json, const char *key, bool known, double value)
 {
     ttf_json_key(json, key);
-    if (known)
+    if (known && !isnan(value))
         ttf_json_double(json, value);
     else
         ttf_json_null(json);
@@ -81,15 +82,13 @@ static void put_figure(struct ttf_json *json, const char *key, bool known, doubl
 
 static void put_coherence(const struct ttf_quilt_report *report, struct ttf_json *json)
 {
-    bool copied = !report->config.per_frame && !report->config.rate;
-
     ttf_json_key(json, "temporal_coherence");
     ttf_json_object(json);
-    ttf_json_kdouble(json, "difference_ratio", report->coherence);
-    ttf_json_kdouble(json, "difference_ratio_noise_subtracted", report->coherence_noise_free);
-    put_figure(json, "difference_ratio_copied", copied, report->coherence_copied);
-    ttf_json_kdouble(json, "second_difference_ratio", report->flicker);
-    put_figure(json, "second_difference_ratio_copied", copied, report->flicker_copied);
+    put_figure(json, "difference_ratio", true, report->coherence);
+    put_figure(json, "difference_ratio_noise_subtracted", true, report->coherence_noise_free);
+    put_figure(json, "difference_ratio_copied", true, report->coherence_copied);
+    put_figure(json, "second_difference_ratio", true, report->flicker);
+    put_figure(json, "second_difference_ratio_copied", true, report->flicker_copied);
     put_activity(json, "input", &report->input);
     put_activity(json, "output", &report->output);
     ttf_json_object_end(json);

@@ -63,6 +63,19 @@ mkdir taken
 expect 2 "$TTFBOX" synth quilt d --block 16x16 --sink raw -o taken
 [ -z "$(ls -A taken)" ] || fail "something was left in the folder"
 
+# Of a still, and of what never changes, there is no share of a change: neither 0 nor any other number.
+expect 0 "$TTFBOX" synth quilt in/p0.png --size 96x64 --block 16x16 --sink null --figures --json
+is report.temporal_coherence.difference_ratio None
+is report.temporal_coherence.second_difference_ratio None
+expect 0 "$TTFBOX" synth quilt in/p0.png --size 96x64 --block 16x16 --sink null --figures
+said out "nothing to compare: the input is one frame"
+mkdir same && for i in 0 1 2 3; do cp in/p0.png same/p$i.png; done
+expect 0 "$TTFBOX" import same/*.png --interval 1min -o same-d
+expect 0 "$TTFBOX" synth quilt same-d --size 96x64 --block 16x16 -o q2 --check
+said out "nothing to compare: the input does not change, the output by 0.00 codes a frame"
+said out "all copied, bit for bit"
+grep -q "^flicker" out && fail "a flicker of what never changes"
+
 # ---- blocks and matching ----
 rm -f auto.rgb && expect 0 "$TTFBOX" synth quilt d --block auto --sink raw -o auto.rgb --json
 is report.prepared.block_from_features true

@@ -9,6 +9,7 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "quilts.h"
 
@@ -201,6 +202,72 @@ static void seams_of_a_slowed_output_are_unknown_rather_than_none(void **state)
     texture_free(&input);
 }
 
+/* Noise in space that does not change in time, but for `moving` pixels that brighten by a code a frame. */
+static struct texture_sequence nearly_still(uint32_t moving)
+{
+    struct texture_sequence input = texture_make(TEXTURE_NOISE, W, H, N);
+    size_t frame = (size_t)W * H * 3;
+
+    for (uint32_t t = 1; t < N; t++) {
+        memcpy(input.codes + t * frame, input.codes, frame * sizeof(*input.codes));
+        for (uint32_t i = 0; i < moving * 3; i++)
+            input.codes[t * frame + i] = ttf_srgb8_to_linear16((uint8_t)(100 + t));
+    }
+    return input;
+}
+
+/* The report's temporal coherence of such an input; *ret_output: the output's mean difference. */
+static json_t *coherence_of(uint32_t moving, bool per_frame, double *ret_output)
+{
+    struct texture_sequence input = nearly_still(moving);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N);
+    struct ttf_quilt_report report;
+    json_t *root, *coherence;
+
+    config.per_frame = per_frame;
+    quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+    *ret_output = report.output.mean_difference;
+    root = json_of(&report);
+    coherence = json_incref(json_object_get(root, "temporal_coherence"));
+    assert_non_null(coherence);
+    json_decref(root);
+    quilt_taker_free(&taker);
+    texture_free(&input);
+    return coherence;
+}
+
+/* 0 would call the worst flicker there is perfectly still. */
+static void an_input_within_its_noise_leaves_nothing_to_compare_with(void **state)
+{
+    double output;
+    json_t *coherence = coherence_of(40, true, &output);
+
+    (void)state;
+    assert_true(output > 10.0);
+    assert_true(json_number_value(json_object_get(coherence, "difference_ratio")) > 10.0);
+    assert_true(json_is_null(json_object_get(coherence, "difference_ratio_noise_subtracted")));
+    json_decref(coherence);
+}
+
+static void an_input_that_does_not_change_has_no_ratios(void **state)
+{
+    static const char *const RATIOS[] = {"difference_ratio", "difference_ratio_noise_subtracted",
+                                         "difference_ratio_copied", "second_difference_ratio",
+                                         "second_difference_ratio_copied"};
+
+    (void)state;
+    for (int per_frame = 0; per_frame < 2; per_frame++) {
+        double output;
+        json_t *coherence = coherence_of(0, per_frame, &output);
+
+        assert_int_equal(output > 0.0, per_frame);
+        for (int i = 0; i < 5; i++)
+            assert_true(json_is_null(json_object_get(coherence, RATIOS[i])));
+        json_decref(coherence);
+    }
+}
+
 static void odd_inputs_have_defined_reports(void **state)
 {
     static const uint32_t lengths[] = {1, 2, 3};
@@ -235,6 +302,8 @@ int main(void)
         cmocka_unit_test(jitter_takes_repeated_blocks_out_of_step),
         cmocka_unit_test(without_measuring_the_report_has_no_figures_of_frames),
         cmocka_unit_test(seams_of_a_slowed_output_are_unknown_rather_than_none),
+        cmocka_unit_test(an_input_within_its_noise_leaves_nothing_to_compare_with),
+        cmocka_unit_test(an_input_that_does_not_change_has_no_ratios),
         cmocka_unit_test(odd_inputs_have_defined_reports),
     };
 

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "textures.h"
 #include "ttf/synth/metrics.h"
@@ -136,6 +137,25 @@ static void seams_are_counted_and_measured_where_the_map_jumps(void **state)
     ttf_seams_destroy(seams);
 }
 
+/* 0 would say that the seams are no stronger than the texture: there is none. */
+static void seams_through_one_flat_colour_exceed_nothing(void **state)
+{
+    const struct ttf_quilt_map map = map_of_two_pieces();
+    struct ttf_seams *seams = ttf_seams_create(&map, &texture_encoding);
+    uint16_t source[8 * 4 * 3] = {0}, output[6 * 2 * 3];
+    struct ttf_seams_figures figures;
+
+    (void)state;
+    assert_non_null(seams);
+    memset(output, 0, sizeof(output));
+    output[0] = 40000; /* whatever steps the output has */
+    ttf_seams_add(seams, source, output);
+    ttf_seams_figures(seams, &figures);
+    assert_int_equal(figures.pairs, 2);
+    assert_true(isnan(figures.excess) && isnan(figures.input_excess));
+    ttf_seams_destroy(seams);
+}
+
 static void repetition_counts_uses_of_source_pixels(void **state)
 {
     struct ttf_quilt_block blocks[] = {
@@ -163,6 +183,7 @@ int main(void)
         cmocka_unit_test(activity_is_what_its_definition_says),
         cmocka_unit_test(a_still_sequence_has_no_activity),
         cmocka_unit_test(seams_are_counted_and_measured_where_the_map_jumps),
+        cmocka_unit_test(seams_through_one_flat_colour_exceed_nothing),
         cmocka_unit_test(repetition_counts_uses_of_source_pixels),
     };
 

@@ -60,8 +60,9 @@ struct ttf_seams_figures {
     double seam_gradient;   /* mean absolute step across seams, codes */
     double source_gradient; /* of the same pixels to the neighbours they had in the source */
     double input_gradient;  /* of all neighbouring pairs of the input */
-    double excess;          /* seam / source gradient - 1: 0 = seams no stronger than the texture */
-    double input_excess;    /* seam / input gradient - 1 */
+    double
+        excess; /* seam / source gradient - 1: 0 = seams no stronger than the texture; NAN: no seams or no gradient */
+    double input_excess; /* seam / input gradient - 1 */
 };
 void ttf_seams_figures(const struct ttf_seams *seams, struct ttf_seams_figures *ret);
 

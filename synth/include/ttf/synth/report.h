@@ -44,13 +44,16 @@ struct ttf_quilt_report {
     unsigned threads;
     uint64_t map_digest; /* per frame: of all frames' maps together */
 
-    /* Temporal coherence: output over input. 0 where the input's own is 0 or frames are too few. */
+    /*
+     * Temporal coherence: output over input. NAN (null in the JSON) where there is nothing to compare
+     * with: the input does not change, no more than its noise, or frames are too few.
+     */
     struct ttf_activity_figures input, output;
     struct ttf_activity_figures copied; /* of the source pixels copied, at their own time */
     double coherence;            /* ratio of mean absolute frame differences, to the whole input */
     double coherence_noise_free; /* the same, measured noise subtracted (in quadrature) */
     double
-        coherence_copied; /* to the source pixels that were copied, each as often; 0 if per frame or slowed */
+        coherence_copied; /* to the source pixels that were copied, each as often; NAN if per frame or slowed */
     double flicker;        /* ratio of low-passed second differences, to the whole input */
     double flicker_copied; /* to the source pixels that were copied */
 
