@@ -148,7 +148,10 @@ static void put_output(struct arguments *arguments, const struct export_job *job
                                       "-f", "gif", output, NULL});
 }
 
-/* Raw frames at its stdin; "file:" so that no name is taken for an option or a protocol. */
+/*
+ * Raw frames at its stdin; "file:" so that no name is taken for an option or a protocol. Without -xerror ffmpeg says
+ * that the disk did not take the end of its file, and ends as if it had.
+ */
 static int start(struct video_sink *sink, unsigned pass, struct ttf_err *err)
 {
     struct export_job *job = sink->base.job;
@@ -166,9 +169,9 @@ static int start(struct video_sink *sink, unsigned pass, struct ttf_err *err)
     }
     snprintf(size, sizeof(size), "%ux%u", sink->width, sink->height);
     snprintf(rate, sizeof(rate), "%u/%u", job->config->fps_num, job->config->fps_den);
-    put_all(&arguments, (const char *const[]){program, "-nostdin", "-v", "error", "-y", "-f",
-                                              "rawvideo", "-pix_fmt", "rgb24", "-video_size", size,
-                                              "-framerate", rate, "-i", "pipe:0", NULL});
+    put_all(&arguments, (const char *const[]){program, "-nostdin", "-v", "error", "-xerror", "-y",
+                                              "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size",
+                                              size, "-framerate", rate, "-i", "pipe:0", NULL});
     put_output(&arguments, job, pass, palette, output);
     code = video_child_start(&sink->child, arguments.arg, VIDEO_WRITE, err);
     free(output);

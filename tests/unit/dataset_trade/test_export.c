@@ -2,9 +2,11 @@
 #include "trade_test.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include "ttf/dataset/export.h"
@@ -477,11 +479,13 @@ static void a_full_disk_leaves_nothing_behind(void **state)
     uint16_t frames[2 * W * H * 3] = {0};
     struct holes holes;
     struct ttf_sequence *s = with_holes(&holes, frames, 2, NULL, &plain);
-    static const enum ttf_export_kind all[] = {TTF_EXPORT_NPY, TTF_EXPORT_Y4M, TTF_EXPORT_PNG,
-                                               TTF_EXPORT_TIFF, TTF_EXPORT_SHEET};
+    static const enum ttf_export_kind all[] = {TTF_EXPORT_NPY,  TTF_EXPORT_Y4M,   TTF_EXPORT_PNG,
+                                               TTF_EXPORT_TIFF, TTF_EXPORT_SHEET, TTF_EXPORT_MP4,
+                                               TTF_EXPORT_GIF};
+    size_t n = sizeof(all) / sizeof(all[0]) - (have("ffmpeg") ? 0 : 2);
 
     fill(frames, 2);
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) {
+    for (size_t i = 0; i < n; i++) {
         for (int writes = 0; writes < 3; writes++) {
             int left = writes;
             struct ttf_io *io = ttf_io_faulty_create(ttf_io_posix(), deny_writes, &left);
@@ -494,6 +498,51 @@ static void a_full_disk_leaves_nothing_behind(void **state)
             ttf_io_faulty_destroy(io);
         }
     }
+    ttf_sequence_destroy(s);
+}
+
+static void limit_files(rlim_t bytes)
+{
+    struct rlimit limit;
+
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    limit.rlim_cur = bytes < limit.rlim_max ? bytes : limit.rlim_max;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+}
+
+/* What ffmpeg writes passes through no I/O table of ours: no file may become as large as a whole film, as on FAT. */
+static void a_film_that_does_not_fit_leaves_nothing_behind(void **state)
+{
+    uint16_t frames[6 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 6, NULL, &plain);
+    void (*before)(int) = signal(SIGXFSZ, SIG_IGN); /* so that writing says EFBIG, there too */
+
+    if (!have("ffmpeg"))
+        skip();
+    fill(frames, 6);
+    for (int kind = TTF_EXPORT_MP4; kind <= TTF_EXPORT_GIF; kind++) {
+        struct ttf_export_config config = {.kind = (enum ttf_export_kind)kind,
+                                           .output = in_folder(state, "film")};
+        size_t bytes;
+
+        export_ok(s, &config);
+        free(slurp(config.output, &bytes));
+        remove(config.output);
+        remove(in_folder(state, "film.json"));
+        for (unsigned part = 1; part <= 4; part++) {
+            struct ttf_err err = {0};
+            int code;
+
+            limit_files(part == 4 ? bytes - 1 : bytes * part / 4);
+            code = ttf_export(s, ttf_io_posix(), &config, NULL, &err);
+            limit_files(RLIM_INFINITY);
+            if (code >= 0 || err.what[0] == '\0')
+                fail_msg("%s, part %u: %d", ttf_export_kind_name(config.kind), part, code);
+            assert_int_equal(count_entries(in_folder(state, ".")), 0);
+        }
+    }
+    signal(SIGXFSZ, before);
     ttf_sequence_destroy(s);
 }
 
@@ -567,6 +616,7 @@ int main(void)
         IN_FOLDER(the_words_of_a_failing_ffmpeg_reach_the_user),
         IN_FOLDER(a_stopped_export_leaves_what_was_there_before),
         IN_FOLDER(a_full_disk_leaves_nothing_behind),
+        IN_FOLDER(a_film_that_does_not_fit_leaves_nothing_behind),
         IN_FOLDER(a_contact_sheet_shows_first_and_last_in_a_grid),
         IN_FOLDER(wrong_options_are_refused),
     };
