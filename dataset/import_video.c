@@ -44,8 +44,11 @@ static void read_fact(char *line, struct video_facts *facts)
         num = strtoll(value, &end, 10);
         if (*end == '/')
             den = strtoll(end + 1, NULL, 10);
-        /* The average comes last and is what a film's length says. */
-        if (num > 0 && den > 0 && num < 1000000 && den < 1000000000)
+        /*
+         * The average comes last and is what a film's length says: of uneven frames a fraction of large numbers, where
+         * the other rate is that of the film's clock. A million frames a second are none.
+         */
+        if (num > 0 && den > 0 && den <= INT32_MAX && num / den < 1000000)
             facts->frame_ns = den * TTF_NS_PER_S / num;
     }
 }

@@ -116,6 +116,35 @@ static void frames_come_in_8_and_16_bits_and_at_the_films_rate(void **state)
     assert_int_equal(result.interval_ns, 100 * TTF_NS_PER_MS);
 }
 
+/* Of uneven frames the average is a large fraction, and the other rate the unit that their times are told in. */
+static void the_average_rate_is_a_films_however_large_its_numbers(void **state)
+{
+    static const struct {
+        const char *rates;
+        int64_t interval_ns;
+    } films[] = {
+        {"r_frame_rate=90000/1\\navg_frame_rate=8100000/2984813", 368495432},
+        {"r_frame_rate=1000000/1\\navg_frame_rate=2147483640/2147483647", 1000000003},
+        {"r_frame_rate=90000/1\\navg_frame_rate=1/2000000000", 2000000000 * TTF_NS_PER_S},
+        {"r_frame_rate=24000/1001\\navg_frame_rate=0/0", 41708333},
+    };
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(films); i++) {
+        struct ttf_import_result result;
+        struct ttf_err err = {0};
+        char probe[200];
+
+        snprintf(probe, sizeof(probe), "printf 'pix_fmt=yuv420p\\n%s\\n'", films[i].rates);
+        if (import(state, probe, ONE "; " ONE, &result, &err) != 0)
+            fail_msg("%s: %s: %s", films[i].rates, err.where, err.what);
+        assert_int_equal(result.interval_ns, films[i].interval_ns);
+        assert_int_equal(
+            run_program((const char *const[]){"rm", "-rf", in_folder(state, "dataset"), NULL},
+                        (char[8]){0}, 8),
+            0);
+    }
+}
+
 static void a_film_of_no_rate_needs_an_interval(void **state)
 {
     static const char *const rates[] = {"0/0", "25", "x", "-1/1", "25/0", "99999999/1"};
@@ -167,6 +196,7 @@ int main(void)
         T(what_is_no_film_is_refused_and_leaves_nothing),
         T(a_program_that_is_not_there_is_named),
         T(frames_come_in_8_and_16_bits_and_at_the_films_rate),
+        T(the_average_rate_is_a_films_however_large_its_numbers),
         T(a_film_of_no_rate_needs_an_interval),
         T(an_export_whose_program_fails_leaves_nothing),
     };
