@@ -32,7 +32,7 @@ static void read_fact(char *line, struct video_facts *facts)
         return;
     *value++ = 0;
     if (strcmp(line, "pix_fmt") == 0) {
-        static const char *const deep[] = {"10", "12", "14", "16", "48", "64", "p9", "y9"};
+        static const char *const deep[] = {"10", "12", "14", "16", "48", "64", "p9", "y9", "f32"};
 
         for (size_t i = 0; i < sizeof(deep) / sizeof(deep[0]); i++)
             facts->deep |= strstr(value, deep[i]) != NULL;

@@ -116,6 +116,33 @@ static void frames_come_in_8_and_16_bits_and_at_the_films_rate(void **state)
     assert_int_equal(result.interval_ns, 100 * TTF_NS_PER_MS);
 }
 
+#define IN_16_BITS "case \"$*\" in *rgb48be*) ;; *) echo asked for 8 bits >&2; exit 1 ;; esac; " ONE
+#define IN_8_BITS  "case \"$*\" in *rgb24*) ;; *) echo asked for 16 bits >&2; exit 1 ;; esac; " ONE
+
+static void samples_of_more_than_8_bits_are_asked_for_in_16(void **state)
+{
+    static const char *const deep[] = {"yuv420p10le", "yuv444p9be", "gray9le",   "gray12le",
+                                       "gbrp14le",    "rgb48le",    "rgba64be",  "p010le",
+                                       "x2rgb10le",   "gbrpf32le",  "grayf32be", "gbrapf32le"};
+    static const char *const shallow[] = {"yuv420p", "yuv410p", "nv12", "nv16", "gray", "rgb24"};
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(deep) + TTF_COUNT_OF(shallow); i++) {
+        bool is_deep = i < TTF_COUNT_OF(deep);
+        const char *format = is_deep ? deep[i] : shallow[i - TTF_COUNT_OF(deep)];
+        struct ttf_import_result result;
+        struct ttf_err err = {0};
+        char probe[100];
+
+        snprintf(probe, sizeof(probe), "printf 'pix_fmt=%s\\nr_frame_rate=25/1\\n'", format);
+        if (import(state, probe, is_deep ? IN_16_BITS : IN_8_BITS, &result, &err) != 0)
+            fail_msg("%s: %s", format, err.what);
+        assert_int_equal(
+            run_program((const char *const[]){"rm", "-rf", in_folder(state, "dataset"), NULL},
+                        (char[8]){0}, 8),
+            0);
+    }
+}
+
 /* Of uneven frames the average is a large fraction, and the other rate the unit that their times are told in. */
 static void the_average_rate_is_a_films_however_large_its_numbers(void **state)
 {
@@ -196,6 +223,7 @@ int main(void)
         T(what_is_no_film_is_refused_and_leaves_nothing),
         T(a_program_that_is_not_there_is_named),
         T(frames_come_in_8_and_16_bits_and_at_the_films_rate),
+        T(samples_of_more_than_8_bits_are_asked_for_in_16),
         T(the_average_rate_is_a_films_however_large_its_numbers),
         T(a_film_of_no_rate_needs_an_interval),
         T(an_export_whose_program_fails_leaves_nothing),
