@@ -42,6 +42,11 @@ int ttf_export_kind_find(const char *name)
     return -ENOENT;
 }
 
+bool ttf_export_has_sidecar_beside(enum ttf_export_kind kind)
+{
+    return (unsigned)kind < TTF_EXPORT_COUNT && !kinds[kind].folder && kind != TTF_EXPORT_SHEET;
+}
+
 const char *ttf_gaps_name(enum ttf_gaps gaps)
 {
     return (unsigned)gaps < TTF_COUNT_OF(gap_names) ? gap_names[gaps] : "?";
@@ -126,31 +131,50 @@ static int run_pass(struct export_job *job, unsigned pass, struct ttf_err *err)
     return code;
 }
 
-/*
- * The sidecar of a folder lies inside of it, of a file beside it; a sheet has none. Its text is made before anything is
- * put in its place.
- */
-static int complete(struct export_job *job, struct ttf_err *err)
+struct text {
+    char *bytes;
+    size_t n;
+};
+
+static int put_text(void *ctx, struct ttf_io *io, int file, struct ttf_err *err)
+{
+    const struct text *text = ctx;
+    int code = ttf_io_pwrite_all(io, file, text->bytes, text->n, 0);
+
+    if (code)
+        return ttf_err_set(err, code, NULL, "the sidecar cannot be written: %s",
+                           strerrordesc_np(-code));
+    return 0;
+}
+
+/* The sidecar of a folder lies inside of it, of a file beside it; a sheet has none. */
+static int write_sidecar(struct export_job *job, struct ttf_err *err)
 {
     bool folder = kinds[job->config->kind].folder;
-    bool beside = !folder && job->config->kind != TTF_EXPORT_SHEET;
-    char *path = folder ? ttf_path_format("%s/%s.json", job->staging.temp, job->config->name)
-                        : ttf_path_format("%s.json", job->staging.final);
-    char *text = NULL;
-    size_t n = 0;
-    int code = path ? export_sidecar(job, &text, &n, err)
-                    : ttf_err_set(err, -ENOMEM, NULL, "no memory for a path");
+    struct text text = {0};
+    char *path;
+    int code;
 
-    if (!code && folder)
-        code = ttf_io_write_file(job->io, path, text, n, err);
-    if (code)
-        staging_discard(&job->staging);
-    else
-        code = staging_commit(&job->staging, err);
-    if (!code && beside)
-        code = ttf_io_write_file(job->io, path, text, n, err);
-    free(text);
+    if (!folder && !job->staging.beside)
+        return 0;
+    path = folder ? ttf_path_format("%s/%s.json", job->staging.temp, job->config->name)
+                  : strdup(job->staging.beside_temp);
+    code = path ? export_sidecar(job, &text.bytes, &text.n, err)
+                : ttf_err_set(err, -ENOMEM, NULL, "no memory for a path");
+    if (!code)
+        code = staging_write(job->io, path, put_text, &text, err);
+    free(text.bytes);
     free(path);
+    return code;
+}
+
+static int begin(struct export_job *job, struct ttf_err *err)
+{
+    enum ttf_export_kind kind = job->config->kind;
+    int code = staging_begin(&job->staging, job->io, job->config->output, kinds[kind].folder, err);
+
+    if (!code && ttf_export_has_sidecar_beside(kind))
+        code = staging_beside(&job->staging, ".json", err);
     return code;
 }
 
@@ -164,17 +188,17 @@ static int run_job(struct export_job *job, struct ttf_err *err)
     if (!code)
         code = export_frames_buffers(job, err);
     if (!code)
-        code = staging_begin(&job->staging, job->io, job->config->output, kinds[kind].folder, err);
-    if (code)
-        return code;
+        code = begin(job, err);
     for (unsigned pass = 0; pass < kinds[kind].passes && !code; pass++)
         code = run_pass(job, pass, err);
     if (job->side_file)
         job->io->ops->unlink(job->io, job->side_file);
-    if (code)
-        staging_discard(&job->staging);
-    else
-        code = complete(job, err);
+    if (!code)
+        code = write_sidecar(job, err);
+    if (!code)
+        return staging_commit(&job->staging, err);
+    staging_name_final(&job->staging, err);
+    staging_discard(&job->staging);
     return code;
 }
 

@@ -56,18 +56,27 @@ static void release(struct staging *staging)
 {
     free(staging->final);
     free(staging->temp);
+    free(staging->beside);
+    free(staging->beside_temp);
     memset(staging, 0, sizeof(*staging));
+}
+
+static void put_instead(char *text, size_t size, const char *old, const char *new)
+{
+    char *at = strstr(text, old), rest[sizeof(((struct ttf_err *)NULL)->what)];
+
+    if (!at)
+        return;
+    (void)snprintf(rest, sizeof rest, "%s", at + strlen(old));
+    (void)snprintf(at, size - (size_t)(at - text), "%s%s", new, rest);
 }
 
 void staging_name_final(const struct staging *staging, struct ttf_err *err)
 {
-    size_t n = staging->temp ? strlen(staging->temp) : 0;
-    char rest[sizeof err->where];
-
-    if (!err || n == 0 || strncmp(err->where, staging->temp, n) != 0)
+    if (!err || !staging->temp)
         return;
-    (void)snprintf(rest, sizeof rest, "%s", err->where + n);
-    (void)snprintf(err->where, sizeof err->where, "%s%s", staging->final, rest);
+    put_instead(err->where, sizeof err->where, staging->temp, staging->final);
+    put_instead(err->what, sizeof err->what, staging->temp, staging->final);
 }
 
 static int prepare(struct staging *staging, struct ttf_err *err)
@@ -124,6 +133,26 @@ int staging_begin(struct staging *staging, struct ttf_io *io, const char *final,
     return code;
 }
 
+static int check_beside(const struct staging *staging, struct ttf_err *err)
+{
+    struct ttf_io *io = staging->io;
+    struct ttf_io_stat stat;
+
+    if (staging->beside && io->ops->stat(io, staging->beside, &stat) == 0 && stat.is_dir)
+        return ttf_err_set(err, -EISDIR, staging->beside, "there is a folder of that name");
+    return 0;
+}
+
+int staging_beside(struct staging *staging, const char *ending, struct ttf_err *err)
+{
+    staging->beside = ttf_path_format("%s%s", staging->final, ending);
+    staging->beside_temp = ttf_path_format("%s%s", staging->temp, ending);
+    if (!staging->beside || !staging->beside_temp)
+        return ttf_err_set(err, -ENOMEM, staging->final, "no memory for a path");
+    (void)staging->io->ops->unlink(staging->io, staging->beside_temp);
+    return check_beside(staging, err);
+}
+
 /* A child may have written the file, so it is opened once more to be synced; or said so and has not. */
 static int sync_file(struct ttf_io *io, const char *path)
 {
@@ -142,21 +171,40 @@ static int sync_file(struct ttf_io *io, const char *path)
     return code;
 }
 
+/* What lies beside goes first: an output is never there without it. */
+static int put_in_place(const struct staging *staging, bool empty)
+{
+    struct ttf_io *io = staging->io;
+    struct ttf_io_stat stat;
+    bool added = staging->beside && io->ops->stat(io, staging->beside, &stat) == -ENOENT;
+    int code = staging->beside ? io->ops->rename(io, staging->beside_temp, staging->beside) : 0;
+
+    if (code)
+        return code;
+    if (empty)
+        code = io->ops->unlink(io, staging->final);
+    if (!code)
+        code = io->ops->rename(io, staging->temp, staging->final);
+    if (code && added)
+        (void)io->ops->unlink(io, staging->beside);
+    return code;
+}
+
 int staging_commit(struct staging *staging, struct ttf_err *err)
 {
     struct ttf_io *io = staging->io;
     bool empty;
     int code = check_final(staging, &empty, err);
 
+    if (!code)
+        code = check_beside(staging, err);
     if (code) {
         staging_discard(staging);
         return code;
     }
     code = staging->folder ? io->ops->sync_dir(io, staging->temp) : sync_file(io, staging->temp);
-    if (!code && empty)
-        code = io->ops->unlink(io, staging->final);
     if (!code)
-        code = io->ops->rename(io, staging->temp, staging->final);
+        code = put_in_place(staging, empty);
     if (!code)
         code = ttf_io_sync_parent(io, staging->final);
     if (code) {
@@ -173,6 +221,8 @@ void staging_discard(struct staging *staging)
 {
     if (staging->temp)
         (void)ttf_io_remove_tree(staging->io, staging->temp);
+    if (staging->beside_temp)
+        (void)staging->io->ops->unlink(staging->io, staging->beside_temp);
     release(staging);
 }
 
@@ -194,5 +244,7 @@ int staging_write(struct ttf_io *io, const char *path,
     io->ops->close(io, file);
     if (code)
         io->ops->unlink(io, path);
+    if (code && err && !err->where[0])
+        (void)snprintf(err->where, sizeof err->where, "%s", path);
     return code;
 }

@@ -17,6 +17,8 @@ struct staging {
     char *final; /* without slashes at the end */
     char *temp;  /* in the same folder */
     bool folder;
+    char *beside,
+        *beside_temp; /* a small file that belongs to it, in that folder too; NULL: none */
 };
 
 /*
@@ -26,10 +28,16 @@ struct staging {
 TTF_MUST_USE int staging_begin(struct staging *staging, struct ttf_io *io, const char *final,
                                bool folder, struct ttf_err *err);
 
-/* Syncs and renames; a file that was there is replaced. On failure the temporary one is gone. Frees. */
+/*
+ * A file whose name is the final one's and `ending` belongs to the output, which is a file: whoever writes it to
+ * beside_temp, and syncs it, has it put in its place with the output, or not at all. -EISDIR: a folder has its name.
+ */
+TTF_MUST_USE int staging_beside(struct staging *staging, const char *ending, struct ttf_err *err);
+
+/* Syncs and renames; a file that was there is replaced. On failure the temporary ones are gone. Frees. */
 TTF_MUST_USE int staging_commit(struct staging *staging, struct ttf_err *err);
 
-/* An error at a path below the temporary one is told of the one that was named. */
+/* An error at a path below the temporary one is told of the one that was named, also in what a child said. */
 void staging_name_final(const struct staging *staging, struct ttf_err *err);
 
 /* Removes what there is and frees. A zeroed struct is fine. */

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "commands.h"
@@ -71,6 +72,25 @@ static int choose(struct cli *cli, struct ttf_export_config *config)
     return 0;
 }
 
+/* Neither the output nor what will lie beside it. */
+static int refuse_existing(struct cli *cli, enum ttf_export_kind kind)
+{
+    const char *output = cli->opt.output;
+    size_t n = strlen(output);
+    char *beside = NULL;
+    int r = cli_refuse_existing(cli, output);
+
+    if (r < 0 || !ttf_export_has_sidecar_beside(kind))
+        return r;
+    while (n > 1 && output[n - 1] == '/')
+        n--;
+    if (asprintf(&beside, "%.*s.json", (int)n, output) < 0)
+        return ttf_err_set(&cli->err, -ENOMEM, NULL, "no memory");
+    r = cli_refuse_existing(cli, beside);
+    free(beside);
+    return r;
+}
+
 static void say(struct cli *cli, const struct ttf_export_config *config,
                 const struct ttf_export_result *result, uint32_t excluded, bool simulated)
 {
@@ -111,9 +131,9 @@ int cmd_export(struct cli *cli)
     int r = cli_need(cli, cli->opt.output, "-o", "say where it goes, as -o grass.mp4");
 
     if (r == 0)
-        r = cli_refuse_existing(cli, cli->opt.output);
-    if (r == 0)
         r = choose(cli, &config);
+    if (r == 0)
+        r = refuse_existing(cli, config.kind);
     if (r == 0)
         r = ttf_reader_open(cli->io, cli->opt.args[0], &reader, &cli->err);
     if (r == 0)

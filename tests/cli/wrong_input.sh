@@ -155,7 +155,15 @@ for there in full file; do
     expect 2 "$TTFBOX" calibrate dark "${TINY[@]}" -o $there
     expect 2 "$TTFBOX" export d --to png -o $there
 done
-[ "$(cat full/file file)" = "$(printf 'mine\nmine')" ] || fail "something was overwritten"
+echo mine >a.npy.json && mkdir -p a.y4m.json/mine
+expect 2 "$TTFBOX" export d -o a.npy
+said err "a.npy.json: exists already"
+expect 2 "$TTFBOX" export d -o a.y4m
+said err "a.y4m.json: exists already"
+[ -e a.npy ] || [ -e a.y4m ] && fail "exported without a sidecar"
+expect 0 "$TTFBOX" export d --to sheet -o a.npy # which has no sidecar
+rm a.npy
+[ "$(cat full/file file a.npy.json)" = "$(printf 'mine\nmine\nmine')" ] || fail "something was overwritten"
 expect 0 "$TTFBOX" synth quilt d --block 16x16 --size 64x64 -o q
 expect 2 "$TTFBOX" capture ok.yaml "${TINY[@]}" -o q
 said err "no capture"
@@ -176,7 +184,7 @@ expect 0 "$TTFBOX" capture raw.yaml "${TINY[@]}" -o r
 mkdir small
 if unshare -rm mount -t tmpfs tmpfs small 2>/dev/null; then
     expect 0 "$TTFBOX" export d --to png -o pictures
-    for command in "export d --to png" "synth quilt d --block 16x16" "develop r" "import pictures/*.png --interval 1s"; do
+    for command in "export d --to png" "export d --to npy" "export d --to y4m" "export d --to sheet" "synth quilt d --block 16x16" "develop r" "import pictures/*.png --interval 1s"; do
         for size in 8 20 40; do # in the middle of a frame, or before there is a dataset
             # shellcheck disable=SC2086
             full $size "$TTFBOX" $command -o small/it >out 2>err

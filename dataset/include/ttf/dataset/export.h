@@ -29,6 +29,9 @@ enum ttf_export_kind {
 const char *ttf_export_kind_name(enum ttf_export_kind kind);
 int ttf_export_kind_find(const char *name);
 
+/* Whether a sidecar lies beside an output of this kind, as OUTPUT.json: a folder has it inside, a sheet has none. */
+bool ttf_export_has_sidecar_beside(enum ttf_export_kind kind);
+
 /* What stands where a slot has no image: numbers stay contiguous, as video tools stop at a hole. */
 enum ttf_gaps {
     TTF_GAPS_HOLD = 0,   /* the image before it again */
@@ -46,7 +49,7 @@ struct ttf_export_config {
     /*
      * The file, which is replaced when the new one is whole; of PNG and TIFF a folder,
      * which must not exist or be empty. Beside it (in the folder: NAME.json) lies a
-     * sidecar OUTPUT.json that says which frames are invented.
+     * sidecar OUTPUT.json that says which frames are invented; it is replaced with it.
      */
     const char *output;
     const char *name; /* NAME; NULL: "frame" */
