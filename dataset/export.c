@@ -66,7 +66,7 @@ static void set_defaults(struct ttf_export_config *config)
 {
     if (!config->name)
         config->name = "frame";
-    if (config->start == 0)
+    if (config->start == 0 && !config->from_zero)
         config->start = FIRST_NUMBER;
     if (config->every == 0)
         config->every = 1;

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "io_path.h"
@@ -111,6 +112,26 @@ static int prepare(struct staging *staging, struct ttf_err *err)
     return 0;
 }
 
+/*
+ * A link leads to the place that is meant, on another disk perhaps: what it leads to is replaced, and not the link.
+ * Asked of the machine, as no table of file access knows links.
+ */
+static int follow_link(struct staging *staging, struct ttf_err *err)
+{
+    struct stat st;
+    char *real;
+
+    if (lstat(staging->final, &st) < 0 || !S_ISLNK(st.st_mode))
+        return 0;
+    real = realpath(staging->final, NULL);
+    if (!real)
+        return ttf_err_set(err, errno == ENOMEM ? -ENOMEM : -ENOENT, staging->final,
+                           "is a link that leads nowhere");
+    free(staging->final);
+    staging->final = real;
+    return 0;
+}
+
 int staging_begin(struct staging *staging, struct ttf_io *io, const char *final, bool folder,
                   struct ttf_err *err)
 {
@@ -127,7 +148,9 @@ int staging_begin(struct staging *staging, struct ttf_io *io, const char *final,
     staging->final = strndup(final, n);
     if (!staging->final)
         return ttf_err_set(err, -ENOMEM, final, "no memory for a path");
-    code = prepare(staging, err);
+    code = follow_link(staging, err);
+    if (!code)
+        code = prepare(staging, err);
     if (code)
         release(staging);
     return code;

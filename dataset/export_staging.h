@@ -14,7 +14,7 @@
 
 struct staging {
     struct ttf_io *io;
-    char *final; /* without slashes at the end */
+    char *final; /* without slashes at the end; where a link of that name leads to */
     char *temp;  /* in the same folder */
     bool folder;
     char *beside,
@@ -23,7 +23,8 @@ struct staging {
 
 /*
  * Makes the folder that `final` lies in and, if folder, the temporary folder. A final
- * folder must not exist or be empty (-EEXIST); a final file must not be a folder (-EISDIR).
+ * folder must not exist or be empty (-EEXIST); a final file must not be a folder (-EISDIR);
+ * a link must lead somewhere (-ENOENT).
  */
 TTF_MUST_USE int staging_begin(struct staging *staging, struct ttf_io *io, const char *final,
                                bool folder, struct ttf_err *err);

@@ -56,6 +56,7 @@ static int choose(struct cli *cli, struct ttf_export_config *config)
     config->output = cli->opt.output;
     config->name = cli->opt.name;
     config->start = cli->opt.start;
+    config->from_zero = cli->opt.given[OPT_START] && cli->opt.start == 0;
     config->every = (uint32_t)cli->opt.every;
     config->fps_num = (uint32_t)cli->opt.fps;
     config->fps_den = cli->opt.fps ? 1 : 0;

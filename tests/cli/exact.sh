@@ -23,6 +23,15 @@ for i in $(seq 0 11); do # natural order: p2 before p10
     n=$((n + 1))
 done
 
+mkdir disk && ln -s disk link
+expect 0 "$TTFBOX" export d --to png --start 0 -o link
+[ -L link ] || fail "a link was replaced"
+[ -s disk/frame.0000.png ] || fail "not where the link leads, or not from 0: $(ls disk)"
+ln -s nowhere dangling
+expect 2 "$TTFBOX" export d --to png -o dangling
+said err "dangling: is a link that leads nowhere"
+[ "$(readlink dangling)" = nowhere ] || fail "a link was replaced"
+
 # Every pixel of a quilted sequence lives the life of one source pixel; each frame alone does not.
 expect 0 "$TTFBOX" synth quilt d --size 64x48 --block 12x12 --check -o q --json
 is unmatched_pixels 0

@@ -7,7 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "ttf/dataset/export.h"
 
@@ -140,6 +142,21 @@ static void interpolation_mixes_light_and_fail_refuses(void **state)
         assert_int_equal(((uint16_t *)got.data)[i],
                          (frames[i] * 3 + frames[W * H * 3 + i] + 2) / 4);
     ttf_pixbuf_free(&got);
+    ttf_sequence_destroy(s);
+}
+
+static void files_are_numbered_from_zero_if_that_is_asked_for(void **state)
+{
+    uint16_t frames[2 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 2, NULL, &plain);
+    struct ttf_export_config config = {
+        .kind = TTF_EXPORT_PNG, .output = in_folder(state, "out"), .from_zero = true};
+
+    export_ok(s, &config);
+    assert_true(exists(in_folder(state, "out/frame.0000.png")));
+    assert_true(exists(in_folder(state, "out/frame.0001.png")));
+    assert_int_equal(count_entries(config.output), 3);
     ttf_sequence_destroy(s);
 }
 
@@ -511,6 +528,42 @@ static void a_full_disk_leaves_nothing_behind(void **state)
     ttf_sequence_destroy(s);
 }
 
+static void a_link_is_followed_and_stays(void **state)
+{
+    static const enum ttf_export_kind kinds[] = {TTF_EXPORT_PNG, TTF_EXPORT_NPY};
+    uint16_t frames[2 * W * H * 3] = {0};
+    struct holes holes;
+    struct ttf_sequence *s = with_holes(&holes, frames, 2, NULL, &plain);
+    const char *folder = in_folder(state, "disk/folder"), *file = in_folder(state, "disk/array");
+    const char *links[] = {in_folder(state, "a"), in_folder(state, "b")};
+    struct ttf_err err = {0};
+
+    assert_int_equal(ttf_io_mkdirs(ttf_io_posix(), folder, NULL), 0);
+    write_bytes(file, "old", 3);
+    assert_int_equal(symlink("disk/folder", links[0]), 0);
+    assert_int_equal(symlink(file, links[1]), 0);
+    for (unsigned i = 0; i < 2; i++) {
+        struct ttf_export_config config = {.kind = kinds[i], .output = links[i]};
+        struct stat st;
+
+        export_ok(s, &config);
+        assert_int_equal(lstat(links[i], &st), 0);
+        assert_true(S_ISLNK(st.st_mode));
+    }
+    assert_int_equal(count_entries(folder), 3);
+    assert_true(exists(in_folder(state, "disk/array.json")));
+    assert_int_equal(count_entries(in_folder(state, "disk")), 3);
+    assert_int_equal(count_entries(in_folder(state, ".")), 3);
+    assert_int_equal(symlink("nowhere", in_folder(state, "c")), 0);
+    assert_int_equal(ttf_export(s, ttf_io_posix(),
+                                &(struct ttf_export_config){.kind = TTF_EXPORT_NPY,
+                                                            .output = in_folder(state, "c")},
+                                NULL, &err),
+                     -ENOENT);
+    assert_string_equal(err.where, in_folder(state, "c"));
+    ttf_sequence_destroy(s);
+}
+
 static int deny_a_name(void *ctx, const char *op, const char *path)
 {
     const char *ending = ctx, *found = strstr(path, ending);
@@ -656,6 +709,7 @@ int main(void)
 #define IN_FOLDER(f) cmocka_unit_test_setup_teardown(f, folder_setup, folder_teardown)
         IN_FOLDER(png_numbers_are_contiguous_and_held_frames_are_named),
         IN_FOLDER(interpolation_mixes_light_and_fail_refuses),
+        IN_FOLDER(files_are_numbered_from_zero_if_that_is_asked_for),
         IN_FOLDER(every_kth_slot_and_a_size_limit_are_kept),
         IN_FOLDER(npy_holds_light_as_uint16),
         IN_FOLDER(captured_codes_lose_their_pedestal_and_headroom),
@@ -667,6 +721,7 @@ int main(void)
         IN_FOLDER(the_words_of_a_failing_ffmpeg_reach_the_user),
         IN_FOLDER(a_stopped_export_leaves_what_was_there_before),
         IN_FOLDER(a_full_disk_leaves_nothing_behind),
+        IN_FOLDER(a_link_is_followed_and_stays),
         IN_FOLDER(an_output_and_its_sidecar_come_together_or_not_at_all),
         IN_FOLDER(a_film_that_does_not_fit_leaves_nothing_behind),
         IN_FOLDER(a_contact_sheet_shows_first_and_last_in_a_grid),

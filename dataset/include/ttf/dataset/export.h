@@ -54,7 +54,8 @@ struct ttf_export_config {
     const char *output;
     const char *name; /* NAME; NULL: "frame" */
     enum ttf_gaps gaps;
-    int64_t start;             /* number of the first file; 0: 1001 */
+    int64_t start;             /* number of the first file; 0: 1001, unless */
+    bool from_zero;            /* it is 0 */
     uint32_t every;            /* each k-th slot; 0: 1 */
     uint32_t frames_max;       /* at most so many frames; 0: all */
     uint32_t fps_num, fps_den; /* of mp4, gif, y4m; 0: 24/1 (gif: 12/1) */
