@@ -218,9 +218,11 @@ void exif_read(const uint8_t *data, size_t n, struct ttf_image_info *info)
         read_folder(&block, texts.exif_folder, &texts);
     if (texts.orientation >= 1 && texts.orientation <= 8)
         info->orientation = texts.orientation;
-    original = texts.original[0] != 0;
-    text = original ? texts.original : texts.date_time;
-    if (!take_time(&text, "Y?M?D?h?m?s", &info->taken_utc_ns))
+    /* Cameras whose clock is not set write blanks or zeros there. */
+    text = texts.original;
+    original = take_time(&text, "Y?M?D?h?m?s", &info->taken_utc_ns);
+    text = texts.date_time;
+    if (!original && !take_time(&text, "Y?M?D?h?m?s", &info->taken_utc_ns))
         return;
     if (original)
         info->taken_utc_ns += sub_seconds_ns(texts.sub_seconds);

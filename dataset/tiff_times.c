@@ -170,6 +170,19 @@ static bool parse_offset(const char *text, int *ret_seconds)
     return true;
 }
 
+static bool read_zone(TIFF *tiff, int *ret_seconds)
+{
+    static const uint32_t tags[] = {EXIFTAG_OFFSETTIMEORIGINAL, EXIFTAG_OFFSETTIME};
+    char *text = NULL;
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(tags); i++) {
+        if (TIFFGetField(tiff, tags[i], &text) == 1 && text && parse_offset(text, ret_seconds))
+            return true;
+    }
+    return false;
+}
+
+/* *seconds: of DateTime, INT64_MIN: it told none. */
 static void read_exif(TIFF *tiff, int64_t *seconds, int64_t *fraction_ns,
                       struct ttf_tiff_times *ret, bool *ret_zone_known)
 {
@@ -181,11 +194,9 @@ static void read_exif(TIFF *tiff, int64_t *seconds, int64_t *fraction_ns,
         parse_date(text, seconds)) {
         if (TIFFGetField(tiff, EXIFTAG_SUBSECTIMEORIGINAL, &text) == 1 && text)
             *fraction_ns = parse_fraction(text);
-        if ((TIFFGetField(tiff, EXIFTAG_OFFSETTIMEORIGINAL, &text) == 1 ||
-             TIFFGetField(tiff, EXIFTAG_OFFSETTIME, &text) == 1) &&
-            text)
-            *ret_zone_known = parse_offset(text, &ret->zone_offset_s);
     }
+    if (*seconds != INT64_MIN)
+        *ret_zone_known = read_zone(tiff, &ret->zone_offset_s);
     /* libtiff hands out a float or a double, whatever its table says. */
     if (TIFFFieldSetGetSize(TIFFFieldWithTag(tiff, EXIFTAG_EXPOSURETIME)) == 8) {
         if (TIFFGetField(tiff, EXIFTAG_EXPOSURETIME, &exposure_s) != 1)

@@ -490,6 +490,7 @@ static void dates_that_are_none_are_not_known(void **state)
 struct exif {
     const char *date, *fraction, *offset, *other_offset;
     double exposure_s;
+    const char *file_date; /* DateTime, beside the folder */
 };
 
 static struct ttf_tiff_info info_of_exif(void **state, const struct exif *exif)
@@ -521,6 +522,8 @@ static struct ttf_tiff_info info_of_exif(void **state, const struct exif *exif)
     assert_int_equal(TIFFWriteCustomDirectory(tiff, &at), 1);
     assert_int_equal(TIFFSetDirectory(tiff, 0), 1);
     TIFFSetField(tiff, TIFFTAG_EXIFIFD, at);
+    if (exif->file_date)
+        TIFFSetField(tiff, TIFFTAG_DATETIME, exif->file_date);
     assert_int_equal(TIFFRewriteDirectory(tiff), 1);
     TIFFClose(tiff);
     assert_int_equal(ttf_tiff_reader_open(ttf_io_posix(), path, &reader, NULL), 0);
@@ -540,21 +543,36 @@ static void what_a_camera_says_of_time_is_read_as_far_as_it_is_a_time(void **sta
         bool zone_known;
         int64_t exposure_ns;
     } cases[] = {
-        {{DAY_2, "25", "+01:30", NULL, 0.5},
+        {{DAY_2, "25", "+01:30", NULL, 0.5, NULL},
          TTF_NS_PER_DAY - 5400 * TTF_NS_PER_S + 250000000,
          5400,
          true,
          500000000},
-        {{DAY_2, NULL, NULL, "-02:00", 0}, TTF_NS_PER_DAY + 7200 * TTF_NS_PER_S, -7200, true, 0},
-        {{DAY_2, "1234567890123", NULL, NULL, 2e6}, TTF_NS_PER_DAY + 123456789, 0, false, 0},
-        {{DAY_2, "1:9", "+24:00", NULL, 0}, TTF_NS_PER_DAY + 100000000, 0, false, 0},
-        {{DAY_2, NULL, "+10:60", NULL, 0}, TTF_NS_PER_DAY, 0, false, 0},
-        {{DAY_2, NULL, "+-1:00", NULL, 0}, TTF_NS_PER_DAY, 0, false, 0},
-        {{DAY_2, NULL, "+01:-1", NULL, 0}, TTF_NS_PER_DAY, 0, false, 0},
-        {{DAY_2, NULL, "noon", NULL, 0}, TTF_NS_PER_DAY, 0, false, 0},
-        {{"no date, no time...", "25", "+01:30", NULL, 0}, TTF_NS_UNKNOWN, 0, false, 0},
-        {{NULL, "25", "+01:30", NULL, 1}, TTF_NS_UNKNOWN, 0, false, 1000000000},
-        {{"9999:12:31 23:59:59", NULL, NULL, NULL, 0}, TTF_NS_UNKNOWN, 0, false, 0},
+        {{DAY_2, NULL, NULL, "-02:00", 0, NULL},
+         TTF_NS_PER_DAY + 7200 * TTF_NS_PER_S,
+         -7200,
+         true,
+         0},
+        {{DAY_2, "1234567890123", NULL, NULL, 2e6, NULL}, TTF_NS_PER_DAY + 123456789, 0, false, 0},
+        {{DAY_2, "1:9", "+24:00", NULL, 0, NULL}, TTF_NS_PER_DAY + 100000000, 0, false, 0},
+        {{DAY_2, NULL, "+10:60", NULL, 0, NULL}, TTF_NS_PER_DAY, 0, false, 0},
+        {{DAY_2, NULL, "+-1:00", NULL, 0, NULL}, TTF_NS_PER_DAY, 0, false, 0},
+        {{DAY_2, NULL, "+01:-1", NULL, 0, NULL}, TTF_NS_PER_DAY, 0, false, 0},
+        {{DAY_2, NULL, "noon", NULL, 0, NULL}, TTF_NS_PER_DAY, 0, false, 0},
+        {{"no date, no time...", "25", "+01:30", NULL, 0, NULL}, TTF_NS_UNKNOWN, 0, false, 0},
+        {{NULL, "25", "+01:30", NULL, 1, NULL}, TTF_NS_UNKNOWN, 0, false, 1000000000},
+        /* The zone is DateTime's, too, whose own fraction nobody writes. */
+        {{NULL, NULL, NULL, "+02:00", 0, DAY_2},
+         TTF_NS_PER_DAY - 7200 * TTF_NS_PER_S,
+         7200,
+         true,
+         0},
+        {{"    :  :     :  :  ", "25", "   :  ", "-01:00", 0, DAY_2},
+         TTF_NS_PER_DAY + 3600 * TTF_NS_PER_S,
+         -3600,
+         true,
+         0},
+        {{"9999:12:31 23:59:59", NULL, NULL, NULL, 0, NULL}, TTF_NS_UNKNOWN, 0, false, 0},
     };
 
     for (unsigned i = 0; i < sizeof(cases) / sizeof(*cases); i++) {

@@ -154,6 +154,26 @@ static void times_that_are_none_are_not_known(void **state)
     }
 }
 
+static void a_time_of_the_picture_that_is_none_gives_way_to_the_files(void **state)
+{
+    static const char *const blank[] = {"", "    :  :     :  :  ", "0000:00:00 00:00:00",
+                                        "          "};
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(blank); i++) {
+        struct ttf_image_info info;
+        struct exif e;
+
+        begin(&e, i % 2);
+        text(&e, 0x132, "2026:01:01 12:00:00");
+        text(&e, 0x9003, blank[i]);
+        text(&e, 0x9291, "25"); /* of a second that is not told */
+        text(&e, 0x9010, "+02:00");
+        info = look(state, &e);
+        assert_true(info.taken_utc_ns == NOON - 7200 * TTF_NS_PER_S);
+        assert_true(info.zone_known);
+    }
+}
+
 static void leap_years_and_years_before_1970_have_their_days(void **state)
 {
     static const struct {
@@ -216,6 +236,7 @@ int main(void)
         T(the_time_of_the_picture_goes_before_that_of_the_file),
         T(zones_are_read_as_far_as_they_are_zones),
         T(times_that_are_none_are_not_known),
+        T(a_time_of_the_picture_that_is_none_gives_way_to_the_files),
         T(leap_years_and_years_before_1970_have_their_days),
         T(a_broken_block_tells_nothing_and_harms_nothing),
         T(pictures_are_turned_upright),
