@@ -132,6 +132,21 @@ static void tell_lenses(struct ttf_session *s)
     }
 }
 
+/* The first one's disk needs a person as after a move; told once the run is armed, which ends what others said before. */
+static void tell_begun_in_second(struct ttf_session *s)
+{
+    char text[2 * 4096 + 256];
+
+    if (!s->from_first)
+        return;
+    snprintf(
+        text, sizeof(text),
+        "cannot be written at the start: the run goes on in the second storage, from slot %lld "
+        "on: %s; before it: %s",
+        (long long)s->grid.first_index, s->path, s->config->path);
+    ttf_committer_alarm(&s->committer, TTF_ALARM_UNTIL_NEW, text);
+}
+
 void ttf_session_tell_beginning(struct ttf_session *s)
 {
     tell_plan(s);
@@ -139,6 +154,7 @@ void ttf_session_tell_beginning(struct ttf_session *s)
     tell_box(s);
     tell_lenses(s);
     tell_armed(s);
+    tell_begun_in_second(s);
 }
 
 void ttf_session_fill_result(const struct ttf_session *s, struct ttf_session_result *ret)

@@ -242,6 +242,9 @@ static void a_storage_that_came_back_read_only_is_gone_on_from_in_the_second(voi
     sim_run_expect(&run, "cccc");
     second_run_expect_both(&run, "ccccwwcc");
     expect_group(&run);
+    assert_int_equal(run.alarms, 1);
+    assert_non_null(strstr(run.alarm_text, "goes on in the second storage, from slot 4 on"));
+    assert_non_null(strstr(run.alarm_text, run.path));
     assert_int_equal(utc_of(&second, 7) - utc_of(&run, 0), 7 * TTF_NS_PER_MIN);
     sim_run_expect_undamaged(&second, true);
     sim_run_finish(&run);

@@ -231,6 +231,29 @@ static void another_interval_ends_at_the_same_instant(void **state)
     }
 }
 
+/* To end by a length of so many whole intervals; with an interval by which a slot is due at the end to the nanosecond. */
+static void a_slot_due_at_its_end_is_none_of_it_however_many_there_were_to_be(void **state)
+{
+    (void)state;
+    for (unsigned i = 0; i < 2; i++) {
+        struct ttf_ask ask = {.kind = TTF_ASK_INTERVAL, .from_index = 2, .interval_ns = 75 * S};
+        struct sim_run run;
+        int64_t n;
+
+        until_init(&run, i == 0 ? TTF_END_COUNT : TTF_END_LENGTH, 4); /* a length of 3:30 */
+        if (i == 0) {
+            ask = (struct ttf_ask){.kind = TTF_ASK_PLAN, .from_index = 2, .plan = run.plan};
+            ask.plan.end = TTF_END_LENGTH;
+            ask.plan.length_ns = 3 * MIN;
+        }
+        n = living_ask(&run, &ask);
+        assert_int_equal(sim_run_boot(&run), 0);
+        living_expect_done(&run, n);
+        until_expect_end(&run, "ccc", "until");
+        living_finish(&run);
+    }
+}
+
 static void asked_for_while_it_runs_it_holds_over_all_of_that(void **state)
 {
     struct sim_run run;
@@ -452,6 +475,7 @@ int main(void)
         cmocka_unit_test(while_nobody_knows_it_comes_to_as_many_as_before),
         cmocka_unit_test(an_outage_of_known_length_changes_nothing),
         cmocka_unit_test(another_interval_ends_at_the_same_instant),
+        cmocka_unit_test(a_slot_due_at_its_end_is_none_of_it_however_many_there_were_to_be),
         cmocka_unit_test(asked_for_while_it_runs_it_holds_over_all_of_that),
         cmocka_unit_test(asked_for_after_an_outage_it_counts_the_outage),
         cmocka_unit_test(a_clock_that_is_corrected_moves_it),
