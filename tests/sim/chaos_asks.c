@@ -187,21 +187,6 @@ void chaos_asks_over(struct chaos *c)
 
 /* ---- what came of it ---- */
 
-bool chaos_plan_load(const struct chaos *c, int plan, struct ttf_plan *ret)
-{
-    char path[160];
-    char *text;
-    size_t bytes;
-    int r;
-
-    snprintf(path, sizeof(path), "%s/plans/%d.json", c->run.path, plan);
-    if (ttf_io_slurp(ttf_io_posix(), path, 1 << 20, &text, &bytes, NULL) < 0)
-        return false;
-    r = ttf_plan_read(text, bytes, path, ret, NULL);
-    free(text);
-    return r == 0;
-}
-
 static bool says(const struct ttf_plan *plan, const struct ttf_ask *ask)
 {
     switch (ask->kind) {
@@ -217,17 +202,18 @@ static bool says(const struct ttf_plan *plan, const struct ttf_ask *ask)
 }
 
 /* Whether some plan that is, or was, in force says it. */
-static bool came_into_force(struct chaos *c, struct ttf_reader *reader, const struct ttf_ask *ask)
+static bool came_into_force(struct chaos *c, const struct chaos_part *part,
+                            const struct ttf_ask *ask)
 {
     struct ttf_segment segment;
     struct ttf_plan plan;
     int last = -1;
 
-    for (int i = 0; i < ttf_reader_summary(reader)->n_segments; i++) {
-        if (ttf_reader_segment(reader, i, &segment) < 0 || segment.plan == last)
+    for (int i = 0; i < ttf_reader_summary(part->reader)->n_segments; i++) {
+        if (ttf_reader_segment(part->reader, i, &segment) < 0 || segment.plan == last)
             continue;
         last = segment.plan;
-        if (!chaos_plan_load(c, last, &plan))
+        if (!chaos_plan_load(part, last, &plan))
             chaos_fail(c, "plan %d of segment %d cannot be read", last, i);
         else if (says(&plan, ask))
             return true;
@@ -235,25 +221,34 @@ static bool came_into_force(struct chaos *c, struct ttf_reader *reader, const st
     return false;
 }
 
-static bool noted(const struct chaos *c, const char *text)
+static bool noted(const struct chaos_part *part, const char *text)
 {
-    char *all = sim_run_text(&c->run, "notes.jsonl");
-    bool found = all && strstr(all, text);
+    char path[160];
+    char *all = NULL;
+    size_t bytes;
+    bool found;
 
+    snprintf(path, sizeof(path), "%s/notes.jsonl", part->path);
+    if (ttf_io_slurp(ttf_io_posix(), path, 1 << 20, &all, &bytes, NULL) < 0)
+        return false;
+    found = strstr(all, text) != NULL;
     free(all);
     return found;
 }
 
-void chaos_asks_check(struct chaos *c, struct ttf_reader *reader)
+void chaos_asks_check(struct chaos *c, const struct chaos_parts *parts)
 {
     for (unsigned i = 0; i < c->n_asks; i++) {
         const struct chaos_ask *a = &c->asks[i];
         const struct ttf_ask *ask = &a->ask;
+        bool found = false;
 
         if (a->state != CHAOS_DONE || ask->kind == TTF_ASK_PAUSE || ask->kind == TTF_ASK_CONTINUE)
             continue;
-        if (ask->kind == TTF_ASK_NOTE ? !noted(c, ask->note.text)
-                                      : !came_into_force(c, reader, ask))
+        for (unsigned p = 0; p < parts->n; p++)
+            found |= ask->kind == TTF_ASK_NOTE ? noted(&parts->part[p], ask->note.text)
+                                               : came_into_force(c, &parts->part[p], ask);
+        if (!found)
             chaos_fail(c, "what ask %u was answered is not there", i);
     }
 }

@@ -19,106 +19,16 @@
 /* A step of UTC is seen at the next tick, and written then if the storage is there. */
 #define SEEN_NS (10 * TTF_NS_PER_S)
 
-/* ---- after each boot ---- */
-
-static bool has_dataset(const struct chaos *c)
-{
-    struct stat st;
-    char path[128];
-
-    snprintf(path, sizeof(path), "%s/dataset.json", c->run.path);
-    return stat(path, &st) == 0;
-}
-
-/* Whole lines that were there must be there for ever. */
-static void check_grown(struct chaos *c, const char *name, char **before)
-{
-    char path[128];
-    char *now = NULL;
-    char *end;
-    size_t bytes;
-
-    snprintf(path, sizeof(path), "%s/%s", c->run.path, name);
-    if (ttf_io_slurp(ttf_io_posix(), path, 1 << 26, &now, &bytes, NULL) < 0) {
-        if (*before)
-            chaos_fail(c, "%s is gone", name);
-        return;
-    }
-    end = strrchr(now, '\n');
-    if (end)
-        end[1] = '\0';
-    else
-        now[0] = '\0';
-    if (*before && strncmp(now, *before, strlen(*before)) != 0)
-        chaos_fail(c, "%s lost or changed lines", name);
-    free(*before);
-    *before = now;
-}
-
-static void check_verify(struct chaos *c, bool deep)
-{
-    struct ttf_verify_options options = {.deep = deep};
-    struct ttf_verify_report report;
-    struct ttf_err err = {0};
-    int r = ttf_verify(ttf_io_posix(), c->run.path, &options, &report, &err);
-
-    if (r < 0) {
-        chaos_fail(c, "verify: %d: %s: %s", r, err.where, err.what);
-        return;
-    }
-    for (unsigned i = 0; i < report.n_findings; i++) {
-        const struct ttf_verify_finding *f = &report.findings[i];
-
-        if (f->severity != TTF_FINDING_LEFTOVER && (f->severity == TTF_FINDING_DAMAGE || deep))
-            chaos_fail(c, "verify: %s: %s: %s", ttf_severity_name(f->severity), f->file, f->text);
-    }
-    /* If the seal's last sync fails, it may be there all the same. */
-    if (c->run.code == 0 && !c->killed && report.sealed != c->run.result.sealed)
-        chaos_fail(c, "sealed %d, but the session said %d", report.sealed, c->run.result.sealed);
-    ttf_verify_report_free(&report);
-}
-
-void chaos_check_boot(struct chaos *c)
-{
-    struct ttf_reader *reader;
-    struct ttf_err err = {0};
-
-    if (!has_dataset(c)) {
-        if (c->told >= 0 || c->kept->records)
-            chaos_fail(c, "the dataset is gone");
-        return;
-    }
-    check_grown(c, "records.jsonl", &c->kept->records);
-    check_grown(c, "events.jsonl", &c->kept->events);
-    check_verify(c, false);
-    if (ttf_reader_open(ttf_io_posix(), c->run.path, &reader, &err) < 0) {
-        chaos_fail(c, "reader: %s: %s", err.where, err.what);
-        return;
-    }
-    if (ttf_reader_summary(reader)->slots > 0 || c->told >= 0) {
-        int64_t last = ttf_reader_summary(reader)->last_index;
-
-        if (last < c->told)
-            chaos_fail(c, "slot %lld was told, %lld is the last", (long long)c->told,
-                       (long long)last);
-        /* A record that reached the disk while the power went was not told any more. */
-        c->told = last;
-    }
-    chaos_asks_check(c, reader);
-    ttf_reader_close(reader);
-}
-
-/* ---- at the end ---- */
-
 struct walk {
     struct chaos *c;
-    struct ttf_reader *reader;
+    struct ttf_reader *reader; /* of the part that the record is of */
     struct ttf_slot_record record;
     struct ttf_segment segment;
-    int64_t power_on_ns;  /* of the record's boot; TTF_NS_UNKNOWN */
-    int64_t last_due_ns;  /* since the first power-on, of the slot before */
-    int64_t interval_ns;  /* of that one's segment */
-    int64_t first_due_ns; /* the same, of slot 0 */
+    int64_t power_on_ns;      /* of the record's boot; TTF_NS_UNKNOWN */
+    int64_t last_power_on_ns; /* of that of the slot before */
+    int64_t last_due_ns;      /* since the first power-on, of the slot before */
+    int64_t interval_ns;      /* of that one's segment */
+    int64_t first_due_ns;     /* the same, of slot 0 */
     double first[TTF_PLAN_SHOTS_MAX][TTF_PLAN_BRACKETS_MAX]; /* mean of the first image of a kind */
     bool dimmed;                                             /* light may change without a flag */
     int64_t last_end_ns;                                     /* the same, of the exposure before */
@@ -129,7 +39,7 @@ static bool flagged(const struct ttf_image *image, const char *flag)
     return strstr(image->flags, flag) != NULL;
 }
 
-static bool any_step(const struct chaos *c)
+bool chaos_any_step(const struct chaos *c)
 {
     for (unsigned i = 0; i < c->run.config.n_faults; i++)
         if (c->run.config.faults[i].kind == TTF_FAULT_CLOCK_STEP)
@@ -147,7 +57,7 @@ static bool unseen_step(const struct chaos *c)
         if (f->kind != TTF_FAULT_CLOCK_STEP)
             continue;
         for (unsigned b = 0; b < c->n_boots; b++)
-            seen |= f->at_ns > c->boots[b].power_on_ns + SEEN_NS &&
+            seen |= !c->boots[b].storage_away && f->at_ns > c->boots[b].power_on_ns + SEEN_NS &&
                     f->at_ns < c->boots[b].ended_ns - SEEN_NS;
         if (!seen || f->rate_per_million > 0)
             return true;
@@ -366,8 +276,8 @@ static void check_middle(struct walk *w)
 }
 
 /*
- * With a clock that is kept, the grid is the first boot's for ever; with another interval the next slot comes one of
- * these later, or the first multiple that can be reached.
+ * With a clock that is kept, the grid is the first boot's for ever, and within a boot in any case, wherever it is written;
+ * with another interval the next slot comes one of these later, or the first multiple that can be reached.
  */
 static int64_t off_grid(const struct walk *w, int64_t due)
 {
@@ -387,17 +297,19 @@ static void check_times(struct walk *w)
     if (due <= w->last_due_ns && !unseen_step(c))
         chaos_fail(c, "slot %lld is due %.3f s before the one before it",
                    (long long)w->record.index, (double)(w->last_due_ns - due) / 1e9);
-    if (c->run.config.rtc && w->record.index > 0 && !unseen_step(c) &&
+    if (w->record.index > 0 &&
+        (w->power_on_ns == w->last_power_on_ns || (c->run.config.rtc && !unseen_step(c))) &&
         llabs(off_grid(w, due)) > TTF_NS_PER_MS)
         chaos_fail(c, "slot %lld left the grid by %.3f s", (long long)w->record.index,
                    (double)off_grid(w, due) / 1e9);
-    if (utc != TTF_NS_UNKNOWN && !any_step(c) &&
+    if (utc != TTF_NS_UNKNOWN && !chaos_any_step(c) &&
         llabs(utc - c->run.config.start_utc_ns - due) > TTF_NS_PER_MS)
         chaos_fail(c, "slot %lld: UTC off by %.3f s", (long long)w->record.index,
                    (double)(utc - c->run.config.start_utc_ns - due) / 1e9);
     if (w->record.index == 0)
         w->first_due_ns = due;
     w->last_due_ns = due;
+    w->last_power_on_ns = w->power_on_ns;
     w->interval_ns = w->segment.interval_ns;
 }
 
@@ -408,9 +320,7 @@ static void find_boot(struct walk *w)
         chaos_fail(w->c, "slot %lld has no segment", (long long)w->record.index);
         return;
     }
-    for (unsigned i = 0; i < w->c->n_boots; i++)
-        if (strcmp(w->c->boots[i].id, w->segment.boot_id) == 0)
-            w->power_on_ns = w->c->boots[i].power_on_ns;
+    w->power_on_ns = chaos_boot_ns(w->c, w->segment.boot_id);
     if (w->power_on_ns == TTF_NS_UNKNOWN)
         chaos_fail(w->c, "slot %lld is of a boot that was not", (long long)w->record.index);
 }
@@ -445,23 +355,24 @@ static void check_slot(struct walk *w, int64_t index)
 }
 
 /* It has as many slots as the plan in force says; of one that ends in time those due before its end. */
-static void check_length(struct walk *w, int64_t slots)
+static void check_length(struct walk *w, const struct chaos_part *part, int64_t slots)
 {
     struct chaos *c = w->c;
     struct ttf_segment last;
     struct ttf_plan plan;
     int64_t end_ns = TTF_NS_UNKNOWN;
 
-    if (ttf_reader_segment(w->reader, ttf_reader_summary(w->reader)->n_segments - 1, &last) < 0 ||
-        !chaos_plan_load(c, last.plan, &plan)) {
+    if (ttf_reader_segment(part->reader, ttf_reader_summary(part->reader)->n_segments - 1, &last) <
+            0 ||
+        !chaos_plan_load(part, last.plan, &plan)) {
         chaos_fail(c, "the plan in force cannot be read");
         return;
     }
     if (plan.end == TTF_END_COUNT && slots != plan.count)
         chaos_fail(c, "%lld records of %lld slots", (long long)slots, (long long)plan.count);
-    if (c->run.config.rtc && !any_step(c) && plan.end == TTF_END_UNTIL)
+    if (c->run.config.rtc && !chaos_any_step(c) && plan.end == TTF_END_UNTIL)
         end_ns = plan.until_utc_ns - c->run.config.start_utc_ns;
-    if (c->run.config.rtc && !any_step(c) && plan.end == TTF_END_LENGTH)
+    if (c->run.config.rtc && !chaos_any_step(c) && plan.end == TTF_END_LENGTH)
         end_ns = w->first_due_ns + plan.length_ns;
     if (end_ns == TTF_NS_UNKNOWN || slots == 0)
         return;
@@ -473,38 +384,60 @@ static void check_length(struct walk *w, int64_t slots)
                    (double)(end_ns - w->last_due_ns - last.interval_ns) / 1e9);
 }
 
-void chaos_check_end(struct chaos *c, bool done)
+/* The slots of one of its datasets, the next one being `next`. The next one then. */
+static int64_t check_part(struct walk *w, const struct chaos_part *part, int64_t next)
 {
-    struct walk w = {.c = c, .last_due_ns = INT64_MIN / 2, .last_end_ns = INT64_MIN / 2};
-    int64_t slots;
+    w->reader = part->reader;
+    if (!ttf_reader_manifest(part->reader)->simulated)
+        chaos_fail(w->c, "it does not say SIMULATED");
+    for (int64_t i = 0; i < part->slots; i++) {
+        if (ttf_reader_slot(part->reader, i, &w->record, NULL) < 0) {
+            chaos_fail(w->c, "slot line %lld cannot be read", (long long)i);
+            continue;
+        }
+        check_slot(w, next++);
+        ttf_slot_record_free(&w->record);
+    }
+    return next;
+}
 
+static bool may_dim(const struct chaos *c)
+{
     for (unsigned i = 0; i < c->run.config.n_faults; i++) {
         enum ttf_fault_kind kind = c->run.config.faults[i].kind;
 
-        w.dimmed |= kind == TTF_FAULT_LAMP_DEAD || kind == TTF_FAULT_LAMP_FADING ||
-                    kind == TTF_FAULT_LAMP_STUCK ||
-                    (kind == TTF_FAULT_DOOR_OPEN && !c->run.config.door_switch);
+        if (kind == TTF_FAULT_LAMP_DEAD || kind == TTF_FAULT_LAMP_FADING ||
+            kind == TTF_FAULT_LAMP_STUCK ||
+            (kind == TTF_FAULT_DOOR_OPEN && !c->run.config.door_switch))
+            return true;
     }
-    if (!has_dataset(c)) {
+    return false;
+}
+
+void chaos_check_end(struct chaos *c, bool done)
+{
+    struct walk w = {.c = c,
+                     .last_due_ns = INT64_MIN / 2,
+                     .last_power_on_ns = TTF_NS_UNKNOWN,
+                     .last_end_ns = INT64_MIN / 2,
+                     .dimmed = may_dim(c)};
+    struct chaos_parts parts;
+    int64_t slots = 0;
+
+    if (!chaos_part_exists(c, 0)) {
         if (done)
             chaos_fail(c, "done without a dataset");
         return;
     }
-    check_verify(c, true);
-    if (ttf_reader_open(ttf_io_posix(), c->run.path, &w.reader, NULL) < 0)
-        return; /* said before */
-    slots = ttf_reader_summary(w.reader)->slots;
-    if (!ttf_reader_manifest(w.reader)->simulated)
-        chaos_fail(c, "it does not say SIMULATED");
-    for (int64_t i = 0; i < slots; i++) {
-        if (ttf_reader_slot(w.reader, i, &w.record, NULL) < 0) {
-            chaos_fail(c, "slot line %lld cannot be read", (long long)i);
-            continue;
-        }
-        check_slot(&w, i);
-        ttf_slot_record_free(&w.record);
-    }
+    for (unsigned storage = 0; storage < 2; storage++)
+        if (chaos_part_exists(c, storage))
+            chaos_check_verify(c, storage, true);
+    if (!chaos_parts_open(c, &parts))
+        return;
+    for (unsigned i = 0; i < parts.n; i++)
+        slots = check_part(&w, &parts.part[i], slots);
+    chaos_parts_check(c, &parts);
     if (done)
-        check_length(&w, slots);
-    ttf_reader_close(w.reader);
+        check_length(&w, &parts.part[parts.n - 1], slots);
+    chaos_parts_close(&parts);
 }

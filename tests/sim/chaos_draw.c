@@ -240,6 +240,8 @@ void chaos_draw(struct chaos *c)
     c->state = c->seed * UINT64_C(0xd1342543de82ef95) + 1;
     sim_run_init(&c->run);
     c->run.scene = "chart"; /* bright, and does not change */
+    c->run.no_waiting =
+        true; /* a killed process loses nothing that it wrote: whether it is synced nobody sees here */
     draw_board(c);
     draw_plan(c);
     draw_cost(c);
@@ -262,6 +264,7 @@ void chaos_draw(struct chaos *c)
     }
     draw_read_only(c, span_ns);
     chaos_asks_draw(c);
+    chaos_second_draw(c);
 }
 
 static void describe_shot(const struct ttf_plan_shot *shot)
@@ -304,5 +307,6 @@ void chaos_describe(const struct chaos *c)
            (long long)c->stop_at[0], (long long)c->stop_at[1], (long long)c->stop_at[2],
            (long long)c->full_from, (long long)c->full_until, c->fail_count, (long long)c->fail_at,
            c->kill_after, (long long)c->kill_at);
+    chaos_second_describe(c);
     chaos_asks_describe(c);
 }
