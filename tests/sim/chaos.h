@@ -51,6 +51,7 @@ struct chaos_second {
     bool mended_when_left;       /* the first works again once the run has moved on */
     int kills[CHAOS_MOVE_KILLS]; /* the process is killed so many operations into a move; -1: not */
     unsigned n_kills;            /* that were */
+    int fail_in_move;            /* one operation fails so many into a move; -1: none */
     unsigned gone_from,
         gone_for;     /* the first's disk is gone in so many of the runs that begin there */
     int unmounted_at; /* the second is not mounted in this run; -1: always is */

@@ -97,6 +97,21 @@ static void check_move(struct chaos *c, bool was_begun)
         check_said(c);
 }
 
+/* What fails in the first ends no run that was begun, as long as the second is well: but for a seal that is all that is missing. */
+static void check_ended(struct chaos *c, const struct chaos_parts *parts)
+{
+    const struct sim_run *run = &c->run;
+    bool storage = run->code == -EIO || run->code == -ENOSPC || run->code == -EROFS;
+
+    if (!c->second.named || c->troubled[1] || !storage || parts->n == 0 ||
+        ttf_reader_summary(parts->part[0].reader)->n_segments == 0 ||
+        strcmp(run->err.where, "main") == 0) /* a camera's */
+        return;
+    if (run->result.total == 0 || chaos_parts_last(parts) + 1 < run->result.total)
+        chaos_fail(c, "it ended with %d, and the second storage is well: %s: %s", run->code,
+                   run->err.where, run->err.what);
+}
+
 /* What was told of each slot is what its record says. */
 static void check_told(struct chaos *c, const struct chaos_parts *parts)
 {
@@ -138,6 +153,7 @@ void chaos_check_boot(struct chaos *c)
         return;
     c->second.begun = parts.n > 0 && parts.part[parts.n - 1].storage == 1;
     check_move(c, was_begun);
+    check_ended(c, &parts);
     for (unsigned storage = 0; storage < 2; storage++) {
         if (!chaos_part_exists(c, storage))
             continue;

@@ -60,6 +60,7 @@ static void draw_cuts(struct chaos *c)
         };
     if (chaos_percent(c, 30)) /* and it begins once more, there */
         c->stop_at[0] = s->from[0] + chaos_between(c, 1, 4);
+    s->fail_in_move = chaos_percent(c, 20) ? (int)chaos_between(c, 0, 40) : -1;
     s->gone_from = (unsigned)chaos_below(c, 2);
     s->gone_for = chaos_percent(c, 40) ? 1 + (unsigned)chaos_below(c, 4) : 0;
     s->unmounted_at = chaos_percent(c, 15) ? (int)chaos_between(c, 1, 4) : -1;
@@ -100,7 +101,8 @@ static bool troubled(const struct chaos *c, unsigned storage)
 
 void chaos_second_draw(struct chaos *c)
 {
-    c->second.kills[0] = c->second.kills[1] = c->second.unmounted_at = -1;
+    c->second.kills[0] = c->second.kills[1] = c->second.fail_in_move = -1;
+    c->second.unmounted_at = -1;
     c->second.named = chaos_percent(c, 45);
     if (c->second.named) {
         second_run_make(&c->run);
@@ -111,6 +113,7 @@ void chaos_second_draw(struct chaos *c)
     }
     for (unsigned storage = 0; storage < 2; storage++)
         c->troubled[storage] = troubled(c, storage);
+    c->troubled[1] |= c->second.fail_in_move >= 0;
 }
 
 void chaos_second_describe(const struct chaos *c)
@@ -123,27 +126,29 @@ void chaos_second_describe(const struct chaos *c)
         return;
     printf("  second storage: the first fails %s once %lld is told, it %s once %lld is; mended "
            "after %u%s; "
-           "killed %d and %d operations into a move; the first gone from %u for %u; unmounted in "
-           "run %d\n",
+           "killed %d and %d operations into a move, %d fails; the first gone from %u for %u; "
+           "unmounted in run %d\n",
            names[s->how[0]], (long long)s->from[0], names[s->how[1]], (long long)s->from[1],
            s->mended_after, s->mended_when_left ? " or when left" : "", s->kills[0], s->kills[1],
-           s->gone_from, s->gone_for, s->unmounted_at);
+           s->fail_in_move, s->gone_from, s->gone_for, s->unmounted_at);
 }
 
 /* ---- while a run lives ---- */
 
-/* Of an operation in the second storage, as long as the run is not known to be gone on with there. */
-static void maybe_kill(struct chaos *c, const char *path)
+/* An operation in the second storage, as long as the run is not known to be gone on with there: 0, or what it fails with. */
+static int in_move(struct chaos *c)
 {
     struct chaos_second *s = &c->second;
+    const int n = (int)s->operations++;
 
-    if (s->begun || !strstr(path, "/second/dataset") || s->n_kills >= CHAOS_MOVE_KILLS ||
-        s->kills[s->n_kills] < 0)
-        return;
-    if (s->operations++ < (unsigned)s->kills[s->n_kills])
-        return;
-    s->n_kills++;
-    chaos_kill(c);
+    if (s->n_kills < CHAOS_MOVE_KILLS && n == s->kills[s->n_kills]) {
+        s->n_kills++;
+        chaos_kill(c);
+    }
+    if (n != s->fail_in_move)
+        return 0;
+    s->fail_in_move = -1;
+    return EIO;
 }
 
 static int answer(enum chaos_failing how, const char *op, const char *path)
@@ -171,7 +176,8 @@ int chaos_second_fault(struct sim_run *run, const char *op, const char *path)
 
     if (!c->second.named)
         return 0;
-    maybe_kill(c, path);
+    if (!c->second.begun && strstr(path, "/second/dataset") && in_move(c) != 0)
+        return EIO;
     return c->told >= c->second.from[storage] ? answer(c->second.how[storage], op, path) : 0;
 }
 
