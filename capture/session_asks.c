@@ -25,6 +25,12 @@ static bool same_end(const struct ttf_plan *a, const struct ttf_plan *b)
     return a->end == b->end && a->until_utc_ns == b->until_utc_ns && a->length_ns == b->length_ns;
 }
 
+/* Where the interval was changed, and no slot has come by that yet, the one before `index` is of the grid before. */
+static const struct ttf_grid *grid_of_last(const struct ttf_session *s, int64_t index)
+{
+    return s->grid.first_index == index ? &s->grid_before : &s->grid;
+}
+
 /* An instant that is new means what the clock says now, or a better one said before in this boot. */
 static int count_until(const struct ttf_session *s, struct changed *to, int64_t index,
                        struct ttf_err *err)
@@ -44,7 +50,7 @@ static int count_until(const struct ttf_session *s, struct changed *to, int64_t 
         to->run.utc_offset_ns = utc.utc_ns - utc.boot_ns;
         to->run.trust = utc.trust;
     }
-    if (is_new && ttf_plan_end_passed(&to->plan, &s->grid, index, &to->run))
+    if (is_new && ttf_plan_end_passed(&to->plan, grid_of_last(s, index), index, &to->run))
         return ttf_err_set(err, -EINVAL, "until", "%lld slots have their records already",
                            (long long)index);
     /* What another end, or another grid, came to is no count that a corrected clock would leave as it is. */
@@ -52,6 +58,17 @@ static int count_until(const struct ttf_session *s, struct changed *to, int64_t 
         to->plan.count = -1;
     to->plan.count = ttf_plan_slots(&to->plan, &to->grid, &to->run);
     return 0;
+}
+
+/* From slot `index` on: one new interval after the slot before it, as if no other change had come in between. */
+static struct ttf_grid grid_with(const struct ttf_session *s, int64_t index, int64_t interval_ns)
+{
+    int64_t ready_ns = ttf_clock_now_ns(s->box->clock) + s->lead_ns + READY_MARGIN_NS;
+    struct ttf_grid grid = s->grid;
+
+    if (index > 0 && grid.first_index == index && grid.interval_ns != interval_ns)
+        grid = (struct ttf_grid){index - 1, ttf_grid_due_ns(grid_of_last(s, index), index - 1), 0};
+    return ttf_grid_changed(&grid, index, interval_ns, ready_ns);
 }
 
 static int changed_plan(const struct ttf_session *s, const struct ttf_ask *ask, int64_t index,
@@ -62,8 +79,7 @@ static int changed_plan(const struct ttf_session *s, const struct ttf_ask *ask, 
 
     if (r < 0)
         return r;
-    to.grid = ttf_grid_changed(&s->grid, index, to.plan.interval_ns,
-                               ttf_clock_now_ns(s->box->clock) + s->lead_ns + READY_MARGIN_NS);
+    to.grid = grid_with(s, index, to.plan.interval_ns);
     if (ttf_plan_ends_in_time(&to.plan))
         r = count_until(s, &to, index, err);
     if (r == 0)
@@ -95,6 +111,8 @@ static void adopt(struct ttf_session *s, const struct changed *to,
 {
     s->plan = to->plan;
     s->figures = to->figures;
+    if (to->grid.first_index > s->grid.first_index)
+        s->grid_before = s->grid;
     s->grid = to->grid;
     s->run = to->run;
     s->segment = segment->segment;

@@ -143,7 +143,7 @@ static int resolve_grid(struct ttf_session *s, struct ttf_resume_input *in, stru
     r = ttf_resume_resolve(in, &s->resume, err);
     if (r < 0)
         return r;
-    s->grid = s->resume.grid;
+    s->grid = s->grid_before = s->resume.grid;
     s->run = s->resume.clock;
     s->past = in->past;
     s->plan.count = s->resume.count;

@@ -39,6 +39,7 @@ struct ttf_session {
 
     struct ttf_lamp_programme programme;
     struct ttf_grid grid;
+    struct ttf_grid grid_before; /* that the slot before grid.first_index is of */
     struct ttf_resume resume;
     struct ttf_run_clock run; /* the run's own time */
     struct ttf_run_past past; /* what its segments before said */

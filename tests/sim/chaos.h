@@ -156,6 +156,9 @@ void chaos_asks_poll(struct chaos *c);
 void chaos_asks_over(struct chaos *c);
 void chaos_asks_check(struct chaos *c, const struct chaos_parts *parts);
 
+/* Whether somebody may have asked for another interval. */
+bool chaos_asks_may_change(const struct chaos *c);
+
 /* Whether somebody may have paused this slot. */
 bool chaos_asks_may_pause(const struct chaos *c, int64_t index);
 

@@ -253,6 +253,18 @@ void chaos_asks_check(struct chaos *c, const struct chaos_parts *parts)
     }
 }
 
+bool chaos_asks_may_change(const struct chaos *c)
+{
+    for (unsigned i = 0; i < c->n_asks; i++) {
+        const struct chaos_ask *a = &c->asks[i];
+
+        if (a->state != CHAOS_NOT_ASKED &&
+            (a->ask.kind == TTF_ASK_INTERVAL || a->ask.kind == TTF_ASK_PLAN))
+            return true;
+    }
+    return false;
+}
+
 bool chaos_asks_may_pause(const struct chaos *c, int64_t index)
 {
     for (unsigned i = 0; i < c->n_asks; i++) {

@@ -283,7 +283,8 @@ static int64_t off_grid(const struct walk *w, int64_t due)
 {
     int64_t interval = w->segment.interval_ns, step = due - w->last_due_ns;
 
-    if (interval == w->interval_ns || step < interval)
+    /* It may have been another in between, for no slot. */
+    if ((interval == w->interval_ns && !chaos_asks_may_change(w->c)) || step < interval)
         return step - interval;
     return (step + interval / 2) % interval - interval / 2;
 }

@@ -96,6 +96,57 @@ static void another_interval_begins_a_segment_and_renumbers_nothing(void **state
     living_finish(&run);
 }
 
+/* With 11 s the next slot can only be met at the second multiple; that is no slot to count the other interval from. */
+static void changed_twice_before_a_slot_the_next_comes_one_interval_after_the_last(void **state)
+{
+    static const int64_t intervals_s[] = {25, 60}; /* another, and the one of before */
+
+    (void)state;
+    for (unsigned i = 0; i < 2; i++) {
+        const int64_t interval_ns = intervals_s[i] * TTF_NS_PER_S;
+        struct sim_run run;
+        int64_t first, then;
+
+        living_init(&run);
+        first = living_ask(&run, &(struct ttf_ask){.kind = TTF_ASK_INTERVAL,
+                                                   .from_index = 3,
+                                                   .interval_ns = 11 * TTF_NS_PER_S});
+        then = living_ask(&run, &(struct ttf_ask){.kind = TTF_ASK_INTERVAL,
+                                                  .from_index = 3,
+                                                  .interval_ns = interval_ns});
+        assert_int_equal(sim_run_boot(&run), 0);
+        living_expect_done(&run, first);
+        living_expect_done(&run, then);
+        sim_run_expect(&run, "cccccc");
+        assert_int_equal(sim_run_due_of(&run, 3) - sim_run_due_of(&run, 2), interval_ns);
+        assert_int_equal(sim_run_due_of(&run, 5) - sim_run_due_of(&run, 3), 2 * interval_ns);
+        sim_run_expect_whole(&run, true);
+        living_finish(&run);
+    }
+}
+
+/* Between the last slot, due at 2:13, and the one that was to come; the other interval puts none in between. */
+static void an_end_behind_the_last_slot_is_taken_whatever_was_changed_before_the_next(void **state)
+{
+    struct sim_run run;
+    int64_t interval, until;
+
+    (void)state;
+    living_init(&run);
+    interval = living_ask(&run, &(struct ttf_ask){.kind = TTF_ASK_INTERVAL,
+                                                  .from_index = 3,
+                                                  .interval_ns = 11 * TTF_NS_PER_S});
+    until = living_ask(
+        &run, &(struct ttf_ask){.kind = TTF_ASK_UNTIL,
+                                .from_index = 3,
+                                .until_utc_ns = run.config.start_utc_ns + 140 * TTF_NS_PER_S});
+    assert_int_equal(sim_run_boot(&run), 0);
+    living_expect_done(&run, interval);
+    living_expect_done(&run, until);
+    sim_run_expect(&run, "ccc");
+    living_finish(&run);
+}
+
 static void a_pause_is_recorded_slot_by_slot_with_its_reason(void **state)
 {
     struct sim_run run;
@@ -364,6 +415,8 @@ int main(void)
         cmocka_unit_test(a_run_is_cut_short_when_asked_and_sealed),
         cmocka_unit_test(a_run_goes_on_until_an_instant),
         cmocka_unit_test(another_interval_begins_a_segment_and_renumbers_nothing),
+        cmocka_unit_test(an_end_behind_the_last_slot_is_taken_whatever_was_changed_before_the_next),
+        cmocka_unit_test(changed_twice_before_a_slot_the_next_comes_one_interval_after_the_last),
         cmocka_unit_test(a_pause_is_recorded_slot_by_slot_with_its_reason),
         cmocka_unit_test(a_pause_does_not_outlive_a_power_cut),
         cmocka_unit_test(a_stop_is_obeyed_and_the_run_gone_on_with),
