@@ -16,7 +16,7 @@
 /* A reading of the door or of a lamp comes so much later than its exposure. */
 #define READING_NS (200 * TTF_NS_PER_MS)
 
-/* A step of UTC is seen at the next tick, and written then if the storage is there. */
+/* A step of UTC is seen at the next tick, and written then if the storage is there, behind the work that waits. */
 #define SEEN_NS (10 * TTF_NS_PER_S)
 
 struct walk {
@@ -50,15 +50,18 @@ bool chaos_any_step(const struct chaos *c)
 /* UTC was stepped while no run looked: nobody can tell that from an outage. */
 static bool unseen_step(const struct chaos *c)
 {
-    for (unsigned i = 0; i < c->run.config.n_faults; i++) {
-        const struct ttf_fault *f = &c->run.config.faults[i];
+    const struct ttf_sim_config *config = &c->run.config;
+    const int64_t work_ns = 18 * config->cost_commit_ns + 60 * config->cost_develop_ns;
+
+    for (unsigned i = 0; i < config->n_faults; i++) {
+        const struct ttf_fault *f = &config->faults[i];
         bool seen = false;
 
         if (f->kind != TTF_FAULT_CLOCK_STEP)
             continue;
         for (unsigned b = 0; b < c->n_boots; b++)
             seen |= !c->boots[b].storage_away && f->at_ns > c->boots[b].power_on_ns + SEEN_NS &&
-                    f->at_ns < c->boots[b].ended_ns - SEEN_NS;
+                    f->at_ns < c->boots[b].ended_ns - SEEN_NS - work_ns;
         if (!seen || f->rate_per_million > 0)
             return true;
     }
