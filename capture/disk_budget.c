@@ -58,6 +58,14 @@ static int write_probe(struct ttf_io *io, int file, int64_t bytes)
     return r < 0 ? r : io->ops->sync(io, file, false);
 }
 
+/* A new file. One of that name was left by a try whose power went; if it cannot be removed, that is what is wrong. */
+static int begin_probe(struct ttf_io *io, const char *path)
+{
+    int r = io->ops->unlink(io, path);
+
+    return r < 0 && r != -ENOENT ? r : io->ops->open(io, path, TTF_IO_CREATE_NEW);
+}
+
 /* Writes, syncs and removes a file; bytes per second. */
 static int64_t measure(struct ttf_io *io, const char *folder, struct ttf_clock *clock,
                        int64_t bytes)
@@ -69,8 +77,7 @@ static int64_t measure(struct ttf_io *io, const char *folder, struct ttf_clock *
     int r;
 
     snprintf(path, sizeof(path), "%s/.write-speed.tmp", folder);
-    (void)io->ops->unlink(io, path);
-    file = io->ops->open(io, path, TTF_IO_CREATE_NEW);
+    file = begin_probe(io, path);
     if (file < 0)
         return file;
     began = ttf_clock_now_ns(clock);
@@ -179,8 +186,7 @@ static int try_writing(struct ttf_io *io, const char *folder)
     int r;
 
     snprintf(path, sizeof(path), "%s/.second-storage.tmp", folder);
-    (void)io->ops->unlink(io, path);
-    file = io->ops->open(io, path, TTF_IO_CREATE_NEW);
+    file = begin_probe(io, path);
     if (file < 0)
         return file;
     r = ttf_io_pwrite_all(io, file, path, 16, 0);

@@ -33,6 +33,7 @@ enum chaos_failing {
     CHAOS_FAILS_NOT = 0,
     CHAOS_FAILS_SYNC,      /* its syncs give EIO */
     CHAOS_FAILS_FRAMES,    /* no file of an image can be written: bad blocks */
+    CHAOS_FAILS_RECORDS,   /* no record can be written, though images can */
     CHAOS_FAILS_IO,        /* EIO */
     CHAOS_FAILS_FULL,      /* ENOSPC */
     CHAOS_FAILS_READ_ONLY, /* EROFS */
@@ -139,8 +140,11 @@ void chaos_fail(struct chaos *c, const char *format, ...) __attribute__((format(
 /* After each boot: nothing committed was lost or changed, nothing is damaged (chaos_boot.c). */
 void chaos_check_boot(struct chaos *c);
 
-/* ttf_verify of the dataset in a storage. deep: at the end. */
-void chaos_check_verify(struct chaos *c, unsigned storage, bool deep);
+/*
+ * ttf_verify of the dataset in a storage; every byte (deep). clean: and nothing but what a cut leaves. On a storage that
+ * fails to the end, a file that could not be removed may be left.
+ */
+void chaos_check_verify(struct chaos *c, unsigned storage, bool deep, bool clean);
 
 /* ---- what is asked (chaos_asks.c): drawn, and told ---- */
 

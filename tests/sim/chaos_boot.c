@@ -40,7 +40,7 @@ static void check_grown(struct chaos *c, unsigned storage, const char *name, boo
     *before = now;
 }
 
-void chaos_check_verify(struct chaos *c, unsigned storage, bool deep)
+void chaos_check_verify(struct chaos *c, unsigned storage, bool deep, bool clean)
 {
     struct ttf_verify_options options = {.deep = deep};
     struct ttf_verify_report report;
@@ -58,7 +58,7 @@ void chaos_check_verify(struct chaos *c, unsigned storage, bool deep)
     for (unsigned i = 0; i < report.n_findings; i++) {
         const struct ttf_verify_finding *f = &report.findings[i];
 
-        if (f->severity != TTF_FINDING_LEFTOVER && (f->severity == TTF_FINDING_DAMAGE || deep))
+        if (f->severity != TTF_FINDING_LEFTOVER && (f->severity == TTF_FINDING_DAMAGE || clean))
             chaos_fail(c, "verify of storage %u: %s: %s: %s", storage,
                        ttf_severity_name(f->severity), f->file, f->text);
     }
@@ -161,7 +161,7 @@ void chaos_check_boot(struct chaos *c)
                     &c->kept[storage].records);
         check_grown(c, storage, "events.jsonl", storage == 0 && was_begun,
                     &c->kept[storage].events);
-        chaos_check_verify(c, storage, false);
+        chaos_check_verify(c, storage, false, false);
     }
     check_told(c, &parts);
     check_last(c, &parts);

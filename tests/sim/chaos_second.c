@@ -119,7 +119,8 @@ void chaos_second_draw(struct chaos *c)
 void chaos_second_describe(const struct chaos *c)
 {
     static const char *const names[CHAOS_FAILING_COUNT] = {
-        "not", "by its syncs", "by images", "with errors", "full", "read-only", "with no room"};
+        "not",         "by its syncs", "by images", "by records",
+        "with errors", "full",         "read-only", "with no room"};
     const struct chaos_second *s = &c->second;
 
     if (!s->named)
@@ -158,6 +159,8 @@ static int answer(enum chaos_failing how, const char *op, const char *path)
         return strncmp(op, "sync", 4) == 0 ? EIO : 0;
     case CHAOS_FAILS_FRAMES:
         return strstr(path, "/frames/") ? EIO : 0;
+    case CHAOS_FAILS_RECORDS:
+        return sim_run_path_ends(path, "/records.jsonl") ? EIO : 0;
     case CHAOS_FAILS_IO:
         return EIO;
     case CHAOS_FAILS_FULL:

@@ -186,7 +186,7 @@ static int fail_one(void *ctx, const char *op, const char *path)
 /* Found out at the beginning, not at the first slot. */
 static void a_disk_that_takes_nothing_is_refused_and_nothing_stays_on_it(void **state)
 {
-    static const char *const ops[] = {"open", "pwrite", "sync"};
+    static const char *const ops[] = {"open", "pwrite", "sync", "unlink"};
     struct ttf_clock *clock = ttf_clock_real_create();
     struct ttf_io *bad = ttf_io_faulty_create(&small, fail_one, NULL);
     struct ttf_plan plan;
@@ -198,7 +198,7 @@ static void a_disk_that_takes_nothing_is_refused_and_nothing_stays_on_it(void **
     plan_of(&plan, &figures);
     free_bytes = INT64_C(1) << 40;
     snprintf(plan.second_storage, sizeof(plan.second_storage), "%s", folder);
-    for (unsigned i = 0; i < 3; i++) {
+    for (unsigned i = 0; i < 4; i++) {
         fails_op = ops[i];
         assert_int_equal(ttf_disk_budget_check(bad, folder, clock, &plan, &figures, NULL, &err),
                          -EIO);
