@@ -2,13 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # ttfboxd listens at a network interface that comes late, gets another address, and is made anew, while it captures, and answers to its name
 # there: in a network of its own, with a PC in another one at the other end.
-if [ -z "${IN_NETWORK:-}" ]; then
-    if ! unshare -rn ip link add usb0 type veth peer name pc0 2>/dev/null; then
-        echo "no network of its own can be made here (unshare -rn, ip, veth)"
-        exit 77
-    fi
-    IN_NETWORK=1 exec unshare -rn bash "$0"
-fi
+. "$(dirname "$0")/network.bash"
 . "$(dirname "$0")/cli.bash"
 . "$(dirname "$0")/bench.bash"
 . "$(dirname "$0")/server.bash"
@@ -49,8 +43,6 @@ for _ in $(seq 100); do
     [ "$(readlink /proc/$pc/ns/net)" != "$(readlink /proc/$$/ns/net)" ] && break
     sleep 0.05
 done
-ip link set lo up
-ip link del usb0
 begin_daemon
 heard 'listening at="127.0.0.1:8417"'
 heard 'unreachable at="usb0:8417"'

@@ -1,13 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # `ttfbox serve` listens at a network interface that gets another address, goes, and comes again: in a network of its own.
-if [ -z "${IN_NETWORK:-}" ]; then
-    if ! unshare -rn ip link add net0 type veth peer name pc0 2>/dev/null; then
-        echo "no network of its own can be made here (unshare -rn, ip, veth)"
-        exit 77
-    fi
-    IN_NETWORK=1 exec unshare -rn bash "$0"
-fi
+. "$(dirname "$0")/network.bash"
 . "$(dirname "$0")/cli.bash"
 . "$(dirname "$0")/server.bash"
 
@@ -34,7 +28,6 @@ gone() { # ADDRESS
     curl -sS -m 5 -o out "http://$1:8417/api/v1/health" 2>err && fail "$1 still answers"
 }
 
-ip link set lo up
 mkdir data
 umask 077
 head -c 24 /dev/urandom | xxd -p >token
