@@ -94,6 +94,28 @@ export class Browser {
     assert.ok(wide <= 0, `${where}: ${wide} pixels stick out to the side`);
   }
 
+  // Part by part, each timed, and nothing may go wrong in one; then `last`, where something may. Where anything fails: a picture of it, and what
+  // went wrong besides. In the end `over`, in any case.
+  async does(parts, { shots, last = () => {}, over }) {
+    try {
+      for (const part of parts) {
+        const begun = Date.now();
+        await part();
+        this.fine(part.name);
+        console.log(`${part.name.replaceAll("_", " ")}: ${((Date.now() - begun) / 1000).toFixed(1)} s`);
+      }
+      await last();
+    } catch (error) {
+      if (shots)
+        await this.page.screenshot({ path: join(shots, "failed.png"), fullPage: true }).catch(() => {});
+      console.error(`wrong so far: ${JSON.stringify(this.wrong)}`);
+      throw error;
+    } finally {
+      over();
+      await this.stop();
+    }
+  }
+
   async stop() {
     await this.context?.close();
     rmSync(this.folder, { recursive: true, force: true, maxRetries: 5 });

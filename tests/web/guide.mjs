@@ -288,21 +288,7 @@ async function boards_are_seen_checked_and_sent() {
   assert.deepEqual((await daemon.ask("boards")).boards.filter((b) => b.sent), []);
 }
 
-try {
-  for (const part of [the_token_is_given, what_is_refused_is_said_in_the_pages_words, a_plan_that_was_chosen_holds_before_the_others_are_known, what_was_typed_into_the_guide_stays, dark_and_flat_are_taken, a_chart_is_marked_and_taken, a_grid_is_taken,
-    what_was_typed_into_a_plan_stays, boards_are_seen_checked_and_sent]) {
-    const begun = Date.now();
-    await part();
-    browser.fine(part.name);
-    console.log(`${part.name.replaceAll("_", " ")}: ${((Date.now() - begun) / 1000).toFixed(1)} s`);
-  }
-  assert.equal(await daemon.kill("SIGTERM"), 0, "the daemon ends cleanly");
-} catch (error) {
-  if (shots)
-    await page.screenshot({ path: `${shots}/failed.png`, fullPage: true }).catch(() => {});
-  console.error(`wrong so far: ${JSON.stringify(browser.wrong)}`);
-  throw error;
-} finally {
-  daemon.child.kill("SIGKILL");
-  await browser.stop();
-}
+const the_daemon_ends_cleanly = async () => assert.equal(await daemon.kill("SIGTERM"), 0, "the daemon ends cleanly");
+await browser.does([the_token_is_given, what_is_refused_is_said_in_the_pages_words, a_plan_that_was_chosen_holds_before_the_others_are_known, what_was_typed_into_the_guide_stays, dark_and_flat_are_taken, a_chart_is_marked_and_taken, a_grid_is_taken,
+  what_was_typed_into_a_plan_stays, boards_are_seen_checked_and_sent],
+  { shots, last: the_daemon_ends_cleanly, over: () => daemon.child.kill("SIGKILL") });

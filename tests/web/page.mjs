@@ -535,14 +535,7 @@ async function a_stopped_box_says_stopped() {
   await until("it goes on", async () => /^Capturing/.test(await state()), 60000);
 }
 
-try {
-  for (const part of [nothing_is_shown_without_the_token, a_region_is_drawn_in_live_view, a_button_stays_while_pictures_come, live_view_asks_for_one_at_a_time, focus_is_measured_in_the_cameras_own_pixels, a_charts_corners_go_into_the_calibration, a_calibration_is_made_and_used, a_run_is_started_from_the_wizard, that_lamps_warm_up_is_said, slots_arrive_and_the_countdown_runs,
-    a_second_page_asks_for_no_second_stream, a_killed_daemon_is_missed_and_found_again, the_dataset_is_scrubbed_and_charted, the_preview_is_beside_what_was_captured, what_is_downloaded_verifies, a_stopped_box_says_stopped]) {
-    const begun = Date.now();
-    await part();
-    browser.fine(part.name);
-    console.log(`${part.name.replaceAll("_", " ")}: ${((Date.now() - begun) / 1000).toFixed(1)} s`);
-  }
+async function nothing_is_calibrated_beside_a_run() {
   await go("Calibrate");
   await page.getByText("the camera belongs to it").waitFor();
   assert.ok(await page.getByRole("button", { name: "Take the dark" }).isDisabled(), "nothing is calibrated beside a run");
@@ -554,6 +547,9 @@ try {
     await until(`${JSON.stringify(status)}: may a step be taken?`, async () => await page.getByRole("button", { name: "Take the dark" }).isDisabled() === !!text);
     await page.unroute("**/api/v1/status");
   }
+}
+
+async function an_alarm_is_read_out_once() {
   await go("Now");
   await page.route("**/api/v1/status", (route) => route.fulfill({ json: { state: "idle", alarms: [{ text: "the lamp is too hot" }] } }));
   const alarm = page.getByRole("alert").getByText("the lamp is too hot");
@@ -564,14 +560,10 @@ try {
   assert.ok(await alarm.evaluate((e) => e.kept), "an alarm is read out once");
   await browser.accessible("an alarm");
   await page.unroute("**/api/v1/status");
-  browser.fine("calibrate");
-  assert.equal(await daemon.kill("SIGTERM"), 0, "the daemon ends cleanly");
-} catch (error) {
-  if (shots)
-    await page.screenshot({ path: `${shots}/failed.png`, fullPage: true }).catch(() => {});
-  console.error(`wrong so far: ${JSON.stringify(browser.wrong)}`);
-  throw error;
-} finally {
-  daemon.child.kill("SIGKILL");
-  await browser.stop();
 }
+
+const the_daemon_ends_cleanly = async () => assert.equal(await daemon.kill("SIGTERM"), 0, "the daemon ends cleanly");
+await browser.does([nothing_is_shown_without_the_token, a_region_is_drawn_in_live_view, a_button_stays_while_pictures_come, live_view_asks_for_one_at_a_time, focus_is_measured_in_the_cameras_own_pixels, a_charts_corners_go_into_the_calibration, a_calibration_is_made_and_used, a_run_is_started_from_the_wizard, that_lamps_warm_up_is_said, slots_arrive_and_the_countdown_runs,
+  a_second_page_asks_for_no_second_stream, a_killed_daemon_is_missed_and_found_again, the_dataset_is_scrubbed_and_charted, the_preview_is_beside_what_was_captured, what_is_downloaded_verifies, a_stopped_box_says_stopped,
+  nothing_is_calibrated_beside_a_run, an_alarm_is_read_out_once],
+  { shots, last: the_daemon_ends_cleanly, over: () => daemon.child.kill("SIGKILL") });

@@ -174,20 +174,6 @@ async function a_server_that_comes_back_is_found() {
   browser.expected = null;
 }
 
-try {
-  for (const part of [what_people_wrote_is_text_and_has_its_place, each_of_ten_thousand_slots_can_be_reached, a_dataset_grows_under_ones_eyes,
-    another_dataset_of_the_same_name_is_another, a_server_that_comes_back_is_found]) {
-    const begun = Date.now();
-    await part();
-    browser.fine(part.name);
-    console.log(`${part.name.replaceAll("_", " ")}: ${((Date.now() - begun) / 1000).toFixed(1)} s`);
-  }
-} catch (error) {
-  if (shots)
-    await page.screenshot({ path: `${shots}/failed.png`, fullPage: true }).catch(() => {});
-  console.error(`wrong so far: ${JSON.stringify(browser.wrong)}`);
-  throw error;
-} finally {
-  server.kill("SIGKILL");
-  await browser.stop();
-}
+await browser.does([what_people_wrote_is_text_and_has_its_place, each_of_ten_thousand_slots_can_be_reached, a_dataset_grows_under_ones_eyes,
+  another_dataset_of_the_same_name_is_another, a_server_that_comes_back_is_found],
+  { shots, over: () => server.kill("SIGKILL") });
