@@ -435,7 +435,7 @@ void chaos_check_end(struct chaos *c, bool done)
     }
     for (unsigned storage = 0; storage < 2; storage++)
         if (chaos_part_exists(c, storage))
-            chaos_check_verify(c, storage, true, done);
+            chaos_check_verify(c, storage, true, done && storage == c->second.begun);
     if (!chaos_parts_open(c, &parts))
         return;
     for (unsigned i = 0; i < parts.n; i++)
