@@ -151,7 +151,7 @@ static const struct cfg_field SIM[] = {
      "without rtc: when after a later power-on UTC is given again; 0s: never", 0, 0},
     TABLE("cost", COST, "virtual time that work takes"),
     {"scene", NULL, 0, 0, 0, NULL, 0, 0}, /* read from the board's own struct */
-    {"mains", cfg_double_hz, S(mains_hz), 50, 60, "50Hz or 60Hz", 0, 0},
+    {"mains", cfg_double_mains, S(mains_hz), 50, 60, "50Hz or 60Hz", 0, 0},
     {"ambient", cfg_double_ratio, S(ambient), 0, 10, "light that leaks in", 0, 0},
     {"daylight", cfg_double_ratio, S(daylight), 0, 100, "open air: peak of a day's light", 0, 0},
     TABLE("room", ROOM, "temperatures"),

@@ -76,6 +76,7 @@ cfg_read_fn cfg_double;            /* a plain number */
 cfg_read_fn cfg_double_px;         /* a plain number, "px" allowed */
 cfg_read_fn cfg_double_ratio;      /* a plain number or a share */
 cfg_read_fn cfg_double_hz;
+cfg_read_fn cfg_double_mains; /* 50 or 60; "none", which is 0, where lo is 0 */
 cfg_read_fn cfg_double_degc;
 cfg_read_fn cfg_bool;
 cfg_read_fn cfg_enum;    /* int; extra: struct cfg_name[] */

@@ -44,22 +44,10 @@ static int read_start(const struct cfg_field *field, struct yaml_node *node, voi
         *(int64_t *)at = 0;
         return 0;
     }
-    return cfg_i64_utc(field, node, at, err);
-}
+    int r = cfg_i64_utc(field, node, at, err);
 
-/* 50Hz, 60Hz or none. */
-static int read_mains(const struct cfg_field *field, struct yaml_node *node, void *at,
-                      struct ttf_err *err)
-{
-    double hz = 0;
-    int r = 0;
-
-    if (node->kind != YAML_SCALAR || strcmp(node->text, "none") != 0)
-        r = cfg_double_hz(field, node, &hz, err);
-    if (r == 0 && hz != 0 && hz != 50 && hz != 60)
-        return cfg_error(node, err, field->meant, "no mains has %s", node->text);
-    if (r == 0)
-        *(double *)at = hz;
+    if (r == 0 && *(int64_t *)at == 0)
+        *(int64_t *)at = 1; /* 1970, which has passed: 0 is now */
     return r;
 }
 
@@ -221,7 +209,7 @@ static const struct cfg_field PLAN[] = {
      LAMPS, 0},
     {"shot", read_shot, 0, 0, 0, "one shot", 0, 0},
     {"shots", read_shots, 0, 0, 0, "the exposures of a slot, at most 8", 0, 0},
-    {"mains", read_mains, P(mains_hz), 0, 0, "50Hz, 60Hz or none", 0, 0},
+    {"mains", cfg_double_mains, P(mains_hz), 0, 0, "50Hz, 60Hz or none", 0, 0},
     {"region", cfg_section, P(region), 0, 0, "part of the frame that is kept", REGION, 0},
     {"reference", cfg_section, P(reference), 0, 0, "patch whose level is watched", REGION, 0},
     {"keep", cfg_enum, P(keep), 0, 0, "raw, developed, both or default", KEEPS, 0},

@@ -212,8 +212,11 @@ int cfg_double_px(const struct cfg_field *field, struct yaml_node *node, void *a
 {
     char *unit = node->kind == YAML_SCALAR ? strstr(node->text, "px") : NULL;
 
-    if (unit && !unit[2])
+    if (unit && !unit[2]) {
         *unit = '\0';
+        if (unit > node->text && unit[-1] == ' ')
+            unit[-1] = '\0';
+    }
     return cfg_double(field, node, at, err);
 }
 
@@ -230,6 +233,21 @@ int cfg_double_hz(const struct cfg_field *field, struct yaml_node *node, void *a
                   struct ttf_err *err)
 {
     return read_scaled(field, node, TTF_UNIT_FREQUENCY, 1e3, at, err);
+}
+
+int cfg_double_mains(const struct cfg_field *field, struct yaml_node *node, void *at,
+                     struct ttf_err *err)
+{
+    double hz = 0;
+    int r = 0;
+
+    if (node->kind != YAML_SCALAR || strcmp(node->text, "none") != 0 || field->lo > 0)
+        r = cfg_double_hz(field, node, &hz, err);
+    if (r == 0 && hz != 0 && hz != 50 && hz != 60)
+        return cfg_error(node, err, field->meant, "no mains has %s", node->text);
+    if (r == 0)
+        *(double *)at = hz;
+    return r;
 }
 
 int cfg_double_degc(const struct cfg_field *field, struct yaml_node *node, void *at,

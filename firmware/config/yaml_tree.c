@@ -117,11 +117,27 @@ static int add_node(struct builder *b, enum yaml_kind kind, const yaml_event_t *
     return 0;
 }
 
+/* Of a value, a map or a list; NULL: none. */
+static const char *tag_of(const yaml_event_t *event)
+{
+    const yaml_char_t *tag =
+        event->type == YAML_SCALAR_EVENT           ? event->data.scalar.tag
+        : event->type == YAML_MAPPING_START_EVENT  ? event->data.mapping_start.tag
+        : event->type == YAML_SEQUENCE_START_EVENT ? event->data.sequence_start.tag
+                                                   : NULL;
+
+    return (const char *)tag;
+}
+
 static int take_event(struct builder *b, const yaml_event_t *event)
 {
     unsigned line = (unsigned)event->start_mark.line + 1;
     unsigned col = (unsigned)event->start_mark.column + 1;
+    const char *tag = tag_of(event);
 
+    if (tag)
+        return fail(b, line, col, "tags are not read: ", tag,
+                    "leave it out: units say what a value is");
     switch (event->type) {
     case YAML_DOCUMENT_START_EVENT:
         if (++b->documents > 1)
@@ -131,9 +147,6 @@ static int take_event(struct builder *b, const yaml_event_t *event)
         return fail(b, line, col, "aliases are not read: *", (const char *)event->data.alias.anchor,
                     "write the value out");
     case YAML_SCALAR_EVENT:
-        if (event->data.scalar.tag)
-            return fail(b, line, col, "tags are not read: ", (const char *)event->data.scalar.tag,
-                        "leave it out: units say what a value is");
         return add_node(b, YAML_SCALAR, event);
     case YAML_MAPPING_START_EVENT:
         return add_node(b, YAML_MAP, event);
@@ -175,6 +188,11 @@ static bool is_empty(const struct yaml_node *root)
     return !root || (root->kind == YAML_SCALAR && !root->quoted && (!root->text || !*root->text));
 }
 
+static bool is_utf16(const char *text, size_t bytes)
+{
+    return bytes >= 2 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0);
+}
+
 int yaml_tree_parse(const char *name, const char *meant, const char *text, size_t bytes,
                     struct yaml_tree *ret, struct ttf_err *err)
 {
@@ -185,6 +203,12 @@ int yaml_tree_parse(const char *name, const char *meant, const char *text, size_
 
     if (!tree.name)
         return ttf_err_set(err, -ENOMEM, name, "no memory");
+    if (is_utf16(text,
+                 bytes)) { /* which libyaml would read, and whoever keeps the text would not */
+        r = fail(&b, 1, 1, "the text is UTF-16", "", "save it as UTF-8");
+        free(tree.name);
+        return r;
+    }
     if (!yaml_parser_initialize(&parser)) {
         free(tree.name);
         return ttf_err_set(err, -ENOMEM, name, "no memory");
@@ -395,6 +419,11 @@ int yaml_tree_set(struct yaml_tree *tree, const char *path, const char *text, st
     for (const char *p = path; *p;) {
         size_t n = strcspn(p, ".");
 
+        if (is_empty(at)) { /* as "sim:" with nothing below */
+            free(at->text);
+            at->text = NULL;
+            at->kind = YAML_MAP;
+        }
         if (n == 0 || n >= sizeof name || at->kind != YAML_MAP) {
             r = ttf_err_set(err, -EINVAL, where, "there is no such place in %s", tree->name);
             ttf_err_hint(err, "write keys with points between, as in sim.optics.blur=0px");

@@ -459,6 +459,13 @@ static void overrides_change_any_key_and_name_themselves_when_wrong(void **state
     assert_int_equal(b.sim.faults[0].kind, TTF_FAULT_POWER_CUT);
     assert_string_equal(b.scene.name, "copper");
     assert_true(b.sim.lamps[0].info.max_on_ns == TTF_NS_PER_H);
+    /* below a key that has nothing yet, too */
+    if (board_text(HEAD LAMPS "sim:\n", good, 4, &b, &err) != 0)
+        fail_msg("%s: %s", err.where, err.what);
+    assert_true(b.sim.blur_px == 2);
+    if (board_text(HEAD "sim: {optics: {blur: 0.7 px}}\n", NULL, 0, &b, &err) != 0)
+        fail_msg("%s: %s", err.where, err.what);
+    assert_true(b.sim.blur_px == 0.7);
     assert_int_equal(board_text(HEAD, &unknown, 1, &b, &err), -EINVAL);
     assert_non_null(strstr(err.where, "--set sim.optics.blurr"));
     assert_non_null(strstr(err.hint, "'blur'"));

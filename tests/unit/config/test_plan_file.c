@@ -161,8 +161,11 @@ static void a_start_that_has_passed_is_refused_with_its_line(void **state)
     now.trust = TTF_TRUST_NONE;
     assert_int_equal(ttf_plan_file_check_start(file, &now, &err), 0);
     ttf_plan_file_free(file);
-    file = parse(P);
+    file = parse(P "start: 1970-01-01T00:00:00Z\n"); /* an instant as any other */
     now.trust = TTF_TRUST_RTC;
+    assert_int_equal(ttf_plan_file_check_start(file, &now, &err), -EINVAL);
+    ttf_plan_file_free(file);
+    file = parse(P);
     assert_int_equal(ttf_plan_file_check_start(file, &now, &err), 0);
     ttf_plan_file_free(file);
 }
@@ -220,6 +223,9 @@ static const struct {
     /* what YAML allows and a plan does not */
     {P "title: &a x\nzone: *a\n", "p.yaml:4:7", "aliases are not read", "write the value out"},
     {P "title: !!str x\n", "p.yaml:3:8", "tags are not read", ""},
+    {P "lamps: !!omap {mode: none}\n", "p.yaml:3:8", "tags are not read", ""},
+    {P "shots: !own [{exposure: 20ms}]\n", "p.yaml:3:8", "tags are not read", ""},
+    {"\xff\xfei", "p.yaml:1:1", "UTF-16", "UTF-8"},
     {P "---\n" P, "p.yaml:3:1", "a second document", ""},
     {P "? [a]\n: b\n", "p.yaml:3:3", "a key must be a word", ""},
     {P "title: \"a\\0b\"\n", "p.yaml:3:8", "zero byte", ""},
