@@ -19,6 +19,7 @@ struct call {
     struct ttf_http_match match;
     struct ttf_http_request request;
     struct ttf_http_answer answer;
+    struct shelf *shelf; /* that the answer is made of, while it needs it; NULL: none */
     char *body;
     size_t expected, room; /* bytes of it; that fit, so far */
     int64_t until_ns;      /* by when all of it is to be there */
@@ -224,10 +225,7 @@ static struct call *begin(struct call_socket *socket, struct MHD_Connection *con
         return NULL;
     call->socket = socket;
     answer_init(&call->answer);
-    call->request = (struct ttf_http_request){.folder = &calls->folder,
-                                              .io = calls->io,
-                                              .summaries = calls->summaries,
-                                              .derived = calls->derived,
+    call->request = (struct ttf_http_request){.io = calls->io,
                                               .box = calls->box,
                                               .events = calls->events,
                                               .leaving = &socket->leaving,
@@ -300,13 +298,49 @@ static bool brings_token(const struct call *call)
     return call->match.route->access == TTF_HTTP_OPEN && call->match.route->body == TTF_HTTP_JSON;
 }
 
+static void give_shelf(struct call *call)
+{
+    if (call->shelf)
+        shelves_give(call->socket->calls->shelves, call->shelf);
+    call->shelf = NULL;
+}
+
+static void answer_by_shelf(struct call *call)
+{
+    const struct ttf_http_gives *gives = call->match.route->gives;
+
+    call->shelf = shelves_take(call->socket->calls->shelves);
+    call->request.folder = &call->shelf->folder;
+    call->request.summaries = call->shelf->summaries;
+    call->request.derived = call->shelf->derived;
+    call->answer.status = gives->status;
+    call->answer.type = ttf_http_type_of(gives, call->match.path);
+    call->r = call->match.route->answer(&call->request, &call->answer);
+}
+
+/*
+ * Libraries find files by the folder's path: where that led elsewhere by the end, what they read may be of another disk than the
+ * rest, and it is read anew. Only where asking twice changes nothing.
+ */
+static bool is_of_two_folders(const struct call *call)
+{
+    return strcmp(call->match.route->method, "GET") == 0 && !call->answer.listener &&
+           shelves_other(call->socket->calls->shelves, call->shelf);
+}
+
 static void handle(struct call *call)
 {
     const struct ttf_http_gives *gives = call->match.route->gives;
 
-    call->answer.status = gives->status;
-    call->answer.type = ttf_http_type_of(gives, call->match.path);
-    call->r = call->match.route->answer(&call->request, &call->answer);
+    answer_by_shelf(call);
+    if (is_of_two_folders(call)) {
+        answer_free(&call->answer);
+        call->request.err = (struct ttf_err){0};
+        give_shelf(call);
+        answer_by_shelf(call);
+    }
+    if (!call->answer.source.read)
+        give_shelf(call);
     if (!gives->tagged)
         call->answer.etag[0] = '\0';
     call->answer.ranges = call->answer.ranges && gives->ranges;
@@ -454,6 +488,7 @@ void call_done(void *ctx, struct MHD_Connection *connection, void **of_request,
     if (!call)
         return;
     answer_free(&call->answer);
+    give_shelf(call);
     free(call->body);
     free(call);
     *of_request = NULL;

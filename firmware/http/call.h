@@ -8,16 +8,15 @@
 
 #include "guests.h"
 #include "request.h"
+#include "shelf.h"
 #include "slow.h"
 #include "token_limits.h"
 #include "ttf/http/events.h"
 
-/* What requests share; nothing of it changes while a socket listens. */
+/* What requests share; nothing of it changes while a socket listens, but which folder is the newest of the shelves. */
 struct calls {
-    struct folder folder;
+    struct shelves *shelves;
     struct ttf_io *io;
-    struct summaries *summaries;
-    struct derived *derived;
     struct slow *lanes[TTF_HTTP_LANES]; /* none of TTF_HTTP_AT_ONCE */
     struct limits *limits;
     struct ttf_clock *clock;

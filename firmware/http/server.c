@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "call.h"
-#include "derived.h"
 #include "files_limit.h"
 #include "listeners.h"
 
@@ -68,14 +67,12 @@ static int make_parts(struct ttf_http_server *server, const struct ttf_http_conf
                       struct ttf_err *err)
 {
     struct calls *calls = &server->calls;
-    int r = folder_open(config->folder, &calls->folder, err);
+    int r = shelves_create(config->folder, &calls->shelves, err);
 
     if (r < 0)
         return r;
-    calls->summaries = summaries_create();
-    calls->derived = derived_create();
     calls->limits = limits_create(config->clock);
-    if (copy_texts(server, config) < 0 || !calls->summaries || !calls->derived || !calls->limits)
+    if (copy_texts(server, config) < 0 || !calls->limits)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
     calls->io = config->io;
     calls->clock = config->clock;
@@ -104,7 +101,6 @@ int ttf_http_server_create(const struct ttf_http_config *config, struct ttf_http
     server = calloc(1, sizeof *server);
     if (!server)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory");
-    server->calls.folder.fd = -1;
     r = make_parts(server, config, err);
     if (r < 0) {
         ttf_http_server_destroy(server);
@@ -242,9 +238,7 @@ void ttf_http_server_destroy(struct ttf_http_server *server)
     stop_all(server);
     for (int i = 0; i < TTF_HTTP_LANES; i++)
         slow_destroy(server->calls.lanes[i]);
-    folder_close(&server->calls.folder);
-    summaries_destroy(server->calls.summaries);
-    derived_destroy(server->calls.derived);
+    shelves_destroy(server->calls.shelves);
     limits_destroy(server->calls.limits);
     for (unsigned i = 0; i < NAMES_MAX; i++)
         free(server->names[i]);

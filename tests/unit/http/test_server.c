@@ -428,6 +428,62 @@ static void a_file_that_loses_its_end_while_it_is_sent_ends_the_connection(void 
 
 #define IN_SCRATCH(test) cmocka_unit_test_setup_teardown(test, scratch_make, scratch_remove)
 
+/* ---- the folder at the data folder's path is another one: its disk came late, or went and came back ---- */
+
+static int status_of_dataset(const struct fixture *f, const char *name)
+{
+    char line[100];
+    int fd = dial(f), status;
+
+    (void)snprintf(line, sizeof line, "GET /api/v1/datasets/%s/files/dataset.json", name);
+    ask(fd, line, "");
+    status = status_of(fd);
+    (void)close(fd);
+    return status;
+}
+
+static void what_lies_at_the_path_now_is_served(void **state)
+{
+    struct fixture f;
+
+    (void)state;
+    begin(&f);
+    assert_int_equal(status_of_dataset(&f, "grass"), 200);
+    assert_int_equal(rename("data", "disk"), 0);
+    assert_int_equal(status_of_dataset(&f, "grass"), 200); /* nothing else is there yet */
+    scratch_file("data/moss/dataset.json", "{}", 2);
+    assert_int_equal(status_of_dataset(&f, "grass"), 404);
+    assert_int_equal(status_of_dataset(&f, "moss"), 200);
+    assert_int_equal(rename("data", "other"), 0);
+    assert_int_equal(rename("disk", "data"), 0);
+    assert_int_equal(status_of_dataset(&f, "grass"), 200);
+    assert_int_equal(status_of_dataset(&f, "moss"), 404);
+    end(&f);
+}
+
+/* Answers of one folder alone: read anew where the path led elsewhere meanwhile. */
+static void an_answer_is_of_one_folder(void **state)
+{
+    struct fixture f;
+    int picture;
+
+    (void)state;
+    begin(&f);
+    picture = dial(&f);
+    ask(picture, "GET /api/v1/live", "");
+    (void)pthread_mutex_lock(&f.box.lock);
+    while (f.box.waiting < 1)
+        (void)pthread_cond_wait(&f.box.changed, &f.box.lock);
+    (void)pthread_mutex_unlock(&f.box.lock);
+    assert_int_equal(rename("data", "disk"), 0);
+    scratch_file("data/moss/dataset.json", "{}", 2);
+    let(&f);
+    assert_int_equal(status_of(picture), 200);
+    assert_int_equal(f.box.waiting, 2);
+    (void)close(picture);
+    end(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -438,6 +494,8 @@ int main(void)
         IN_SCRATCH(headers_that_dribble_in_are_given_up),
         IN_SCRATCH(the_right_token_is_taken_however_many_were_wrong),
         IN_SCRATCH(a_file_that_loses_its_end_while_it_is_sent_ends_the_connection),
+        IN_SCRATCH(what_lies_at_the_path_now_is_served),
+        IN_SCRATCH(an_answer_is_of_one_folder),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
