@@ -290,7 +290,7 @@ static void give_up(struct ttf_committer *c, int code, const struct ttf_err *err
                                            : "and the second storage cannot be used")
                                : "and the plan names no second storage");
     if (c->writer)
-        ttf_committer_say(c, c->writer, text);
+        (void)ttf_committer_say(c, c->writer, text, NULL);
     ttf_committer_alarm(c, TTF_ALARM_UNTIL_ARMED, text);
     ttf_queue_tell_fatal(c->queue, told, err);
 }

@@ -8,6 +8,7 @@
 #include "commit_storage.h"
 #include "plan_change.h"
 #include "schedule.h"
+#include "second_left.h"
 #include "second_storage.h"
 #include "timeline.h"
 
@@ -171,7 +172,16 @@ static int make_second(struct ttf_committer *c, struct ttf_writer **ret, struct 
 
 /* ---- moving ---- */
 
-/* In the first dataset, where that can still be written. Its writer, or NULL; consumed. */
+/* Whoever looks for the run later knows that it is not to be gone on with here. */
+static int say_left(struct ttf_committer *c, struct ttf_writer *writer, const char *text)
+{
+    char detail[TTF_SECOND_LEFT_SIZE];
+
+    ttf_second_put_left(ttf_writer_state(writer)->n_segments, c->ledger.next_index, detail);
+    return ttf_committer_say(c, writer, text, detail);
+}
+
+/* In the first dataset, where that can still be written, if need be opened anew. Its writer, or NULL; consumed. */
 static void tell_first(struct ttf_committer *c, const char *first, struct ttf_writer *writer,
                        const char *why)
 {
@@ -179,11 +189,15 @@ static void tell_first(struct ttf_committer *c, const char *first, struct ttf_wr
     bool doubt = c->doubt; /* of the first one's logs */
 
     c->doubt = false;
-    if (!writer && ttf_writer_open_anew(c->io, first, NULL, &doubt, &writer, NULL) < 0)
-        return;
     snprintf(text, sizeof(text), "%s: the run goes on in the second storage, from slot %lld on: %s",
              why, (long long)c->ledger.next_index, c->second_path);
-    ttf_committer_say(c, writer, text);
+    if (writer && say_left(c, writer, text) == 0) {
+        ttf_writer_close(writer);
+        return;
+    }
+    if (ttf_writer_open_anew(c->io, first, writer, &doubt, &writer, NULL) < 0)
+        return;
+    (void)say_left(c, writer, text); /* or it takes nothing more */
     ttf_writer_close(writer);
 }
 
@@ -193,7 +207,7 @@ static void tell_second(struct ttf_committer *c, const char *first, const char *
 
     snprintf(text, sizeof(text), "%s: the run goes on here, from slot %lld on; before it: %s", why,
              (long long)c->ledger.next_index, first);
-    ttf_committer_say(c, c->writer, text);
+    (void)ttf_committer_say(c, c->writer, text, NULL);
     ttf_committer_alarm(c, TTF_ALARM_UNTIL_NEW, text);
 }
 

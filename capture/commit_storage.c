@@ -177,17 +177,15 @@ int ttf_committer_write_event(struct ttf_committer *c, const struct ttf_job *eve
                             NULL, NULL);
 }
 
-void ttf_committer_say(struct ttf_committer *c, struct ttf_writer *writer, const char *text)
+int ttf_committer_say(struct ttf_committer *c, struct ttf_writer *writer, const char *text,
+                      const char *detail_json)
 {
     struct ttf_utc utc;
-    int r;
 
     ttf_clock_utc(c->box->clock, &utc);
-    r = ttf_writer_event(writer, "storage", utc.boot_ns,
-                         utc.trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : utc.utc_ns, text, NULL,
-                         NULL);
-    if (r < 0)
-        return; /* a storage that takes nothing more */
+    return ttf_writer_event(writer, "storage", utc.boot_ns,
+                            utc.trust == TTF_TRUST_NONE ? TTF_NS_UNKNOWN : utc.utc_ns, text,
+                            detail_json, NULL);
 }
 
 void ttf_committer_write_late(struct ttf_committer *c)

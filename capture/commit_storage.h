@@ -55,8 +55,9 @@ void ttf_committer_another_end(struct ttf_committer *c, int64_t total);
 TTF_MUST_USE int ttf_committer_write_correction(struct ttf_committer *c,
                                                 const struct ttf_segment *of_session);
 
-/* An event of kind "storage" into this dataset, now, if it takes it. */
-void ttf_committer_say(struct ttf_committer *c, struct ttf_writer *writer, const char *text);
+/* An event of kind "storage" into this dataset, now; negative errno. detail_json: an object's text, or NULL. */
+int ttf_committer_say(struct ttf_committer *c, struct ttf_writer *writer, const char *text,
+                      const char *detail_json);
 
 /* Events and corrections of UTC that wait, as far as the storage takes them. */
 void ttf_committer_write_late(struct ttf_committer *c);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "path_name.h"
+#include "second_left.h"
 #include "ttf/base/time.h"
 #include "ttf/capture/session.h"
 #include "ttf/dataset/reader.h"
@@ -33,43 +34,6 @@ static int foreign(const char *second, struct ttf_err *err)
     return -EEXIST;
 }
 
-/* The first is begun and not ended, and where it may have been gone on with is not there: a disk not mounted? */
-static int missing_folder(struct ttf_io *io, const char *first, const char *second,
-                          struct ttf_err *err)
-{
-    struct ttf_manifest of_first;
-    struct ttf_reader *reader = NULL;
-    struct ttf_io_stat st;
-    char folder[4096];
-    const char *slash = strrchr(second, '/');
-    bool open_end;
-    int r;
-
-    snprintf(folder, sizeof(folder), "%.*s", slash > second ? (int)(slash - second) : 1, second);
-    if (io->ops->stat(io, folder, &st) != -ENOENT)
-        return 0;
-    r = ttf_manifest_load(io, first, &of_first, err);
-    if (r == 0 && strcmp(of_first.group_member, TTF_MEMBER_FIRST) != 0)
-        return 0;
-    if (r == 0)
-        r = ttf_reader_open(io, first, &reader, err);
-    if (r == -ENOMEM)
-        return r; /* it may be begun: who went on in it would do so beside the second one */
-    if (r < 0) {  /* opening it will say what is wrong with it */
-        if (err)
-            *err = (struct ttf_err){0};
-        return 0;
-    }
-    open_end = !ttf_reader_summary(reader)->sealed && ttf_reader_summary(reader)->n_segments > 0;
-    ttf_reader_close(reader);
-    if (!open_end)
-        return 0;
-    ttf_err_set(err, -EINVAL, "storage.second",
-                "%s is not there, and the run may have gone on in it", folder);
-    ttf_err_hint(err, "mount it; or take storage.second out of the plan, to go on here alone");
-    return -EINVAL;
-}
-
 int ttf_second_find(struct ttf_io *io, const char *first, const char *second, struct ttf_err *err)
 {
     struct ttf_manifest of_first;
@@ -84,7 +48,7 @@ int ttf_second_find(struct ttf_io *io, const char *first, const char *second, st
         return 0;
     r = ttf_manifest_load(io, second, &of_second, err);
     if (r == -ENOENT)
-        return missing_folder(io, first, second, err);
+        return ttf_second_expect_not_left(io, first, second, err);
     if (r < 0) { /* it may have been moved on to: two datasets of the same slots would be worse */
         ttf_err_hint(err, "mend or move away what lies in the second storage");
         return r;
@@ -102,7 +66,7 @@ int ttf_second_find(struct ttf_io *io, const char *first, const char *second, st
     /* The first one's disk may be gone. If the run had ended, this is rather another one, by the same name. */
     if (alone && (!begun || sealed))
         return foreign(second, err);
-    return begun ? 1 : 0;
+    return begun ? 1 : ttf_second_expect_not_left(io, first, second, err);
 }
 
 int ttf_session_find(struct ttf_io *io, const char *path, const struct ttf_plan *plan, char *ret,

@@ -21,8 +21,8 @@ TTF_MUST_USE int ttf_second_path(const struct ttf_plan *plan, const char *first,
 
 /*
  * Has the run moved on? 1: it goes on in the second dataset; 0: in the first (a second one may have been made
- * and never begun). -EEXIST: what lies there is not of this run. -EINVAL: the second storage is not there, and the
- * first dataset is begun and not ended. Other codes: what lies there cannot be read.
+ * and never begun). -EEXIST: what lies there is not of this run. -ENODEV, -EINVAL: it moved on, or may have, and the
+ * second storage is not there (second_left.h). Other codes: what lies there cannot be read.
  */
 TTF_MUST_USE int ttf_second_find(struct ttf_io *io, const char *first, const char *second,
                                  struct ttf_err *err);

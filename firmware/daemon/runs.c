@@ -247,6 +247,17 @@ static bool may_pass(int error)
     return run_exit_code(error) == 1 || error == -ENOENT;
 }
 
+/* The run lies on a disk that is not there: that does not mend itself. Told once, until a run is armed again. */
+static void tell_second_away(struct daemon *d, const struct ttf_err *err)
+{
+    const struct ttf_progress p = {
+        .kind = TTF_PROGRESS_ALARM, .until = TTF_ALARM_UNTIL_ARMED, .text = err->what};
+
+    if (err->code == -ENODEV && strcmp(err->where, "storage.second") == 0 &&
+        d->wait_ns == d->config.retry_ns)
+        on_progress(d, &p);
+}
+
 static void wait_to_try_again(struct daemon *d, const struct order *order,
                               const struct ttf_err *err)
 {
@@ -294,6 +305,7 @@ static void one_run(struct daemon *d, const struct order *order)
     }
     err.code = r;
     absence_tried(&d->absence, order->dataset, begun_ns);
+    tell_second_away(d, &err);
     wait_to_try_again(d, order, &err);
 }
 

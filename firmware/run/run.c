@@ -106,8 +106,8 @@ static int run_session(struct run *run, struct ttf_box *box, struct ttf_io *io, 
     config.plan = ttf_plan_file_plan(run->file);
     config.plan_yaml = ttf_plan_file_text(run->file);
     r = ttf_session_run(&config, &run->result, err);
-    if (r < 0 && strcmp(err->where, "storage.second") == 0)
-        r = -EINVAL; /* whatever is the matter with the folder: the plan names it */
+    if (r < 0 && r != -ENODEV && strcmp(err->where, "storage.second") == 0)
+        r = -EINVAL; /* whatever is the matter with the folder, but for a disk that is away: the plan names it */
     if (r == -EINVAL)
         ttf_plan_file_place(run->file, err);
     return r;

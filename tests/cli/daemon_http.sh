@@ -444,6 +444,38 @@ counted $((all - $(grep -c '"type":"slot"' three.away/records.jsonl)))
 mv three.away data/three
 counted "$all"
 end_daemon
+
+# ---- its second disk is unplugged, and the mount point is a folder like any other: nothing is begun there, nor gone on with in the first ----
+cp whole.yaml box.yaml
+echo '  faults: [{kind: disk-full, at: 4s, for: 10h, amount: 100, target: first}]' >>box.yaml
+start
+plan fourth.yaml 'interval: 500ms' 'count: 4000' 'shot: {exposure: 10ms}' 'keep: raw' 'reserve: 100MiB' "storage: {second: $WORK/second}"
+json_of fourth.yaml "$URL/plans/fourth" 200 -X PUT
+post "$URL/run" 202 '{"plan":"fourth","dataset":"four"}'
+heard 'the run goes on here' log 1 60
+end_daemon
+mv second second.disk
+mkdir second
+had=$(slots four)
+start
+state retrying
+grep -q 'storage.second: the run went on in' out || fail "it does not say why: $(cat out)"
+heard 'alarm text="the run went on in'
+ask_status
+is alarms.0.text "the run went on in $WORK/second/four from slot $had on, and nothing of it is there"
+[ -z "$(ls -A second)" ] || fail "it began beneath the mount point"
+[ "$(slots four)" = "$had" ] || fail "it went on in the first"
+rmdir second
+mv second.disk second
+state capturing
+ask_status
+! grep -q 'went on in' out || fail "the alarm stands: $(cat out)"
+get "$URL/run/stop" 202 "${ME[@]}" -X POST
+state stopped
+end_daemon
+[ "$(slots four)" = "$had" ] || fail "it went on in the first"
+expect 0 "$TTFBOX" verify second/four
+rm -r data/four second/four
 mv whole.yaml box.yaml
 
 plan first.yaml 'interval: 500ms' 'count: 4' 'shot: {exposure: 10ms}' 'keep: both' 'reserve: 0B'

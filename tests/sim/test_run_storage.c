@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -250,6 +251,82 @@ static void a_storage_that_came_back_read_only_is_gone_on_from_in_the_second(voi
     sim_run_finish(&run);
 }
 
+/* Moved, and cut off there; then its disk is gone, and its mount point a folder like any other. Power is back. */
+static void move_and_unplug(struct sim_run *run, char ret_disk[128])
+{
+    with_second(run);
+    run->plan.count = 10;
+    fails_with = EIO;
+    fails_op = "sync_dir"; /* the first can still be told */
+    sim_run_fault(run, TTF_FAULT_POWER_CUT, 3 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S)->amount = 130;
+    assert_int_equal(sim_run_boot(run), -ESHUTDOWN);
+    run->fault = NULL; /* room again, say */
+    snprintf(ret_disk, 128, "%s/disk", run->folder);
+    assert_int_equal(rename(run->plan.second_storage, ret_disk), 0);
+    assert_int_equal(mkdir(run->plan.second_storage, 0755), 0);
+    run->config.power_on_ns = run->back_ns;
+}
+
+static void plug_in(struct sim_run *run, const char *disk)
+{
+    assert_int_equal(rmdir(run->plan.second_storage), 0); /* nothing was begun beneath it */
+    assert_int_equal(rename(disk, run->plan.second_storage), 0);
+    run->config.power_on_ns += 2 * TTF_NS_PER_MIN;
+}
+
+static void a_second_storage_that_is_an_empty_mount_point_is_waited_for(void **state)
+{
+    struct sim_run run, second;
+    char disk[128];
+
+    (void)state;
+    move_and_unplug(&run, disk);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(sim_run_boot(&run), -ENODEV);
+        assert_non_null(strstr(run.err.what, "went on in"));
+        assert_non_null(strstr(run.err.what, "from slot 2 on"));
+        sim_run_expect(&run, "cc"); /* not gone on with: its slots lie elsewhere */
+    }
+    /* Nor where it can only be read, which would be begun anew in the second one. */
+    run.fault = fail_first;
+    fails_with = EROFS;
+    fails_op = NULL;
+    fails_from = 0;
+    assert_int_equal(sim_run_boot(&run), -ENODEV);
+    plug_in(&run, disk);
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_true(run.result.second_storage);
+    second = second_run_of(&run);
+    sim_run_expect(&run, "cc");
+    second_run_expect_both(&run, "ccccwwwwcc");
+    sim_run_expect_undamaged(&run, false);
+    sim_run_expect_undamaged(&second, true);
+    sim_run_finish(&run);
+}
+
+static void without_its_lost_second_disk_a_run_goes_on_by_a_plan_that_names_none(void **state)
+{
+    struct ttf_plan with;
+    struct sim_run run;
+    char disk[128];
+
+    (void)state;
+    move_and_unplug(&run, disk);
+    with = run.plan;
+    run.plan.second_storage[0] = '\0';
+    sim_run_fault(&run, TTF_FAULT_POWER_CUT, 7 * TTF_NS_PER_MIN + 40 * TTF_NS_PER_S)->amount = 20;
+    assert_int_equal(sim_run_boot(&run), -ESHUTDOWN);
+    sim_run_expect(&run, "ccwwwwcc");
+    /* Then another disk in the lost one's place is as good as any. */
+    run.plan = with;
+    run.config.power_on_ns = run.back_ns;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_false(run.result.second_storage);
+    sim_run_expect(&run, "ccwwwwcccc");
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
 /* The first disk is not there at all any more. */
 static void the_second_dataset_is_enough_to_go_on_with(void **state)
 {
@@ -337,22 +414,52 @@ static int fail_and_die(struct sim_run *run, const char *op, const char *path)
     return error;
 }
 
-static void killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one(void **state)
+static bool lost(const struct sim_run *run, int slot)
+{
+    char results[32];
+
+    second_run_results(run, results);
+    return results[slot] == 'w';
+}
+
+/* Gone on with after a kill, whatever it hit. */
+static void expect_moved_all_the_same(struct sim_run *run)
+{
+    struct sim_run second = second_run_of(run);
+    char results[32];
+
+    run->committed = 2; /* the first disk still fails */
+    run->config.power_on_ns = 150 * TTF_NS_PER_S;
+    run->plan.count = 4;
+    assert_int_equal(sim_run_boot(run), 0);
+    if (!fails_op) { /* it takes nothing */
+        sim_run_expect(run, "cc");
+        second_run_results(&second, results);
+        assert_memory_equal(results, "--", 2);
+        assert_true(results[2] == 'c' || results[2] == 'w');
+        assert_true(results[3] == 'c' && results[4] == '-');
+    } else { /* it takes records, and may be gone on with until its next image */
+        second_run_expect_both(run, lost(run, 2) || lost(&second, 2) ? "ccwc" : "cccc");
+    }
+    expect_group(run);
+    sim_run_expect_undamaged(run, false);
+    sim_run_expect_undamaged(&second, true);
+}
+
+static void kill_at_each_operation_of_the_move(const char *op, unsigned expected_kills)
 {
     /* NOLINTNEXTLINE(concurrency-mt-unsafe): before any thread */
     unsigned step = getenv("TTF_THOROUGH") ? 1 : 5;
     unsigned kills = 0;
 
-    (void)state;
     for (unsigned at = 1;; at += step) {
         struct sim_run run;
-        struct sim_run second;
-        char results[32];
         int status;
         pid_t pid;
 
         with_second(&run);
-        fails_with = EROFS;
+        fails_with = op ? EIO : EROFS;
+        fails_op = op;
         pid = fork();
         assert_true(pid >= 0);
         if (pid == 0) {
@@ -365,19 +472,7 @@ static void killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one(void
         assert_true(WIFEXITED(status));
         if (WEXITSTATUS(status) == 77) {
             kills++;
-            second = second_run_of(&run);
-            run.committed = 2; /* the first disk still fails */
-            run.config.power_on_ns = 150 * TTF_NS_PER_S;
-            run.plan.count = 4;
-            assert_int_equal(sim_run_boot(&run), 0);
-            sim_run_expect(&run, "cc");
-            second_run_results(&second, results);
-            assert_memory_equal(results, "--", 2);
-            assert_true(results[2] == 'c' || results[2] == 'w');
-            assert_true(results[3] == 'c' && results[4] == '-');
-            expect_group(&run);
-            sim_run_expect_undamaged(&run, false);
-            sim_run_expect_undamaged(&second, true);
+            expect_moved_all_the_same(&run);
         }
         sim_run_finish(&run);
         if (WEXITSTATUS(status) != 77) {
@@ -386,7 +481,20 @@ static void killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one(void
         }
     }
     print_message("killed %u times\n", kills);
-    assert_true(kills > 90 / step);
+    assert_true(kills > expected_kills / step);
+}
+
+static void killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one(void **state)
+{
+    (void)state;
+    kill_at_each_operation_of_the_move(NULL, 90);
+}
+
+/* What says that the first was left comes once the second is begun for good: no kill leaves a run that waits for nothing. */
+static void killed_while_the_first_is_told_the_run_goes_on(void **state)
+{
+    (void)state;
+    kill_at_each_operation_of_the_move("sync_dir", 90);
 }
 
 /* ---- the seal ---- */
@@ -455,11 +563,14 @@ int main(void)
         cmocka_unit_test(without_a_second_storage_the_run_stops_with_an_alarm),
         cmocka_unit_test(both_storages_may_fail),
         cmocka_unit_test(a_run_that_has_moved_on_resumes_there),
+        cmocka_unit_test(a_second_storage_that_is_an_empty_mount_point_is_waited_for),
+        cmocka_unit_test(without_its_lost_second_disk_a_run_goes_on_by_a_plan_that_names_none),
         cmocka_unit_test(a_storage_that_came_back_read_only_is_gone_on_from_in_the_second),
         cmocka_unit_test(the_second_dataset_is_enough_to_go_on_with),
         cmocka_unit_test(a_dataset_of_another_run_in_the_second_storage_is_left_alone),
         cmocka_unit_test(a_changed_plan_moves_too),
         cmocka_unit_test(killed_at_any_operation_of_the_move_each_slot_is_in_exactly_one),
+        cmocka_unit_test(killed_while_the_first_is_told_the_run_goes_on),
         cmocka_unit_test(a_seal_that_cannot_be_written_is_an_alarm_and_comes_with_the_next_run),
         cmocka_unit_test(a_seal_that_was_interrupted_is_tried_again),
     };

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "datasets/plain_stream.h"
+#include "second_left.h"
 #include "second_storage.h"
 #include "ttf/base/time.h"
 #include "ttf/capture/session.h"
@@ -215,6 +216,69 @@ static void a_second_storage_that_is_away_matters_once_the_run_has_begun(void **
     assert_int_equal(find(NULL), 0); /* opening it will say what is wrong with it */
 }
 
+static void tell_left(int n_segments, const char *other_detail)
+{
+    char detail[TTF_SECOND_LEFT_SIZE];
+    struct ttf_writer *writer;
+
+    ttf_second_put_left(n_segments, 7, detail);
+    assert_int_equal(ttf_writer_open(ttf_io_posix(), first, &writer, NULL), 0);
+    assert_int_equal(
+        ttf_writer_event(writer, "storage", TTF_NS_UNKNOWN, TTF_NS_UNKNOWN, "left", detail, NULL),
+        0);
+    assert_int_equal(ttf_writer_event(writer, "note", TTF_NS_UNKNOWN, TTF_NS_UNKNOWN, "later",
+                                      other_detail, NULL),
+                     0);
+    ttf_writer_close(writer);
+}
+
+/* Its mount point is a folder like any other: the first dataset knows better. */
+static void a_first_that_was_left_waits_for_a_second_storage_that_is_empty(void **state)
+{
+    struct ttf_manifest lone = manifest;
+    struct ttf_err err;
+
+    (void)state;
+    make(first, &manifest, BEGUN);
+    tell_left(1, NULL);
+    assert_int_equal(find(&err), -ENODEV); /* nor is its folder there */
+    make_second(MADE);                     /* by another attempt, beneath the mount point */
+    assert_int_equal(find(&err), -ENODEV);
+    assert_string_equal(err.where, "storage.second");
+    assert_non_null(strstr(err.what, second));
+    assert_non_null(strstr(err.what, "from slot 7 on"));
+    assert_non_null(strstr(err.hint, "without storage.second"));
+    away(second); /* its folder stays */
+    assert_int_equal(find(NULL), -ENODEV);
+    make_second(BEGUN);
+    assert_int_equal(find(NULL), 1);
+    away(second);
+    away(first);
+    lone.group_member[0] = lone.group_uuid[0] = '\0'; /* the plan named it later */
+    make(first, &lone, BEGUN);
+    tell_left(1, NULL);
+    assert_int_equal(find(NULL), -ENODEV);
+}
+
+static void a_first_that_was_gone_on_with_after_all_is_left_no_more(void **state)
+{
+    char parent[96];
+
+    (void)state;
+    snprintf(parent, sizeof(parent), "%s/second", folder);
+    assert_int_equal(mkdir(parent, 0755), 0);
+    make(first, &manifest, BEGUN);
+    tell_left(
+        0,
+        "{\"left_from\":\"7\",\"segments\":1}"); /* a segment has come since; and words are no numbers */
+    assert_int_equal(find(NULL), 0);
+    tell_left(1, "{\"left_from\":7}"); /* another's detail takes nothing back */
+    assert_int_equal(find(NULL), -ENODEV);
+    away(first);
+    make(first, &manifest, SEALED);
+    assert_int_equal(find(NULL), 0);
+}
+
 static void whoever_asks_hears_which_of_the_two_it_is(void **state)
 {
     struct ttf_plan plan;
@@ -337,6 +401,8 @@ int main(void)
         T(what_lies_there_and_is_not_of_this_run_is_refused),
         T(what_cannot_be_read_there_is_for_a_person),
         T(a_second_storage_that_is_away_matters_once_the_run_has_begun),
+        T(a_first_that_was_left_waits_for_a_second_storage_that_is_empty),
+        T(a_first_that_was_gone_on_with_after_all_is_left_no_more),
         T(whoever_asks_hears_which_of_the_two_it_is),
         T(what_can_only_be_read_is_known_as_a_writer_would_know_it),
         T(one_that_was_made_and_is_another_s_or_begun_is_not_opened),
