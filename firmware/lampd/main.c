@@ -147,6 +147,20 @@ static void learn_manager(struct lampd *d)
     d->watchdog_ns = ttf_systemd_watchdog_ns();
 }
 
+/* Those that lamps are watched by, and no other: whose driver hangs keeps no temperature from the guardian. */
+static int open_sensors(struct lampd *d, struct ttf_err *err)
+{
+    const char *name = d->board.guardian.temp_sensor;
+    struct ttf_sysfs_sensor watched[TTF_SENSORS_MAX];
+    unsigned n = 0;
+
+    for (unsigned i = 0; i < d->board.n_sysfs; i++)
+        if (d->board.sysfs[i].kind == TTF_SENSOR_TEMP_MDEGC &&
+            (!*name || strcmp(d->board.sysfs[i].name, name) == 0))
+            watched[n++] = d->board.sysfs[i];
+    return n == 0 ? 0 : ttf_sensors_sysfs_create(d->sys, watched, n, d->clock, &d->sensors, err);
+}
+
 static int open_all(struct lampd *d, struct ttf_err *err)
 {
     const struct ttf_board_guardian *g = &d->board.guardian;
@@ -158,9 +172,7 @@ static int open_all(struct lampd *d, struct ttf_err *err)
     d->clock = ttf_clock_real_create();
     if (!d->clock)
         return ttf_err_set(err, -errno, NULL, "the machine's clock cannot be had");
-    if (d->board.n_sysfs > 0)
-        r = ttf_sensors_sysfs_create(d->sys, d->board.sysfs, d->board.n_sysfs, d->clock,
-                                     &d->sensors, err);
+    r = open_sensors(d, err);
     if (r == 0 && d->notify && d->watchdog_ns > 0)
         r = ttf_watchdog_systemd_create(d->notify, d->watchdog_ns, &d->watchdog, err);
     if (r < 0)
@@ -205,8 +217,11 @@ static int say_error(int r, const struct ttf_err *err)
 static void close_all(struct lampd *d)
 {
     ttf_lines_destroy(d->lines); /* dark, before anything that may hang */
-    ttf_lampd_destroy(d->guardian);
     ttf_watchdog_destroy(d->watchdog);
+    if (ttf_lampd_destroy(d->guardian) < 0) {
+        fputs("ttfbox-lampd: a temperature's driver hangs; ended without it\n", stderr);
+        return;
+    }
     ttf_sensors_destroy(d->sensors);
     ttf_clock_destroy(d->clock);
 }

@@ -255,13 +255,12 @@ int ttf_guardian_set(struct ttf_guardian *g, int64_t now_ns, unsigned i, unsigne
     return 0;
 }
 
-void ttf_guardian_temp_through(struct ttf_guardian *g, int64_t now_ns, int64_t until_ns,
-                               int32_t temp_mdegc)
+/* What is known from now on, of at_ns. */
+static void take_temp(struct ttf_guardian *g, int64_t at_ns, int32_t temp_mdegc)
 {
-    ttf_guardian_advance(g, now_ns);
     g->temp_known = true;
     g->temp_mdegc = temp_mdegc;
-    g->temp_at_ns = until_ns > g->now_ns ? until_ns : g->now_ns;
+    g->temp_at_ns = at_ns;
     for (unsigned i = 0; i < g->n; i++) {
         int64_t limit = g->info[i].max_temp_mdegc;
 
@@ -274,9 +273,31 @@ void ttf_guardian_temp_through(struct ttf_guardian *g, int64_t now_ns, int64_t u
     }
 }
 
+void ttf_guardian_temp_through(struct ttf_guardian *g, int64_t now_ns, int64_t until_ns,
+                               int32_t temp_mdegc)
+{
+    ttf_guardian_advance(g, now_ns);
+    take_temp(g, until_ns > g->now_ns ? until_ns : g->now_ns, temp_mdegc);
+}
+
 void ttf_guardian_temp(struct ttf_guardian *g, int64_t now_ns, int32_t temp_mdegc)
 {
     ttf_guardian_temp_through(g, now_ns, now_ns, temp_mdegc);
+}
+
+void ttf_guardian_temp_late(struct ttf_guardian *g, int64_t now_ns, int64_t at_ns,
+                            int32_t temp_mdegc)
+{
+    bool superseded, old;
+
+    ttf_guardian_advance(g, now_ns);
+    if (at_ns > g->now_ns)
+        at_ns = g->now_ns;
+    /* temp_at_ns may be ahead: then what was told ahead is of later than any reading but one of now. */
+    superseded = at_ns < g->temp_at_ns && at_ns < g->now_ns;
+    old = later(at_ns, TTF_TEMP_MISSING_NS) <= g->now_ns;
+    if (!superseded && !old)
+        take_temp(g, at_ns, temp_mdegc);
 }
 
 void ttf_guardian_door(struct ttf_guardian *g, int64_t now_ns, bool open)

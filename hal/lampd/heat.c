@@ -8,6 +8,7 @@
 
 #define EVERY_NS (2 * TTF_NS_PER_S)    /* a fifth of what may be missing */
 #define ROUND_NS (100 * TTF_NS_PER_MS) /* how soon a stop is heard */
+#define END_NS   (2 * TTF_NS_PER_S) /* after which a thread that did not hear it hangs in a driver */
 
 static void read_once(struct lampd_heat *heat)
 {
@@ -43,6 +44,7 @@ static void *run(void *arg)
         (void)ttf_clock_wait_until(heat->clock, now + ROUND_NS);
     }
     ttf_clock_leave(heat->clock);
+    atomic_store(&heat->ended, true);
     return NULL;
 }
 
@@ -51,16 +53,17 @@ int lampd_heat_start(struct lampd_heat *heat, const struct ttf_lampd_config *con
 {
     int r;
 
-    pthread_mutex_init(&heat->lock, NULL);
     heat->clock = config->clock;
     heat->sensors = config->sensors;
     heat->name = config->temp_sensor;
     if (!heat->sensors)
         return 0;
+    pthread_mutex_init(&heat->lock, NULL);
     ttf_clock_join_for(heat->clock);
     r = pthread_create(&heat->thread, NULL, run, heat);
     if (r != 0) {
         ttf_clock_leave(heat->clock);
+        pthread_mutex_destroy(&heat->lock);
         return ttf_err_set(err, -r, NULL, "no thread for the temperature");
     }
     heat->running = true;
@@ -71,6 +74,8 @@ int lampd_heat_take(struct lampd_heat *heat, int32_t *ret_mdegc, int64_t *ret_at
 {
     int fresh;
 
+    if (!heat->running)
+        return 0;
     pthread_mutex_lock(&heat->lock);
     fresh = heat->fresh;
     heat->fresh = false;
@@ -80,10 +85,23 @@ int lampd_heat_take(struct lampd_heat *heat, int32_t *ret_mdegc, int64_t *ret_at
     return fresh;
 }
 
-void lampd_heat_stop(struct lampd_heat *heat)
+int lampd_heat_stop(struct lampd_heat *heat)
 {
+    int64_t until_ns;
+
+    if (!heat->running)
+        return 0;
     atomic_store(&heat->stop, true);
-    if (heat->running)
-        pthread_join(heat->thread, NULL);
+    until_ns = ttf_clock_now_ns(heat->clock) + END_NS;
+    while (!atomic_load(&heat->ended)) {
+        int64_t now_ns = ttf_clock_now_ns(heat->clock);
+
+        if (now_ns >= until_ns)
+            return -EBUSY;
+        (void)ttf_clock_wait_until(heat->clock, now_ns + ROUND_NS / 10);
+    }
+    pthread_join(heat->thread, NULL);
     pthread_mutex_destroy(&heat->lock);
+    heat->running = false;
+    return 0;
 }

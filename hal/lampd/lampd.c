@@ -117,8 +117,9 @@ static void feel_heat(struct ttf_lampd *d)
     int32_t temp_mdegc;
     int64_t at_ns;
 
+    /* Other sensors may have hung their thread since it was read: it counts from then on. */
     if (lampd_heat_take(&d->heat, &temp_mdegc, &at_ns))
-        ttf_guardian_temp(&d->guardian, at_ns, temp_mdegc);
+        ttf_guardian_temp_late(&d->guardian, ttf_clock_now_ns(d->config.clock), at_ns, temp_mdegc);
 }
 
 /* ---- the loop ---- */
@@ -280,28 +281,36 @@ int ttf_lampd_create(const struct ttf_lampd_config *config, struct ttf_lampd **r
     if (config->door >= 0) /* a switch that cannot be read is a door that may be open */
         ttf_guardian_door(&d->guardian, now_ns,
                           ttf_lines_get(config->lines, (unsigned)config->door) != 0);
-    r = lampd_heat_start(&d->heat, config, err);
-    if (r == 0)
-        r = open_socket(d, err);
+    r = open_socket(d, err);
+    if (r == 0) /* last: who fails here leaves no thread that may hang */
+        r = lampd_heat_start(&d->heat, config, err);
     if (r < 0) {
-        ttf_lampd_destroy(d);
+        (void)ttf_lampd_destroy(d);
         return r;
     }
     *ret = d;
     return 0;
 }
 
-void ttf_lampd_destroy(struct ttf_lampd *d)
+static void shut(int *fd)
+{
+    if (*fd >= 0)
+        (void)close(*fd);
+    *fd = -1;
+}
+
+int ttf_lampd_destroy(struct ttf_lampd *d)
 {
     if (!d)
-        return;
+        return 0;
     for (unsigned c = 0; c < LAMPD_CLIENTS_MAX; c++)
-        if (d->client[c] >= 0)
-            (void)close(d->client[c]);
-    if (d->listening >= 0)
-        (void)close(d->listening);
+        shut(&d->client[c]);
+    shut(&d->listening);
     if (d->path[0])
         (void)unlink(d->path);
-    lampd_heat_stop(&d->heat);
+    d->path[0] = '\0';
+    if (lampd_heat_stop(&d->heat) < 0)
+        return -EBUSY;
     free(d);
+    return 0;
 }

@@ -19,7 +19,7 @@ struct lampd_heat {
     const char *name;
     pthread_t thread;
     bool running;
-    atomic_bool stop;
+    atomic_bool stop, ended;
     pthread_mutex_t lock; /* of what follows */
     bool fresh;           /* a reading that the guardian has not taken yet */
     int32_t temp_mdegc;
@@ -30,7 +30,8 @@ TTF_MUST_USE int lampd_heat_start(struct lampd_heat *heat, const struct ttf_lamp
                                   struct ttf_err *err);
 /* 1 and the reading, once each; 0. */
 int lampd_heat_take(struct lampd_heat *heat, int32_t *ret_mdegc, int64_t *ret_at_ns);
-void lampd_heat_stop(struct lampd_heat *heat);
+/* 0; -EBUSY: its thread hangs in a driver, and goes on to use all that heat holds. */
+TTF_MUST_USE int lampd_heat_stop(struct lampd_heat *heat);
 
 struct ttf_lampd {
     struct ttf_lampd_config config;

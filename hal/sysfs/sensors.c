@@ -158,10 +158,12 @@ static bool is_possible(enum ttf_sensor_kind kind, int64_t value)
     }
 }
 
-static int read_one(struct sysfs_sensors *s, unsigned i, double *ret)
+/* ret_at_ns: before the driver is asked, which may hang: no value is younger than it is said to be. */
+static int read_one(struct sysfs_sensors *s, unsigned i, double *ret, int64_t *ret_at_ns)
 {
     const struct ttf_sysfs_sensor *spec = &s->spec[i];
 
+    *ret_at_ns = ttf_clock_now_ns(s->clock);
     if (!s->folder[i][0])
         return -ENODEV;
     if (spec->kind == TTF_SENSOR_UNDERVOLTAGE) /* an alarm: raspberrypi-hwmon has nothing else */
@@ -178,16 +180,17 @@ static int sysfs_read(struct ttf_sensors *base, struct ttf_reading ret[TTF_SENSO
     for (unsigned i = 0; i < s->n; i++) {
         struct ttf_reading *reading = &ret[i];
         double value = 0.0;
-        int r = read_one(s, i, &value);
+        int64_t at_ns;
+        int r = read_one(s, i, &value, &at_ns);
 
         if (r < 0) {
             look_for(s, i); /* numbers change when a module is loaded anew */
-            r = read_one(s, i, &value);
+            r = read_one(s, i, &value, &at_ns);
         }
         memset(reading, 0, sizeof(*reading));
         memcpy(reading->name, s->spec[i].name, sizeof(reading->name));
         reading->kind = s->spec[i].kind;
-        reading->at_ns = ttf_clock_now_ns(s->clock);
+        reading->at_ns = at_ns;
         reading->ok = r == 0 && is_possible(reading->kind, in_unit(&s->spec[i], value));
         reading->value = reading->ok ? in_unit(&s->spec[i], value) : 0;
     }

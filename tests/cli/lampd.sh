@@ -150,3 +150,44 @@ channel_is 0
 [ "$(cat $pwm/pwm0/duty_cycle) $(cat $pwm/pwm0/enable)" = "0 0" ] || fail "the channel stays lit"
 kill -TERM $guardian
 wait $guardian || fail "it did not end well"
+
+# ---- a driver that hangs: another sensor's keeps no temperature away, and none keeps the guardian from its end ----
+mkdir -p hot/class/hwmon/hwmon0 hot/class/hwmon/hwmon1
+echo box >hot/class/hwmon/hwmon0/name
+echo slow >hot/class/hwmon/hwmon1/name
+echo 25000 >hot/class/hwmon/hwmon0/temp1_input
+mkfifo hot/class/hwmon/hwmon1/humidity1_input # whoever opens it waits for ever
+sed 's|max_on: 1h|max_temp: 60degC|; s|guardian: {|guardian: {temperature: box-temp, |' box.yaml >hot.yaml
+cat >>hot.yaml <<'END'
+sensors:
+  box-humidity: {backend: sysfs, kind: humidity, bus: hwmon, device: slow}
+  box-temp: {backend: sysfs, kind: temperature, bus: hwmon, device: box}
+END
+printf 010 >wires
+rm -f said
+"$LAMPD" --board hot.yaml --sys hot >said 2>&1 &
+guardian=$!
+for _ in $(seq 400); do grep -q guarding said && break; sleep 0.05; done
+for _ in $(seq 400); do # until its first reading it is dark
+    "$CHILD" "$WORK/socket" 3600000 waits >lit 2>/dev/null &
+    client=$!
+    for _ in $(seq 400); do
+        { grep -q lit lit || ! kill -0 $client 2>/dev/null; } && break
+        sleep 0.05
+    done
+    grep -q lit lit && break
+done
+wires 110
+rm hot/class/hwmon/hwmon0/temp1_input
+mkfifo hot/class/hwmon/hwmon0/temp1_input
+exec 9>hot/class/hwmon/hwmon0/temp1_input # it is asked now, and told nothing
+kill -TERM $guardian
+for _ in $(seq 400); do kill -0 $guardian 2>/dev/null || break; sleep 0.05; done
+kill -0 $guardian 2>/dev/null && fail "it does not end: $(cat said)"
+wait $guardian || fail "it did not end well: $(cat said)"
+grep -q "ended without it" said || fail "$(cat said)"
+wires 010
+[ ! -e socket ] || fail "its socket is left behind"
+exec 9>&-
+kill -9 $client 2>/dev/null
+true

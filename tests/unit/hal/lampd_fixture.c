@@ -21,6 +21,7 @@ static int heat_read(struct ttf_sensors *base, struct ttf_reading ret[TTF_SENSOR
     struct test_heat *heat = (struct test_heat *)base;
 
     (void)err;
+    atomic_store(&heat->asked, true);
     while (atomic_load(&heat->hangs))
         (void)ttf_clock_wait_until(heat->clock, ttf_clock_now_ns(heat->clock) + TTF_NS_PER_MS);
     memset(&ret[0], 0, sizeof(ret[0]));
@@ -28,7 +29,8 @@ static int heat_read(struct ttf_sensors *base, struct ttf_reading ret[TTF_SENSOR
     ret[0].kind = TTF_SENSOR_TEMP_MDEGC;
     ret[0].ok = !atomic_load(&heat->silent);
     ret[0].value = atomic_load(&heat->temp_mdegc);
-    ret[0].at_ns = ttf_clock_now_ns(heat->clock);
+    ret[0].at_ns = ttf_clock_now_ns(heat->clock) - atomic_load(&heat->age_ns);
+    atomic_fetch_add(&heat->n, 1);
     return 1;
 }
 
@@ -115,7 +117,8 @@ void lampd_fixture_stop(struct lampd_fixture *f)
     pthread_join(f->thread, NULL);
     f->running = false;
     atomic_store(&f->heat.hangs, false);
-    ttf_lampd_destroy(f->lampd);
+    while (ttf_lampd_destroy(f->lampd) < 0)
+        ; /* nothing hangs: the machine is busy */
 }
 
 void lampd_fixture_free(struct lampd_fixture *f)

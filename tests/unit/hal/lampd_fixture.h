@@ -16,7 +16,9 @@ struct test_heat {
     struct ttf_sensors base;
     struct ttf_clock *clock;
     atomic_int temp_mdegc;
-    atomic_bool silent, hangs;
+    atomic_bool silent, hangs, asked;
+    atomic_llong age_ns; /* how long ago what it gives was measured */
+    atomic_uint n;       /* readings given */
 };
 
 struct lampd_fixture {

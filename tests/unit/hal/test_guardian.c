@@ -183,6 +183,52 @@ static void a_temperature_missing_for_10_s_trips(void **state)
     assert_int_equal(ttf_guardian_set(&g, 15 * S, 0, 1000), 0);
 }
 
+static void a_reading_that_comes_late_counts_from_when_it_was_made(void **state)
+{
+    struct ttf_lamp_info info = plain;
+    struct ttf_guardian g;
+
+    (void)state;
+    info.max_temp_mdegc = 60000;
+    info.hysteresis_mdegc = 5000;
+    g = leased(info);
+    ttf_guardian_temp_late(&g, 7 * S, 1 * S, 20000);
+    assert_int_equal(ttf_guardian_set(&g, 7 * S, 0, 1000), 0);
+    assert_true(ttf_guardian_next_ns(&g) == 11 * S);
+    ttf_guardian_temp_late(&g, 8 * S, 3 * S, 60001); /* late, and hot all the same */
+    assert_int_equal(g.lamp[0].trip, TTF_TRIP_TEMP);
+    ttf_guardian_temp_late(&g, 8 * S, 2 * S, 20000); /* it became hot after that */
+    assert_int_equal(ttf_guardian_set(&g, 8 * S, 0, 1000), -EPERM);
+    ttf_guardian_temp_late(&g, 9 * S, 4 * S, 54999);
+    assert_int_equal(ttf_guardian_set(&g, 9 * S, 0, 1000), 0);
+    assert_true(ttf_guardian_next_ns(&g) == 14 * S);
+}
+
+static void a_reading_older_than_10_s_lights_no_lamp_and_has_cooled_none(void **state)
+{
+    struct ttf_lamp_info info = plain;
+    struct ttf_guardian g;
+
+    (void)state;
+    info.max_temp_mdegc = 60000;
+    info.hysteresis_mdegc = 5000;
+    g = leased(info);
+    ttf_guardian_temp(&g, 1 * S, 20000);
+    assert_int_equal(ttf_guardian_set(&g, 1 * S, 0, 1000), 0);
+    ttf_guardian_advance(&g, 25 * S);
+    assert_int_equal(g.lamp[0].trip, TTF_TRIP_TEMP_MISSING);
+    ttf_guardian_temp_late(&g, 25 * S, 15 * S, 20000); /* its thread hung behind it */
+    ttf_guardian_temp(&g, 26 * S, 57000); /* of now; but it may have been 90 degrees meanwhile */
+    assert_int_equal(ttf_guardian_set(&g, 26 * S, 0, 1000), -EPERM);
+    assert_int_equal(g.lamp[0].trip, TTF_TRIP_TEMP_MISSING);
+    ttf_guardian_advance(&g, 50 * S);
+    ttf_guardian_temp_late(&g, 50 * S, 28 * S, 20000);
+    assert_int_equal(ttf_guardian_clear(&g, 50 * S, 0), -EPERM);
+    assert_int_equal(ttf_guardian_set(&g, 50 * S, 0, 1000), -EPERM);
+    ttf_guardian_temp_late(&g, 51 * S, 49 * S, 54999);
+    assert_int_equal(ttf_guardian_set(&g, 51 * S, 0, 1000), 0);
+}
+
 static void a_hot_lamp_is_not_lit_in_the_first_place(void **state)
 {
     struct ttf_lamp_info info = plain;
@@ -341,6 +387,8 @@ int main(void)
         cmocka_unit_test(a_lamp_switched_more_often_than_spans_are_kept_is_not_tripped_wrongly),
         cmocka_unit_test(heat_trips_and_only_cooling_below_the_hysteresis_ends_it),
         cmocka_unit_test(a_temperature_missing_for_10_s_trips),
+        cmocka_unit_test(a_reading_that_comes_late_counts_from_when_it_was_made),
+        cmocka_unit_test(a_reading_older_than_10_s_lights_no_lamp_and_has_cooled_none),
         cmocka_unit_test(a_hot_lamp_is_not_lit_in_the_first_place),
         cmocka_unit_test(a_lamp_that_must_cool_is_not_lit_sooner_for_having_met_the_door_meanwhile),
         cmocka_unit_test(a_guardian_that_begins_trusts_no_lamp_to_be_cool),

@@ -24,9 +24,20 @@
 #define EVENTS    900
 #define SCHEDULES 150
 #define LAMPS     2
+#define PENDING   6
+
+/* mdegC */
+#define LIMIT      50000
+#define HYSTERESIS 2000
 
 struct stretch {
     int64_t from, to;
+};
+
+/* A reading that was made and has not come yet. */
+struct reading {
+    int64_t at;
+    int32_t temp;
 };
 
 struct judge {
@@ -36,8 +47,13 @@ struct judge {
     int64_t renewed, temp_at, open_since; /* what the judge itself did; TTF_NS_NEVER: not */
     bool busy;                            /* a client that does nothing but switch */
     bool bulk; /* renewals and readings are told ahead, as the simulated box does */
+    bool late; /* readings come any time after they were made, in any order */
     bool leased, hot, open;
-    int32_t temp;
+    int32_t temp;              /* of the newest reading that came; it was made at temp_at */
+    bool must_cool[LAMPS];     /* went dark for its temperature, or nothing was known of that yet */
+    unsigned n_pending;        /* late */
+    unsigned n_old, n_delayed; /* came when they said nothing any more; late, and in time */
+    struct reading pending[PENDING];
     unsigned n[LAMPS];
     struct stretch log[LAMPS][STRETCHES];
     bool lit[LAMPS];
@@ -60,6 +76,8 @@ static void note(struct judge *j, int64_t at)
             j->log[i][j->n[i]++] = (struct stretch){at, TTF_NS_NEVER};
         } else if (!lit && j->lit[i]) {
             j->log[i][j->n[i] - 1].to = at;
+            j->must_cool[i] |=
+                j->g.lamp[i].trip == TTF_TRIP_TEMP || j->g.lamp[i].trip == TTF_TRIP_TEMP_MISSING;
         }
         j->lit[i] = lit;
         assert_int_equal(lit, j->g.lamp[i].on_since_ns != TTF_NS_UNKNOWN);
@@ -79,6 +97,7 @@ static void check_moment(const struct judge *j, int64_t at)
         if (info->max_temp_mdegc != 0) {
             assert_true(at < j->temp_at + TTF_TEMP_MISSING_NS);
             assert_false(j->hot && j->temp > info->max_temp_mdegc);
+            assert_false(j->must_cool[i]);
         }
     }
 }
@@ -131,13 +150,53 @@ static void check_log(const struct judge *j, unsigned i)
     }
 }
 
+/* A reading has come that was made at `at`: whatever was made before the newest is as if it had not come. */
+static void came(struct judge *j, int64_t at, int32_t temp)
+{
+    bool old = j->now - at >= TTF_TEMP_MISSING_NS;
+
+    j->n_old += old;
+    j->n_delayed += !old && at < j->now;
+    if (at < j->temp_at && at < j->now)
+        return;
+    j->temp_at = at;
+    j->temp = temp;
+    j->hot = true;
+    for (unsigned i = 0; i < j->g.n && !old; i++)
+        if (temp < j->g.info[i].max_temp_mdegc - j->g.info[i].hysteresis_mdegc)
+            j->must_cool[i] = false;
+}
+
+/* One is made, or one of those that were made comes. */
+static void read_late(struct judge *j, int32_t temp)
+{
+    struct reading *any;
+
+    if (j->n_pending == 0 || (j->n_pending < PENDING && rnd(j, 2))) {
+        j->pending[j->n_pending++] = (struct reading){j->now, temp};
+        return;
+    }
+    any = &j->pending[rnd(j, j->n_pending)];
+    ttf_guardian_temp_late(&j->g, j->now, any->at, any->temp);
+    came(j, any->at, any->temp);
+    *any = j->pending[--j->n_pending];
+}
+
 static void read_temp(struct judge *j)
 {
-    j->temp_at = j->now + (j->bulk ? (int64_t)rnd(j, 4000) * MS : 0);
+    /* Any; or one that heats nothing and has cooled nothing. */
+    int32_t temp = (int32_t)(rnd(j, 3) ? rnd(j, 60000) : LIMIT - rnd(j, HYSTERESIS + 1));
+    int64_t until = j->now + (j->bulk ? (int64_t)rnd(j, 4000) * MS : 0);
+
+    if (j->late) {
+        read_late(j, temp);
+        return;
+    }
     if (j->bulk)
-        ttf_guardian_temp_through(&j->g, j->now, j->temp_at, j->temp);
+        ttf_guardian_temp_through(&j->g, j->now, until, temp);
     else
-        ttf_guardian_temp(&j->g, j->now, j->temp);
+        ttf_guardian_temp(&j->g, j->now, temp);
+    came(j, until, temp);
 }
 
 /* Told ahead, the last renewal is the last of those 100 ms apart that is not behind the instant. */
@@ -170,8 +229,6 @@ static void event(struct judge *j)
         break;
     case 2:
     case 3:
-        j->temp = (int32_t)rnd(j, 60000);
-        j->hot = true;
         read_temp(j);
         break;
     case 4:
@@ -193,7 +250,7 @@ static void event(struct judge *j)
 static void no_schedule_of_events_leaves_a_lamp_on_beyond_any_limit(void **state)
 {
     struct judge *j = malloc(sizeof(*j));
-    unsigned lit = 0, full = 0, bulk_trips = 0, trips[TTF_TRIP_COUNT] = {0};
+    unsigned lit = 0, full = 0, bulk_trips = 0, old = 0, delayed = 0, trips[TTF_TRIP_COUNT] = {0};
 
     (void)state;
     assert_non_null(j);
@@ -203,6 +260,7 @@ static void no_schedule_of_events_leaves_a_lamp_on_beyond_any_limit(void **state
         memset(j, 0, sizeof(*j));
         j->busy = seed % 2;
         j->bulk = seed % 4 >= 2;
+        j->late = seed % 8 == 0;
         j->random = seed * UINT64_C(0x9e3779b97f4a7c15);
         for (int i = 0; i < 2; i++) {
             /* Every other schedule knows only duty: busy lamps, more stretches than are kept. */
@@ -212,9 +270,10 @@ static void no_schedule_of_events_leaves_a_lamp_on_beyond_any_limit(void **state
                 continue;
             info[i].max_on_ns = rnd(j, 3) ? (int64_t)(rnd(j, 20) + 1) * S : 0;
             info[i].max_duty_permille = rnd(j, 4) ? (unsigned)rnd(j, 900) + 1 : TTF_LAMP_FULL;
-            info[i].max_temp_mdegc = rnd(j, 2) ? 50000 : 0;
-            info[i].hysteresis_mdegc = 2000;
+            info[i].max_temp_mdegc = rnd(j, 2) ? LIMIT : 0;
+            info[i].hysteresis_mdegc = HYSTERESIS;
             info[i].interlock_door = rnd(j, 2);
+            j->must_cool[i] = info[i].max_temp_mdegc != 0;
         }
         j->now = (int64_t)rnd(j, 1000) * S;
         j->temp_at = j->now;
@@ -233,12 +292,15 @@ static void no_schedule_of_events_leaves_a_lamp_on_beyond_any_limit(void **state
             check_log(j, i);
             lit += j->n[i];
         }
+        old += j->n_old;
+        delayed += j->n_delayed;
     }
     free(j);
     /* The schedules were not idle: lamps burned, every limit struck, the account was full. */
     assert_true(lit > 1000);
     assert_true(full > 100);
     assert_true(bulk_trips > 0);
+    assert_true(old > 100 && delayed > 100);
     for (int trip = 1; trip < TTF_TRIP_COUNT; trip++)
         assert_true(trips[trip] > 0);
 }

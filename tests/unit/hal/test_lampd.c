@@ -272,6 +272,52 @@ static void a_sensor_that_hangs_does_not_hang_the_guardian(void **state)
     lampd_fixture_part(f, lamps);
 }
 
+/* As one whose thread hung in another sensor's driver between measuring and telling. */
+static void a_temperature_that_was_measured_long_ago_lights_no_lamp(void **state)
+{
+    struct lampd_fixture *f = lampd_fixture_make();
+    struct ttf_lamps *lamps;
+
+    *state = f;
+    f->info[0].max_temp_mdegc = 60000;
+    f->heat.age_ns = TTF_TEMP_MISSING_NS + TTF_NS_PER_S;
+    lampd_fixture_start(f);
+    lamps = lampd_fixture_client(f);
+    assert_int_equal(ttf_lamps_acquire(lamps, in(f, TTF_NS_PER_H), NULL), 0);
+    while (atomic_load(&f->heat.n) < 2) /* the first was told before the second was asked for */
+        (void)ttf_clock_wait_until(f->clock, in(f, MS));
+    assert_int_equal(ttf_lamps_set(lamps, 0, 1000, NULL), -EPERM);
+    assert_int_equal(look(lamps, 0).trip, TTF_TRIP_TEMP_MISSING);
+    assert_int_equal(wire(f, 0), '0');
+    lampd_fixture_part(f, lamps);
+}
+
+static void a_guardian_ends_although_its_sensor_hangs(void **state)
+{
+    struct lampd_fixture *f = lampd_fixture_make();
+    const struct ttf_lampd_config config = {.socket = f->socket,
+                                            .n = LAMPD_LAMPS,
+                                            .info = f->info,
+                                            .lines = f->lines,
+                                            .door = -1,
+                                            .clock = f->clock,
+                                            .sensors = &f->heat.base};
+    struct ttf_lampd *lampd = NULL;
+
+    *state = f;
+    f->heat.hangs = true;
+    assert_int_equal(ttf_lampd_create(&config, &lampd, NULL), 0);
+    while (!atomic_load(&f->heat.asked))
+        (void)ttf_clock_wait_until(f->clock, in(f, MS));
+    (void)alarm(60); /* one that waits for it for ever ends the test */
+    assert_int_equal(ttf_lampd_destroy(lampd), -EBUSY);
+    assert_int_equal(access(f->socket, F_OK), -1);
+    f->heat.hangs = false;
+    while (ttf_lampd_destroy(lampd) < 0)
+        ;
+    (void)alarm(0);
+}
+
 static void a_guardian_that_ends_darkens_and_another_is_found(void **state)
 {
     struct lampd_fixture *f = *state;
@@ -426,6 +472,8 @@ int main(void)
         OWN(an_open_door_darkens_what_is_interlocked),
         OWN(heat_darkens_a_lamp_until_it_has_cooled),
         OWN(a_sensor_that_hangs_does_not_hang_the_guardian),
+        OWN(a_temperature_that_was_measured_long_ago_lights_no_lamp),
+        OWN(a_guardian_ends_although_its_sensor_hangs),
         GUARDED(a_guardian_that_ends_darkens_and_another_is_found),
         GUARDED(a_guardian_that_hangs_does_not_hang_its_clients),
         GUARDED(two_guardians_are_one_too_many),

@@ -171,7 +171,7 @@ static void a_sign_of_life_that_was_not_taken_is_not_the_last(void **state)
     assert_int_equal(ttf_lampd_run(lampd, &manager.stop), 0);
     (void)alarm(0);
     assert_int_equal(manager.fed, 6);
-    ttf_lampd_destroy(lampd);
+    assert_int_equal(ttf_lampd_destroy(lampd), 0);
 }
 
 /* ---- more than one chip ---- */

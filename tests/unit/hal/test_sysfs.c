@@ -8,6 +8,7 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -163,6 +164,43 @@ static void a_supply_s_alarm_is_read_where_a_driver_has_one(void **state)
     ttf_sensors_destroy(sensors);
 }
 
+/* A driver that takes its time: it gives its value when it was asked, and not before. */
+struct slow {
+    const struct sys *sys;
+    char path[128];
+    int64_t given_ns;
+};
+
+static void *give(void *arg)
+{
+    struct slow *slow = arg;
+    int file = open(slow->path, O_WRONLY | O_CLOEXEC);
+
+    slow->given_ns = ttf_clock_now_ns(slow->sys->clock);
+    (void)!write(file, "23450\n", 6);
+    (void)close(file);
+    return NULL;
+}
+
+static void what_a_slow_driver_gives_is_as_old_as_the_asking(void **state)
+{
+    struct slow slow = {.sys = *state};
+    struct ttf_sensors *sensors = sensors_of(slow.sys);
+    struct ttf_reading r[TTF_SENSORS_MAX];
+    pthread_t driver;
+
+    put(slow.sys, "bus/iio/devices/iio:device0/in_temp_input", NULL);
+    (void)snprintf(slow.path, sizeof(slow.path), "%s/bus/iio/devices/iio:device0/in_temp_input",
+                   slow.sys->root);
+    assert_int_equal(mkfifo(slow.path, 0666), 0);
+    assert_int_equal(pthread_create(&driver, NULL, give, &slow), 0);
+    assert_int_equal(ttf_sensors_read(sensors, r, NULL), BOX_N);
+    (void)pthread_join(driver, NULL);
+    assert_true(r[1].ok && r[1].value == 23450);
+    assert_true(r[1].at_ns <= slow.given_ns);
+    ttf_sensors_destroy(sensors);
+}
+
 static void raw_values_have_an_offset_too(void **state)
 {
     struct sys *sys = *state;
@@ -298,6 +336,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         IN_SYS(values_come_in_the_box_s_units),
         IN_SYS(a_supply_s_alarm_is_read_where_a_driver_has_one),
+        IN_SYS(what_a_slow_driver_gives_is_as_old_as_the_asking),
         IN_SYS(raw_values_have_an_offset_too),
         IN_SYS(what_does_not_answer_or_cannot_be_is_not_ok),
         IN_SYS(a_driver_that_comes_later_or_moves_is_found),

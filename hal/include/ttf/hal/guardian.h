@@ -53,7 +53,7 @@ struct ttf_guardian {
     bool door_open;
     bool temp_known;
     int32_t temp_mdegc;
-    int64_t temp_at_ns; /* of the last reading, or of init */
+    int64_t temp_at_ns; /* when the last reading that counts was made; of init */
 };
 
 /*
@@ -97,6 +97,13 @@ void ttf_guardian_temp(struct ttf_guardian *g, int64_t now_ns, int32_t temp_mdeg
 /* The same as readings of this temperature from now_ns on, the last at until_ns, told at once. */
 void ttf_guardian_temp_through(struct ttf_guardian *g, int64_t now_ns, int64_t until_ns,
                                int32_t temp_mdegc);
+
+/*
+ * A reading that was made at at_ns and comes only now: the 10 s until the temperature is missing count from at_ns. One that is
+ * as old as that already, or older than the last that counts, is as if it had not come: it says nothing of now, and nobody has cooled by it.
+ */
+void ttf_guardian_temp_late(struct ttf_guardian *g, int64_t now_ns, int64_t at_ns,
+                            int32_t temp_mdegc);
 
 void ttf_guardian_door(struct ttf_guardian *g, int64_t now_ns, bool open);
 

@@ -46,8 +46,11 @@ TTF_MUST_USE int ttf_lampd_create(const struct ttf_lampd_config *config, struct 
 /* Guards until *stop becomes non-zero (looked at every 50 ms, and when a signal interrupts); then all lamps are dark. 0. */
 int ttf_lampd_run(struct ttf_lampd *lampd, const volatile int *stop);
 
-/* Frees; the socket's path is removed. NULL allowed. */
-void ttf_lampd_destroy(struct ttf_lampd *lampd);
+/*
+ * Frees; the socket's path is removed. 0. NULL allowed. -EBUSY: the thread that reads temperatures hangs in a sensor's driver, and was
+ * waited for as long as one does that hears it; clock and sensors must not be freed, the lines may. To be called again, or left to the end of the process.
+ */
+int ttf_lampd_destroy(struct ttf_lampd *lampd);
 
 /*
  * A client. What the lamps are is asked of the guardian. A thread of its own renews the lease. If the guardian

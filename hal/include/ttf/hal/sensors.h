@@ -33,7 +33,7 @@ struct ttf_reading {
     enum ttf_sensor_kind kind;
     bool ok; /* false: it did not answer; value is then 0 and means nothing */
     int64_t value;
-    int64_t at_ns; /* boot clock */
+    int64_t at_ns; /* boot clock; what was measured is not older, however long its driver took */
 };
 
 /*
