@@ -202,9 +202,10 @@ static const struct cli_option_def OPTIONS[OPT_COUNT] = {
          "with --flatten: lay the gradient over the output again (the report's figures are of "
          "the output before)"},
     [OPT_SAVE_MAP] = {"save-map", 0, "FILE", CLI_TEXT, O(save_map), 0, 0,
-                      "write where every block came from, as JSON"},
+                      "write where every block came from, and the pace, as JSON"},
     [OPT_MAP] = {"map", 0, "FILE", CLI_TEXT, O(map), 0, 0,
-                 "lay blocks as such a file says, searching for none; inputs must be of its sizes"},
+                 "lay blocks as such a file says, searching for none; inputs must be of its sizes. "
+                 "Another control of the pace takes the place of its own"},
     [OPT_AGREEMENT] = {"agreement", 0, "N", CLI_WHOLE, O(agreement), 1, 1000000,
                        "compare about N of the matches with those over all frames, for the report"},
     [OPT_FIGURES] = {"figures", 0, NULL, CLI_FLAG, O(figures), 0, 0,

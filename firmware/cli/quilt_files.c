@@ -98,31 +98,41 @@ static uint32_t at_most(uint32_t a, uint32_t b)
 }
 
 /*
- * What a report tells and a configuration's rules ask for. A first block may be cut off by a small
- * output: twice the overlap is what it was at least.
+ * The block that was asked for. Of a map that does not say, what suits a configuration's rules: its
+ * first block may be cut off by a small output, and twice the overlap is what it was at least.
  */
-static void describe(const struct ttf_quilt_map *map, const struct ttf_sequence *input,
-                     struct ttf_quilt_config *config)
+static void describe_block(const struct ttf_quilt_map *map, const struct ttf_sequence *input,
+                           struct ttf_quilt_config *config)
 {
     const struct ttf_quilt_block *first = &map->blocks[0];
+    uint32_t width = map->block_width ? map->block_width : first->width;
+    uint32_t height = map->block_height ? map->block_height : first->height;
 
+    config->block_width = at_most(at_least(at_least(width, 2 * map->overlap_x), 4), input->width);
+    config->block_height =
+        at_most(at_least(at_least(height, 2 * map->overlap_y), 4), input->height);
+}
+
+void quilt_map_describe(const struct ttf_quilt_map *map, const struct ttf_sequence *input,
+                        struct ttf_quilt_config *config)
+{
+    if (!map->blocks)
+        return;
     config->width = map->width;
     config->height = map->height;
-    config->block_width =
-        at_most(at_least(at_least(first->width, 2 * map->overlap_x), 4), input->width);
-    config->block_height =
-        at_most(at_least(at_least(first->height, 2 * map->overlap_y), 4), input->height);
+    describe_block(map, input, config);
     config->overlap_x = at_most(map->overlap_x, config->block_width / 2);
     config->overlap_y = at_most(map->overlap_y, config->block_height / 2);
     config->feather_px = at_most(map->feather_px, at_most(config->overlap_x, config->overlap_y));
     config->tileable =
         map->tileable && map->width >= config->block_width && map->height >= config->block_height;
     config->jitter_frames = jitter_of(map);
+    config->jitter_round = config->jitter_round || map->rounded;
+    config->rate = map->rate.m ? &map->rate : NULL;
     config->replay = map;
 }
 
-int quilt_map_load(struct cli *cli, const struct ttf_sequence *input, struct ttf_quilt_map *ret,
-                   struct ttf_quilt_config *config)
+int quilt_map_load(struct cli *cli, struct ttf_quilt_map *ret)
 {
     char *text = NULL;
     size_t bytes = 0;
@@ -138,9 +148,9 @@ int quilt_map_load(struct cli *cli, const struct ttf_sequence *input, struct ttf
         ttf_err_prefix(&cli->err, "--map %s", cli->opt.map);
         return r;
     }
-    describe(ret, input, config);
-    if (cli->opt.check && ret->times) {
-        ttf_err_set(&cli->err, -EINVAL, "--check", "the map gives blocks times of their own");
+    if (cli->opt.check && (ret->times || ret->rate.m)) {
+        ttf_err_set(&cli->err, -EINVAL, "--check", "the map gives %s of their own",
+                    ret->times ? "blocks times" : "pixels a pace");
         return ttf_err_hint(&cli->err, "such an output is no plain copy of its input"), -EINVAL;
     }
     return 0;

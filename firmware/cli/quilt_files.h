@@ -23,9 +23,12 @@ TTF_MUST_USE int quilt_factors_open(struct cli *cli, struct quilt_factors *ret,
 TTF_MUST_USE int quilt_factors_save(const struct quilt_factors *factors);
 void quilt_factors_close(struct quilt_factors *factors);
 
-/* --map, with what of config it says. */
-TTF_MUST_USE int quilt_map_load(struct cli *cli, const struct ttf_sequence *input,
-                                struct ttf_quilt_map *ret, struct ttf_quilt_config *config);
+/* --map, if it is given. */
+TTF_MUST_USE int quilt_map_load(struct cli *cli, struct ttf_quilt_map *ret);
+
+/* What of config a loaded map says, for an input as it will be laid; nothing of a zeroed one. config borrows map. */
+void quilt_map_describe(const struct ttf_quilt_map *map, const struct ttf_sequence *input,
+                        struct ttf_quilt_config *config);
 
 /* --save-map: all of it or nothing. */
 TTF_MUST_USE int quilt_map_save(struct cli *cli, const struct ttf_quilt_map *map);

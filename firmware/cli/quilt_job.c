@@ -77,11 +77,19 @@ static int find_block(struct quilt_job *job)
     return 0;
 }
 
+/* What changes across a block is light; half of it leaves neighbours alike (prepare/README.md). */
+static double sigma_px(const struct quilt_job *job)
+{
+    const struct ttf_quilt_config *c = &job->config;
+
+    if (cli_given(&job->cli->opt, OPT_FLATTEN_SIGMA))
+        return job->cli->opt.flatten_sigma / (job->prepared.reduced ? job->prepared.shrink : 1);
+    return (c->block_width > c->block_height ? c->block_width : c->block_height) / 2.0;
+}
+
 static int prepare_inputs(struct quilt_job *job)
 {
     struct cli *cli = job->cli;
-    const struct ttf_quilt_config *c = &job->config;
-    double sigma;
     int r = 0;
 
     /* the report tells of the first, so it comes last */
@@ -89,12 +97,11 @@ static int prepare_inputs(struct quilt_job *job)
         r = quilt_input_steady(cli, &job->inputs[i], &job->prepared);
     if (r == 0)
         r = find_block(job);
-    /* what changes across a block is light; half of it leaves neighbours alike (prepare/README.md) */
-    sigma = (c->block_width > c->block_height ? c->block_width : c->block_height) / 2.0;
-    if (cli_given(&cli->opt, OPT_FLATTEN_SIGMA))
-        sigma = cli->opt.flatten_sigma / (job->prepared.reduced ? job->prepared.shrink : 1);
+    /* a map's block is what it was found by, so the gradient is that of then */
+    if (r == 0)
+        quilt_map_describe(&job->kept, first(job), &job->config);
     for (unsigned i = job->n_inputs; i-- > 0 && r == 0 && cli->opt.flatten;)
-        r = quilt_input_flatten(cli, &job->inputs[i], sigma, &job->prepared);
+        r = quilt_input_flatten(cli, &job->inputs[i], sigma_px(job), &job->prepared);
     for (unsigned i = 1; i < job->n_inputs && r == 0; i++)
         job->more[i - 1] = quilt_input_top(&job->inputs[i]);
     job->config.more = job->more;
@@ -139,9 +146,7 @@ static int configure(struct quilt_job *job)
     c->progress = on_progress;
     c->progress_ctx = job;
     c->cancel = cli_stop_flag();
-    r = quilt_map_load(cli, first(job), &job->kept, c);
-    if (r == 0)
-        r = quilt_options_name(cli, ttf_quilt_validate(c, first(job), &cli->err));
+    r = quilt_options_name(cli, ttf_quilt_validate(c, first(job), &cli->err));
     if (r == 0 && job->control)
         r = job->control(job);
     if (r == 0 && job->rate.m)
@@ -272,6 +277,8 @@ int quilt_job_run(struct quilt_job *job)
         r = open_inputs(job);
     if (r == 0)
         r = reduce(job);
+    if (r == 0)
+        r = quilt_map_load(cli, &job->kept);
     if (r == 0)
         r = prepare_inputs(job);
     if (r == 0)

@@ -351,6 +351,8 @@ static const char *pace_name(const struct cli *cli)
         return "--rate-map";
     if (cli_given(o, OPT_LIGHT))
         return "--light";
+    if (o->map && !o->curvature)
+        return "--map";
     return o->curvature ? "--curvature" : o->args[0];
 }
 

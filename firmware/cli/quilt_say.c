@@ -81,11 +81,16 @@ static void say_figures(const struct quilt_job *job)
     const struct ttf_quilt_report *p = &job->report;
     const struct cli *cli = job->cli;
 
-    cli_say(cli,
-            "frames            %u of %u x %u from %u x %u, %u block%s of %u x %u, seed %" PRIu64,
-            p->out_frames, job->config.width, job->config.height, p->source_width, p->source_height,
-            p->blocks, p->blocks == 1 ? "" : "s", job->config.block_width, job->config.block_height,
-            job->config.seed);
+    char block[40] = "", how[40] = ", replayed";
+
+    if (p->block_known)
+        (void)snprintf(block, sizeof block, " of %u x %u", job->config.block_width,
+                       job->config.block_height);
+    if (!job->config.replay)
+        (void)snprintf(how, sizeof how, ", seed %" PRIu64, job->config.seed);
+    cli_say(cli, "frames            %u of %u x %u from %u x %u, %u block%s%s%s", p->out_frames,
+            job->config.width, job->config.height, p->source_width, p->source_height, p->blocks,
+            p->blocks == 1 ? "" : "s", block, how);
     if (!job->config.replay && p->rank.rank != TTF_QUILT_RANK_FULL)
         cli_say(cli, "matched           rank %u, which misses %.2f %%%s", p->rank.rank,
                 100 * p->rank.error, p->rank.known_frames ? "; gone on with known factors" : "");

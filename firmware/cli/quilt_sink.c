@@ -108,7 +108,8 @@ static int create_dataset(struct cli *cli, struct quilt_sink *s)
     }
     if (r == 0) {
         m->derived_seed = (int64_t)s->spec.config->seed;
-        m->has_derived_seed = parent != NULL;
+        /* nothing was picked where a map is replayed, and it does not say by which seed it was found */
+        m->has_derived_seed = parent != NULL && !s->spec.config->replay;
         describe_stream(s, parent, cli->opt.stream, m);
         /* A camera's own colours, or none, have no primaries that a profile could name. */
         s->icc =

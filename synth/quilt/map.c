@@ -15,6 +15,7 @@ void ttf_quilt_map_free(struct ttf_quilt_map *map)
     free(map->cuts);
     free(map->layers);
     free(map->times);
+    ttf_rate_map_free(&map->rate);
     free(map->runs);
     free(map->row_runs);
     memset(map, 0, sizeof(*map));
@@ -61,6 +62,14 @@ uint64_t ttf_quilt_map_digest(const struct ttf_quilt_map *map)
     }
     for (size_t i = 0; map->times && i < (size_t)map->n_blocks * map->n_times; i++)
         h = ttf_mix64(h + map->times[i]);
+    if (map->rounded)
+        h = ttf_mix64(h ^ 1);
+    for (size_t i = 0; map->rate.m && i < pixels; i++) {
+        uint32_t bits;
+
+        memcpy(&bits, &map->rate.m[i], sizeof(bits));
+        h = ttf_mix64(h + bits);
+    }
     return h;
 }
 
@@ -153,6 +162,7 @@ int ttf_quilt_map_copy(const struct ttf_quilt_map *map, struct ttf_quilt_map *re
     out.layers = copy_of(map->layers, map->n_layers, sizeof(*map->layers), &failed);
     out.times =
         copy_of(map->times, (size_t)map->n_blocks * map->n_times, sizeof(*map->times), &failed);
+    out.rate.m = copy_of(map->rate.m, pixels, sizeof(*map->rate.m), &failed);
     out.runs = NULL;
     out.row_runs = NULL;
     if (failed || ttf_quilt_map_index(&out) < 0) {

@@ -10,13 +10,15 @@
 #include <string.h>
 
 #include "quilt/map_format.h"
+#include "quilt/map_rate.h"
 #include "quilt/paste.h"
 #include "ttf/dataset/json_parse.h"
 
 #define SIDE_MAX       32768u
 #define TIMES_MAX      (1u << 20) /* frames */
-#define BLOCK_MAX      65535u     /* cuts are 16 bits wide */
-#define COVERS_AT_MOST 16u /* blocks overlap by at most half: a pixel lies under few of them */
+#define BLOCK_MIN      4
+#define BLOCK_MAX      65535u /* cuts are 16 bits wide */
+#define COVERS_AT_MOST 16u    /* blocks overlap by at most half: a pixel lies under few of them */
 
 struct reading {
     struct ttf_err *err;
@@ -154,6 +156,21 @@ static void read_head(struct reading *r, const json_t *root)
     if (!r->code && r->most_pixels > 0 && (uint64_t)map->width * map->height > r->most_pixels)
         r->code = ttf_err_set(r->err, -EFBIG, "size", "an output of %u x %u is too large",
                               map->width, map->height);
+}
+
+/* What maps written before do not say. */
+static void read_optional(struct reading *r, const json_t *root)
+{
+    struct ttf_quilt_map *map = &r->map;
+    const json_t *rounded = json_object_get(root, "rounded");
+
+    if (json_object_get(root, "block"))
+        pair(r, root, "block", BLOCK_MIN, INT32_MAX, &map->block_width, &map->block_height);
+    if (json_object_get(root, "frames"))
+        map->frames = (uint32_t)field(r, root, "frames", 1, INT32_MAX);
+    if (rounded && !json_is_boolean(rounded))
+        wrong(r, "rounded", "must be true or false");
+    map->rounded = json_is_true(rounded);
 }
 
 /* ---- a block ---- */
@@ -324,6 +341,49 @@ static void read_block(struct reading *r, const json_t *object, unsigned i)
         read_times(r, object, i);
 }
 
+/* ---- the pace ---- */
+
+static void read_rate_row(struct reading *r, const json_t *value, uint32_t y)
+{
+    struct ttf_rate_map *rate = &r->map.rate;
+    float *row = rate->m + (size_t)y * rate->width;
+    const char *text = json_string_value(value);
+    uint32_t wrong_at;
+
+    (void)snprintf(r->at, sizeof(r->at), "rate[%u]", y);
+    if (json_is_null(value) && y > 0) {
+        memcpy(row, row - rate->width, rate->width * sizeof(*row));
+        return;
+    }
+    if (!text || json_string_length(value) != (size_t)rate->width * TTF_MAP_RATE_DIGITS) {
+        wrong(r, "", "must be %u numbers of %u digits%s", rate->width, TTF_MAP_RATE_DIGITS,
+              y > 0 ? ", or null: as the row above" : "");
+        return;
+    }
+    wrong_at = ttf_map_rate_row(text, rate->width, row);
+    if (wrong_at < rate->width)
+        wrong(r, "", "number %u is no rate: the bits of a float from 0 to 2^20", wrong_at);
+}
+
+/* Behind the blocks: they cover the whole output, so its size is no empty claim. */
+static void read_rate(struct reading *r, const json_t *root)
+{
+    struct ttf_quilt_map *map = &r->map;
+    const json_t *rows = json_object_get(root, "rate");
+
+    if (!rows || r->code)
+        return;
+    if (!array(r, root, "rate", map->height))
+        return;
+    map->rate = (struct ttf_rate_map){map->width, map->height,
+                                      malloc((size_t)map->width * map->height * sizeof(float))};
+    if (!map->rate.m)
+        no_memory(r);
+    for (uint32_t y = 0; y < map->height && !r->code; y++)
+        read_rate_row(r, json_array_get(rows, y), y);
+    r->at[0] = '\0';
+}
+
 /* ---- all of it ---- */
 
 static void read_blocks(struct reading *r, const json_t *root)
@@ -355,11 +415,13 @@ static void read_blocks(struct reading *r, const json_t *root)
 static void read_map(struct reading *r, const json_t *root, size_t bytes)
 {
     read_head(r, root);
+    read_optional(r, root);
     if (!r->code &&
         (uint64_t)r->map.n_times * json_array_size(json_object_get(root, "blocks")) > bytes)
         wrong(r, "times_of_frames", "is more than the blocks say");
     if (!r->code)
         read_blocks(r, root);
+    read_rate(r, root);
     if (!r->code && !r->map.cuts && !(r->map.cuts = calloc(1, sizeof(*r->map.cuts))))
         no_memory(r);
     if (!r->code && ttf_paste_all(&r->map) < 0)

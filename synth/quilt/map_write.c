@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "quilt/map_format.h"
+#include "quilt/map_rate.h"
 #include "quilt/paste.h"
 #include "ttf/synth/map_file.h"
 
@@ -103,14 +104,22 @@ void ttf_quilt_map_json(const struct ttf_quilt_map *map, struct ttf_json *json)
     for (unsigned i = 0; i < map->n_inputs; i++)
         put_pair(json, NULL, map->inputs[i].width, map->inputs[i].height);
     ttf_json_array_end(json);
+    if (map->block_width > 0)
+        put_pair(json, "block", map->block_width, map->block_height);
     put_pair(json, "overlap", map->overlap_x, map->overlap_y);
     ttf_json_kbool(json, "tileable", map->tileable);
     ttf_json_kint(json, "feather_px", map->feather_px);
+    if (map->frames > 0)
+        ttf_json_kint(json, "frames", map->frames);
     ttf_json_kint(json, "times_of_frames", map->times ? map->n_times : 0);
+    if (map->rounded)
+        ttf_json_kbool(json, "rounded", true);
     ttf_json_key(json, "blocks");
     ttf_json_array(json);
     for (unsigned i = 0; i < map->n_blocks; i++)
         put_block_line(json, map, i);
     ttf_json_array_end(json);
+    if (map->rate.m)
+        ttf_map_rate_put(json, &map->rate);
     ttf_json_object_end(json);
 }

@@ -206,6 +206,10 @@ static int plan_range(const struct ttf_quilt_config *config, struct ttf_sequence
         ttf_time_jitter_fill(seed, config->jitter_frames, config->jitter_every, frames, &plan.map) <
             0)
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory for the blocks' times");
+    plan.map.block_width = config->block_width;
+    plan.map.block_height = config->block_height;
+    plan.map.frames = frames;
+    plan.map.rounded = config->jitter_round && (config->jitter_frames > 0 || config->rate);
     if (r == 0) {
         sum_up(&plan);
         *ret = plan.map;

@@ -22,33 +22,57 @@ static void put_size(struct ttf_json *json, const char *key, uint32_t width, uin
     ttf_json_array_end(json);
 }
 
-static void put_parameters(const struct ttf_quilt_report *report, struct ttf_json *json)
+static void put_null(struct ttf_json *json, const char *key)
 {
-    const struct ttf_quilt_config *config = &report->config;
+    ttf_json_key(json, key);
+    ttf_json_null(json);
+}
+
+/* How blocks were looked for. A replay looks for none, and its map does not say how they were found. */
+static void put_matching(const struct ttf_quilt_config *config, struct ttf_json *json)
+{
+    static const char *const UNKNOWN[] = {"tolerance", "seed",      "metric",  "mirror",
+                                          "flips",     "rotations", "avoid_px"};
     char seed[21];
 
-    ttf_json_key(json, "parameters");
-    ttf_json_object(json);
-    put_size(json, "size", config->width, config->height);
-    put_size(json, "block", config->block_width, config->block_height);
-    put_size(json, "overlap", report->overlap_x, report->overlap_y);
+    for (size_t i = 0; config->replay && i < sizeof(UNKNOWN) / sizeof(*UNKNOWN); i++)
+        put_null(json, UNKNOWN[i]);
+    if (config->replay)
+        return;
     ttf_json_kdouble(json, "tolerance", config->tolerance);
     snprintf(seed, sizeof(seed), "%llu", (unsigned long long)config->seed);
     ttf_json_kstring(json, "seed", seed);
     ttf_json_kstring(json, "metric", ttf_metric_name(config->metric));
+    ttf_json_kbool(json, "mirror", config->mirror);
+    ttf_json_kbool(json, "flips", config->flips);
+    ttf_json_kbool(json, "rotations", config->rotations);
+    ttf_json_kint(json, "avoid_px", config->avoid_px);
+}
+
+static void put_parameters(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    const struct ttf_quilt_config *config = &report->config;
+
+    ttf_json_key(json, "parameters");
+    ttf_json_object(json);
+    put_size(json, "size", config->width, config->height);
+    if (report->block_known)
+        put_size(json, "block", config->block_width, config->block_height);
+    else
+        put_null(json, "block");
+    put_size(json, "overlap", report->overlap_x, report->overlap_y);
+    put_matching(config, json);
     ttf_json_kbool(json, "per_frame", config->per_frame);
     ttf_json_kint(json, "feather_px", config->feather_px);
     ttf_json_kint(json, "jitter_frames", config->jitter_frames);
     if (config->jitter_frames > 0)
         ttf_json_kstring(json, "jitter", config->jitter_round ? "rounded" : "interpolated");
-    if (config->jitter_frames > 0)
+    if (config->jitter_frames > 0 && config->replay)
+        put_null(json, "jitter_every");
+    else if (config->jitter_frames > 0)
         ttf_json_kint(json, "jitter_every", config->jitter_every);
     ttf_json_kbool(json, "rate_map", config->rate != NULL);
-    ttf_json_kbool(json, "mirror", config->mirror);
-    ttf_json_kbool(json, "flips", config->flips);
-    ttf_json_kbool(json, "rotations", config->rotations);
     ttf_json_kbool(json, "tileable", config->tileable);
-    ttf_json_kint(json, "avoid_px", config->avoid_px);
     ttf_json_kbool(json, "replayed", config->replay != NULL);
     ttf_json_kint(json, "inputs", report->inputs);
     ttf_json_kint(json, "threads", report->threads);
@@ -119,6 +143,24 @@ static void put_colours(const struct ttf_quilt_report *report, struct ttf_json *
     ttf_json_object_end(json);
 }
 
+static void put_compression_kind(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    const struct ttf_quilt_rank_figures *rank = &report->rank;
+
+    if (report->config.replay) { /* nothing was matched */
+        put_null(json, "rank");
+        put_null(json, "of");
+        put_null(json, "numbers_per_pixel");
+        return;
+    }
+    if (rank->rank == TTF_QUILT_RANK_FULL)
+        ttf_json_kstring(json, "rank", "full");
+    else
+        ttf_json_kint(json, "rank", rank->rank);
+    ttf_json_kstring(json, "of", report->config.per_channel ? "each channel" : "all channels");
+    ttf_json_kint(json, "numbers_per_pixel", rank->numbers);
+}
+
 static void put_rank(const struct ttf_quilt_report *report, struct ttf_json *json)
 {
     const struct ttf_quilt_rank_figures *rank = &report->rank;
@@ -126,17 +168,9 @@ static void put_rank(const struct ttf_quilt_report *report, struct ttf_json *jso
 
     ttf_json_key(json, "compression");
     ttf_json_object(json);
-    if (report->config.replay) { /* nothing was matched */
-        ttf_json_key(json, "rank");
-        ttf_json_null(json);
-    } else if (rank->rank == TTF_QUILT_RANK_FULL)
-        ttf_json_kstring(json, "rank", "full");
-    else
-        ttf_json_kint(json, "rank", rank->rank);
-    ttf_json_kstring(json, "of", report->config.per_channel ? "each channel" : "all channels");
-    ttf_json_kint(json, "numbers_per_pixel", rank->numbers);
-    ttf_json_kdouble(json, "error", rank->error);
-    ttf_json_kdouble(json, "rms_over_full_scale", rank->rms);
+    put_compression_kind(report, json);
+    put_figure(json, "error", !report->config.replay, rank->error);
+    put_figure(json, "rms_over_full_scale", !report->config.replay, rank->rms);
     ttf_json_kint(json, "frames_known_before", rank->known_frames);
     ttf_json_key(json, "errors_by_rank");
     ttf_json_array(json);
@@ -223,8 +257,8 @@ static void put_blocks(const struct ttf_quilt_report *report, struct ttf_json *j
     ttf_json_kint(json, "count", report->blocks);
     ttf_json_kdouble(json, "mean_candidates", report->mean_candidates);
     ttf_json_kint(json, "with_one_candidate", report->single_candidate_blocks);
-    ttf_json_kdouble(json, "mean_rms_error", report->mean_rms_error);
-    ttf_json_kdouble(json, "max_rms_error", report->max_rms_error);
+    put_figure(json, "mean_rms_error", true, report->mean_rms_error);
+    put_figure(json, "max_rms_error", true, report->max_rms_error);
     ttf_json_object_end(json);
     ttf_json_key(json, "repetition");
     ttf_json_object(json);
@@ -246,7 +280,7 @@ static void put_search(const struct ttf_quilt_report *report, struct ttf_json *j
     if (report->rank.rank == TTF_QUILT_RANK_FULL && !report->config.replay)
         ttf_json_kint(json, "past_rank", (int64_t)search->survived_rank);
     ttf_json_kint(json, "exact", (int64_t)search->exact);
-    ttf_json_kdouble(json, "noise_variance", search->noise_variance);
+    put_figure(json, "noise_variance", !report->config.replay, search->noise_variance);
     ttf_json_object_end(json);
 }
 

@@ -15,7 +15,8 @@
 #define PLAN_SHARE 0.6
 
 struct run {
-    const struct ttf_quilt_config *config; /* the caller's */
+    struct ttf_quilt_config given;         /* the caller's, with what a replayed map says */
+    const struct ttf_quilt_config *config; /* that */
     struct ttf_quilt_config inner;         /* with progress of its own */
     struct ttf_sources sources;
     struct ttf_pool *pool;
@@ -209,11 +210,31 @@ static int search_map(struct run *run, struct ttf_err *err)
     return r;
 }
 
+/* What a map's file carries of the pace: the one of this run. */
+static int keep_pace(struct run *run, struct ttf_err *err)
+{
+    const struct ttf_rate_map *rate = run->config->rate;
+    size_t bytes = (size_t)run->map.width * run->map.height * sizeof(float);
+
+    run->map.rounded = run->config->jitter_round && (run->map.times || rate);
+    if (!rate || (run->config->replay && rate == &run->config->replay->rate))
+        return 0;
+    ttf_rate_map_free(&run->map.rate);
+    run->map.rate = (struct ttf_rate_map){rate->width, rate->height, malloc(bytes)};
+    if (!run->map.rate.m)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory for the rates of %u x %u pixels",
+                           rate->width, rate->height);
+    memcpy(run->map.rate.m, rate->m, bytes);
+    return 0;
+}
+
 static int find_map(struct run *run, struct ttf_err *err)
 {
     const struct ttf_quilt_config *config = run->config;
     int r = config->replay ? replay(run, config->replay, err) : search_map(run, err);
 
+    if (r == 0)
+        r = keep_pace(run, err);
     if (r == 0 && config->agreement_queries > 0)
         r = ttf_quilt_agreement(config, run->sources.list[0], &run->map, config->agreement_queries,
                                 run->pool, &run->report.agreement, err);
@@ -222,17 +243,18 @@ static int find_map(struct run *run, struct ttf_err *err)
 
 /* ---- the report ---- */
 
-static void sum_up_blocks(const struct ttf_quilt_map *map, uint32_t frames,
-                          struct ttf_quilt_report *report)
+/* A replayed map's errors are of the frames that it was found on, not of those it is laid on. */
+static void sum_up_blocks(const struct ttf_quilt_map *map, struct ttf_quilt_report *report)
 {
     double candidates = 0.0, rms = 0.0;
 
     report->blocks = map->n_blocks;
     report->overlap_x = map->overlap_x;
     report->overlap_y = map->overlap_y;
+    report->block_known = map->block_width > 0;
     for (unsigned i = 1; i < map->n_blocks; i++) {
         const struct ttf_quilt_block *block = &map->blocks[i];
-        double own = sqrt(block->error / (3.0 * frames * block->overlap_pixels));
+        double own = sqrt(block->error / (3.0 * map->frames * block->overlap_pixels));
 
         candidates += block->candidates;
         rms += own;
@@ -241,6 +263,8 @@ static void sum_up_blocks(const struct ttf_quilt_map *map, uint32_t frames,
     }
     report->mean_candidates = map->n_blocks > 1 ? candidates / (map->n_blocks - 1) : 0.0;
     report->mean_rms_error = map->n_blocks > 1 ? rms / (map->n_blocks - 1) : 0.0;
+    if (map->frames == 0)
+        report->mean_rms_error = report->max_rms_error = (double)NAN;
 }
 
 static int sum_up(struct run *run, const struct ttf_quilt_map *map, struct ttf_render *render,
@@ -248,7 +272,7 @@ static int sum_up(struct run *run, const struct ttf_quilt_map *map, struct ttf_r
 {
     struct ttf_quilt_report *report = &run->report;
 
-    sum_up_blocks(map, run->config->per_frame ? 1 : run->sources.frames, report);
+    sum_up_blocks(map, report);
     ttf_render_costs(render, report);
     if (run->figures)
         report->frame_bytes += ttf_figures_bytes(run->figures);
@@ -283,20 +307,37 @@ static int render_all(struct run *run, struct ttf_quilt_map *ret_first, struct t
     return r;
 }
 
+/* A map's own pace and rounding, where the caller does not say otherwise. */
+static struct ttf_quilt_config as_replayed(const struct ttf_quilt_config *config)
+{
+    struct ttf_quilt_config own = *config;
+
+    if (own.replay && own.replay->rate.m && !own.rate)
+        own.rate = &own.replay->rate;
+    if (own.replay && own.replay->rounded)
+        own.jitter_round = true;
+    return own;
+}
+
 int ttf_quilt_run(const struct ttf_quilt_config *config, struct ttf_sequence *input,
                   struct ttf_pool *pool, const struct ttf_quilt_sink *sink,
                   struct ttf_quilt_report *ret_report, struct ttf_quilt_map *ret_map,
                   struct ttf_err *err)
 {
-    struct run run = {.config = config, .inner = *config, .pool = pool, .sink = sink};
+    struct run run = {.given = as_replayed(config), .pool = pool, .sink = sink};
     struct ttf_quilt_map first = {0};
-    int64_t start_ns = now_ns(&run);
-    int r = ttf_quilt_validate(config, input, err);
+    int64_t start_ns;
+    int r;
+
+    config = run.config = &run.given;
+    start_ns = now_ns(&run);
+    r = ttf_quilt_validate(config, input, err);
 
     if (r == 0)
         r = ttf_sources_of(config, input, &run.sources, err);
     if (r < 0)
         return r;
+    run.inner = *config;
     run.inner.progress = config->per_frame ? NULL : plan_progress;
     run.inner.progress_ctx = &run;
     r = start(&run, err);

@@ -116,10 +116,51 @@ cmp jittered.rgb again.rgb || fail "a replayed map forgets feather or times"
 cmp -s jittered.rgb plain.rgb && fail "jitter and feather change nothing"
 rm again.rgb && expect 0 "$TTFBOX" synth quilt d10 --map map.json --sink raw -o again.rgb
 cmp -n $((10 * 96 * 64 * 3)) plain.rgb again.rgb || fail "a map on another dataset"
-quilt rounded --jitter 2 --jitter-rounded
+quilt rounded --jitter 2 --jitter-rounded --save-map rounded.json
+is report.parameters.jitter rounded
+again() { # NAME OPTIONS...: the map NAME.json lays what NAME.rgb is
+    local name=$1
+    shift
+    rm -f again.rgb && expect 0 "$TTFBOX" synth quilt d --map "$name.json" --sink raw -o again.rgb --json "$@"
+    cmp "$name.rgb" again.rgb || fail "the map $name.json lays something else"
+}
+again rounded
 is report.parameters.jitter rounded
 quilt jittered --jitter 2
 cmp -s rounded.rgb jittered.rgb && fail "rounding changes nothing"
+
+# A map goes at the pace of the output that it was saved with, and another control takes its place.
+frames picture halves halves.png 96 64
+quilt paced --rate-map halves.png --rate-offset 0.25 --rate-gain 0.3 --save-map paced.json
+frames=$(json report.output_frames)
+[ "$frames" -gt 16 ] || fail "it is not slowed: $frames frames"
+again paced
+is report.output_frames "$frames"
+is report.parameters.rate_map true
+expect 0 "$TTFBOX" synth quilt d --map paced.json --rate-map halves.png --sink null --json
+is report.output_frames 16
+expect 2 "$TTFBOX" synth quilt d --map paced.json --check -o never
+said err "--check: the map gives pixels a pace of their own"
+# Light that is taken out is told from what is seen by the block: the map's, not the default.
+quilt evened --flatten --save-map evened.json
+again evened --flatten
+
+# Nothing is said of a search that never was: neither seed nor tolerance, nor errors of other frames.
+quilt found --seed 9 --mirror --avoid 4 --tolerance 0.3 --save-map found.json
+error=$(json report.blocks.mean_rms_error)
+holds "$error > 0"
+rm -rf q3 && expect 0 "$TTFBOX" synth quilt d10 --map found.json -o q3 --json
+is report.blocks.mean_rms_error "$error"
+for what in seed tolerance metric mirror flips rotations avoid_px; do
+    is report.parameters.$what None
+done
+is report.parameters.block.0 16
+is report.compression.error None
+grep -q "\"derived_from\"" q3/dataset.json || fail "it is derived of nothing"
+grep -q '"seed"' q3/dataset.json && fail "a seed that nothing was picked by: $(grep '"seed"' q3/dataset.json)"
+rm -rf q3 && expect 0 "$TTFBOX" synth quilt d10 --map found.json -o q3
+said out "16 x 16, replayed"
+grep -q "seed" out && fail "a seed of a replay: $(grep seed out)"
 
 # ---- factors: a grown dataset goes on ----
 rm -f f10.rgb && expect 0 "$TTFBOX" synth quilt d10 --block 16x16 --sink raw -o f10.rgb --factors f --json
@@ -157,7 +198,6 @@ is report.prepared.deflickered true
 holds "$(json report.prepared.flicker_after) * 3 < $(json report.prepared.flicker_before)"
 
 # ---- control: dark places lag, and the output is as long as its fastest pixel takes ----
-frames picture halves halves.png 96 64
 frames picture hill hill.png 96 64
 frames picture tilt tilt.png 96 64
 quilt lag --rate-map halves.png

@@ -74,6 +74,11 @@ static void comes_back(const struct ttf_quilt_config *config)
     assert_int_equal(map.overlap_x, back.overlap_x);
     assert_int_equal(map.feather_px, back.feather_px);
     assert_int_equal(map.n_times, back.n_times);
+    assert_int_equal(map.rounded, back.rounded);
+    assert_int_equal(map.frames, N);
+    assert_int_equal(back.frames, N);
+    assert_int_equal(back.block_width, 16);
+    assert_int_equal(back.block_height, 12);
     ttf_quilt_map_free(&map);
     ttf_quilt_map_free(&back);
     free(text);
@@ -105,7 +110,130 @@ static void a_tileable_map_comes_back_with_its_feather_and_times(void **state)
     config.tileable = true;
     config.feather_px = 2;
     config.jitter_frames = 2;
+    config.jitter_round = true;
     comes_back(&config);
+}
+
+/* The text of `config`'s map at a pace of its own, to be freed; equal rows and unequal ones. */
+static char *paced(struct ttf_quilt_config *config, struct ttf_quilt_map *ret)
+{
+    struct ttf_json json;
+    const char *text;
+    size_t bytes;
+    char *copy;
+
+    config->width = 30;
+    config->height = 20;
+    free(text_of(config, ret));
+    ret->rate = (struct ttf_rate_map){30, 20, malloc(30 * 20 * sizeof(float))};
+    assert_non_null(ret->rate.m);
+    for (uint32_t i = 0; i < 30 * 20; i++)
+        ret->rate.m[i] = (float)(i % 30 + (i < 300 ? 0 : 30)) / 7.0f;
+    ttf_json_init(&json, true);
+    ttf_quilt_map_json(ret, &json);
+    assert_int_equal(ttf_json_finish(&json, &text, &bytes), 0);
+    copy = strdup(text);
+    assert_non_null(copy);
+    ttf_json_free(&json);
+    return copy;
+}
+
+static void a_pace_comes_back_to_the_bit(void **state)
+{
+    struct ttf_quilt_config config = plain();
+    struct ttf_quilt_map map, back, copy;
+    char *text = paced(&config, &map);
+
+    (void)state;
+    assert_int_equal(ttf_quilt_map_parse(text, strlen(text), 0, &back, NULL), 0);
+    assert_int_equal(ttf_quilt_map_copy(&back, &copy), 0);
+    assert_non_null(copy.rate.m);
+    assert_ptr_not_equal(copy.rate.m, back.rate.m);
+    assert_int_equal(back.rate.width, 30);
+    assert_int_equal(back.rate.height, 20);
+    assert_memory_equal(map.rate.m, back.rate.m, 30 * 20 * sizeof(float));
+    assert_memory_equal(map.rate.m, copy.rate.m, 30 * 20 * sizeof(float));
+    assert_true(ttf_quilt_map_digest(&map) == ttf_quilt_map_digest(&copy));
+    back.rate.m[599] = 1.0f; /* it is part of what a digest names */
+    assert_true(ttf_quilt_map_digest(&map) != ttf_quilt_map_digest(&back));
+    ttf_quilt_map_free(&map);
+    ttf_quilt_map_free(&back);
+    ttf_quilt_map_free(&copy);
+    free(text);
+}
+
+/* A text with the first `from` behind `after` replaced by `to`. To be freed. */
+static char *changed_text(const char *text, const char *after, const char *from, const char *to)
+{
+    const char *at = strstr(text, after);
+    size_t room = strlen(text) + strlen(to) + 1;
+    char *changed = malloc(room);
+
+    assert_non_null(changed);
+    at = at ? strstr(at, from) : NULL;
+    assert_non_null(at);
+    snprintf(changed, room, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
+    return changed;
+}
+
+static void what_is_wrong_in_a_pace_is_named(void **state)
+{
+    static const struct {
+        const char *from, *to, *where;
+    } CASES[] = {{"[", "[null,", "rate"},
+                 {"00000000", "0000000", "rate[0]"},
+                 {"00000000", "000000000", "rate[0]"},
+                 {"00000000", "0000000g", "rate[0]"},
+                 {"00000000", "0000000A", "rate[0]"},
+                 {"00000000", "7fc00000", "rate[0]"}, /* no number */
+                 {"00000000", "7f800000", "rate[0]"}, /* endless */
+                 {"00000000", "bf800000", "rate[0]"}, /* -1 */
+                 {"00000000", "49800001", "rate[0]"}, /* above 2^20 */
+                 {"null", "0", "rate[1]"},
+                 {"null", "\"\"", "rate[1]"},
+                 {"[", "", "map"}};
+    struct ttf_quilt_config config = plain();
+    struct ttf_quilt_map map, back;
+    char *text = paced(&config, &map);
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(CASES) / sizeof(*CASES); i++) {
+        struct ttf_err err = {0};
+        char *changed = changed_text(text, "\"rate\"", CASES[i].from, CASES[i].to);
+
+        if (ttf_quilt_map_parse(changed, strlen(changed), 0, &back, &err) != -EINVAL ||
+            strcmp(err.where, CASES[i].where) != 0 || !*err.what)
+            fail_msg("%s for %s: %d, %s: %s", CASES[i].to, CASES[i].from, err.code, err.where,
+                     err.what);
+        free(changed);
+    }
+    ttf_quilt_map_free(&map);
+    free(text);
+}
+
+/* Files of before have neither block nor frames, rounded nor rate: they mean what they meant. */
+static void an_older_map_is_read_as_before(void **state)
+{
+    struct ttf_quilt_config config = plain();
+    struct ttf_quilt_map map, back;
+    char *text = text_of(&config, &map), *without;
+
+    (void)state;
+    without = changed_text(text, "{", "  \"block\": [16,12],\n", "");
+    free(text);
+    text = changed_text(without, "{", "  \"frames\": 9,\n", "");
+    assert_null(strstr(text, "rounded"));
+    assert_null(strstr(text, "rate"));
+    assert_int_equal(ttf_quilt_map_parse(text, strlen(text), 0, &back, NULL), 0);
+    assert_true(ttf_quilt_map_digest(&map) == ttf_quilt_map_digest(&back));
+    assert_int_equal(back.block_width, 0);
+    assert_int_equal(back.frames, 0);
+    assert_false(back.rounded);
+    assert_null(back.rate.m);
+    ttf_quilt_map_free(&map);
+    ttf_quilt_map_free(&back);
+    free(without);
+    free(text);
 }
 
 static void a_text_cut_short_anywhere_is_refused(void **state)
@@ -132,17 +260,11 @@ static void refused(const char *after, const char *from, const char *to, const c
     struct ttf_quilt_config config = plain();
     struct ttf_quilt_map map, back;
     struct ttf_err err = {0};
-    char *text, *at, *changed;
-    size_t room;
+    char *text, *changed;
 
     config.jitter_frames = 1;
     text = text_of(&config, &map);
-    at = strstr(strstr(text, after), from);
-    assert_non_null(at);
-    room = strlen(text) + strlen(to) + 1;
-    changed = malloc(room);
-    assert_non_null(changed);
-    snprintf(changed, room, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
+    changed = changed_text(text, after, from, to);
     if (ttf_quilt_map_parse(changed, strlen(changed), 0, &back, &err) != -EINVAL ||
         strcmp(err.where, where) != 0 || !*err.what)
         fail_msg("%s for %s: %d, %s: %s", to, from, err.code, err.where, err.what);
@@ -164,6 +286,12 @@ static void what_is_wrong_is_named(void **state)
     refused("\"inputs\"", "40", "-1", "inputs");
     refused("\"inputs\"", "40", "17", "blocks[0].from");
     refused("\"tileable\"", "false", "0", "tileable");
+    refused("\"block\"", "16", "3", "block");
+    refused("\"block\"", "[16,12]", "16", "block");
+    refused("\"frames\"", "9", "0", "frames");
+    refused("\"frames\"", "9", "9.5", "frames");
+    refused("\"frames\"", "9", "9,\"rounded\":1", "rounded");
+    refused("\"frames\"", "9", "9,\"rate\":1", "rate");
     refused("\"times_of_frames\"", "9", "8", "blocks[0].times");
     refused("\"times_of_frames\"", "9", "1048577", "times_of_frames");
     refused("\"times_of_frames\"", "9", "1048576", "times_of_frames");
@@ -245,6 +373,9 @@ int main(void)
         cmocka_unit_test(a_plain_map_comes_back),
         cmocka_unit_test(turned_blocks_of_several_inputs_come_back),
         cmocka_unit_test(a_tileable_map_comes_back_with_its_feather_and_times),
+        cmocka_unit_test(a_pace_comes_back_to_the_bit),
+        cmocka_unit_test(what_is_wrong_in_a_pace_is_named),
+        cmocka_unit_test(an_older_map_is_read_as_before),
         cmocka_unit_test(a_text_cut_short_anywhere_is_refused),
         cmocka_unit_test(what_is_wrong_is_named),
         cmocka_unit_test(cuts_stay_within_their_arms),

@@ -268,6 +268,85 @@ static void an_input_that_does_not_change_has_no_ratios(void **state)
     }
 }
 
+/* A replay looks for nothing: what its map does not say of how it was found is null, not what was never asked for. */
+static void a_replay_reports_no_search_that_never_was(void **state)
+{
+    static const char *const UNKNOWN[] = {"tolerance", "seed",      "metric",  "mirror",
+                                          "flips",     "rotations", "avoid_px"};
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct texture_sequence few = texture_make(TEXTURE_SPOTS, W, H, 3);
+    struct ttf_quilt_config config = small_config(), again = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N),
+                       taker_few = quilt_taker_make(&config, 3);
+    struct ttf_quilt_report found, replayed;
+    struct ttf_quilt_map map;
+    json_t *root, *parameters;
+
+    (void)state;
+    config.seed = 7;
+    config.mirror = true;
+    quilt_run_ok(&config, input.sequence, NULL, &taker, &found, &map);
+    again.replay = &map;
+    quilt_run_ok(&again, few.sequence, NULL, &taker_few, &replayed, NULL);
+    assert_true(found.mean_rms_error > 0.0);
+    assert_true(replayed.mean_rms_error == found.mean_rms_error);
+    assert_true(replayed.max_rms_error == found.max_rms_error);
+    root = json_of(&replayed);
+    parameters = json_object_get(root, "parameters");
+    for (size_t i = 0; i < sizeof(UNKNOWN) / sizeof(*UNKNOWN); i++)
+        assert_true(json_is_null(json_object_get(parameters, UNKNOWN[i])));
+    assert_true(json_is_array(json_object_get(parameters, "block")));
+    json_decref(root);
+    map.frames = map.block_width = map.block_height = 0; /* an older file */
+    quilt_run_ok(&again, few.sequence, NULL, &taker_few, &replayed, NULL);
+    root = json_of(&replayed);
+    assert_true(json_is_null(json_object_get(json_object_get(root, "blocks"), "mean_rms_error")));
+    assert_true(json_is_null(json_object_get(json_object_get(root, "parameters"), "block")));
+    json_decref(root);
+    ttf_quilt_map_free(&map);
+    quilt_taker_free(&taker);
+    quilt_taker_free(&taker_few);
+    texture_free(&input);
+    texture_free(&few);
+}
+
+/* A map of a run at a pace of its own lays the same frames again, without being told the pace. */
+static void a_replay_goes_at_its_maps_pace(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config(), again = small_config();
+    struct ttf_rate_map rate = {config.width, config.height, NULL};
+    size_t pixels = (size_t)config.width * config.height;
+    struct quilt_taker taker = quilt_taker_make(&config, N), twice = quilt_taker_make(&config, N);
+    struct ttf_quilt_report report;
+    struct ttf_quilt_map map;
+
+    (void)state;
+    rate.m = malloc(pixels * sizeof(*rate.m));
+    assert_non_null(rate.m);
+    for (size_t i = 0; i < pixels; i++)
+        rate.m[i] = (float)(i % config.width) / (float)(config.width - 1);
+    config.rate = &rate;
+    config.jitter_frames = 2;
+    config.jitter_every = 4;
+    config.jitter_round = true;
+    quilt_run_ok(&config, input.sequence, NULL, &taker, &report, &map);
+    again.replay = &map;
+    quilt_run_ok(&again, input.sequence, NULL, &twice, &report, NULL);
+    assert_memory_equal(taker.codes, twice.codes, N * taker.frame * sizeof(*taker.codes));
+    assert_true(report.config.rate && report.config.jitter_round);
+    for (size_t i = 0; i < pixels; i++)
+        rate.m[i] = 1.0f;
+    again.rate = &rate; /* a caller's own pace goes before */
+    quilt_run_ok(&again, input.sequence, NULL, &twice, &report, NULL);
+    assert_memory_not_equal(taker.codes, twice.codes, N * taker.frame * sizeof(*taker.codes));
+    ttf_rate_map_free(&rate);
+    ttf_quilt_map_free(&map);
+    quilt_taker_free(&taker);
+    quilt_taker_free(&twice);
+    texture_free(&input);
+}
+
 static void odd_inputs_have_defined_reports(void **state)
 {
     static const uint32_t lengths[] = {1, 2, 3};
@@ -304,6 +383,8 @@ int main(void)
         cmocka_unit_test(seams_of_a_slowed_output_are_unknown_rather_than_none),
         cmocka_unit_test(an_input_within_its_noise_leaves_nothing_to_compare_with),
         cmocka_unit_test(an_input_that_does_not_change_has_no_ratios),
+        cmocka_unit_test(a_replay_reports_no_search_that_never_was),
+        cmocka_unit_test(a_replay_goes_at_its_maps_pace),
         cmocka_unit_test(odd_inputs_have_defined_reports),
     };
 

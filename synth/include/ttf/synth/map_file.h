@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * map_file.h: a quilting's map as JSON text that people can read and programs can change: which
- * block was taken from where, its cuts and its times. What it leaves out (each pixel's
- * source) follows from it and is put together again when it is read.
+ * block was taken from where, its cuts and its times, and the pace M. What it leaves out (each pixel's
+ * source) follows from it and is put together again when it is read. Its fields: quilt/README.md, "The map's file".
  */
 #ifndef TTF_SYNTH_MAP_FILE_H
 #define TTF_SYNTH_MAP_FILE_H

@@ -76,8 +76,8 @@ struct ttf_quilt_config {
     uint32_t
         avoid_px; /* no block from within so many pixels of where one nearby was taken, however turned (halved where nothing would be left); 0: as it comes */
 
-    const struct ttf_quilt_map
-        *replay;  /* by ttf_quilt_run: this map instead of a search; NULL: none */
+    const struct ttf_quilt_map *
+        replay; /* by ttf_quilt_run: this map instead of a search, rounded and at its pace unless `rate` is another; NULL: none */
     bool measure; /* figures of frames for the report; default true */
     unsigned
         agreement_queries; /* compare so many of the map's queries with the full-time search; 0: none */
@@ -191,12 +191,16 @@ struct ttf_quilt_map {
     uint32_t overlap_x, overlap_y; /* as used; of a tileable one the least */
     bool tileable;
     uint32_t feather_px;
+    /* As it was asked for, and the frames that blocks' errors are summed over; 0: not known (a file that does not say). */
+    uint32_t block_width, block_height, frames;
     /* source again, as runs of pixels that are neighbours in both: what frames are copied by (ttf_quilt_map_index) */
     struct ttf_quilt_run *runs;
     uint32_t *row_runs; /* height + 1: where each row's begin */
     /* time: of jitter, one f for each block, n_times values each (frames x 65536); NULL: none */
     uint32_t n_times;
     uint32_t *times;
+    bool rounded;             /* times between frames are taken as whole ones */
+    struct ttf_rate_map rate; /* M, of the output's size; m NULL: 1 everywhere */
     struct ttf_quilt_search_figures figures;
     struct ttf_quilt_rank_figures rank;
 };

@@ -40,6 +40,7 @@ struct ttf_quilt_report {
     uint32_t out_frames;
     bool simulated;                /* the input was: set by who knows it, after the run */
     uint32_t overlap_x, overlap_y; /* as used */
+    bool block_known; /* the map says what block was asked for: a replayed one may not */
     uint32_t source_width, source_height, frames;
     unsigned threads;
     uint64_t map_digest; /* per frame: of all frames' maps together */
@@ -69,7 +70,7 @@ struct ttf_quilt_report {
     struct ttf_seams_figures seams; /* per frame: of the last frame looked at */
     struct ttf_repetition_figures repetition;
 
-    /* The blocks' table in short. Errors as RMS in codes, per overlap sample. */
+    /* The blocks' table in short. Errors as RMS in codes, per overlap sample; NAN: of a map that does not say of how many frames. */
     unsigned blocks;
     double mean_candidates, mean_rms_error, max_rms_error;
     unsigned single_candidate_blocks;

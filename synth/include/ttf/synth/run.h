@@ -40,7 +40,7 @@ struct ttf_quilt_sink {
  * Synthesizes all frames (ttf_quilt_output_frames; config->per_frame: each alone). With
  * config->replay nothing is searched for, that map is used. pool: may be NULL.
  * ret_report, ret_map: may be NULL; the map is to be freed with
- * ttf_quilt_map_free, and is of frame 0 if per frame. Errors as ttf_quilt_plan,
+ * ttf_quilt_map_free, and is of frame 0 if per frame; it has a copy of config->rate. Errors as ttf_quilt_plan,
  * the sequence's, the sink's; on failure nothing is given back, and what the sink
  * already took is for the caller to discard.
  */
