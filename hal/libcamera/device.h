@@ -139,6 +139,13 @@ int lc_find(struct lc_camera *camera, bool again, struct ttf_err *err);
 /* Gives it up; its buffers are gone. Harmless if it is not held. */
 void lc_let_go(struct lc_camera *camera);
 
+/* ---- choose.c ---- */
+
+/* What to ask for: camera->pixels; *ret: the offer whose size is taken where none is asked. */
+int lc_choose(struct lc_camera *camera, struct lc_offer *ret, struct ttf_err *err);
+/* How many bits of a granted word of 16 are the sensor's, its upper ones. */
+unsigned lc_sensor_bits(struct lc_camera *camera, const struct lc_granted *granted);
+
 /* ---- negotiate.c ---- */
 
 /* Format, buffers, base.format, frame_bytes. As ttf_camera_configure. */

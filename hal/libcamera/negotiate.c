@@ -1,104 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* negotiate.c: asks for a format, and looks what was granted. */
 #include <errno.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "device.h"
 #include "ttf/base/checked.h"
-
-#define OFFERS_MAX 512
-
-/* Formats that are offered and cannot be used, for the message. */
-struct refused {
-    char text[160];
-    size_t n;
-    bool compressed;
-};
-
-static void note(struct refused *refused, const struct lc_offer *offer)
-{
-    char text[6];
-    int n;
-
-    refused->compressed |= lc_pixels_compressed(offer->fourcc, offer->modifier);
-    (void)lc_pixels_text(offer->fourcc, offer->modifier, text);
-    if (strstr(refused->text, text))
-        return;
-    n = snprintf(refused->text + refused->n, sizeof(refused->text) - refused->n, "%s%s",
-                 refused->n ? ", " : "", text);
-    if (n > 0 && (size_t)n < sizeof(refused->text) - refused->n)
-        refused->n += (size_t)n;
-    else
-        refused->text[refused->n] = '\0';
-}
-
-static bool wanted(const struct lc_camera *camera, const struct lc_pixels *pixels)
-{
-    if (camera->config.pixel_format[0] && !lc_pixels_named(pixels, camera->config.pixel_format))
-        return false;
-    return camera->mode.packing == TTF_PACKING_NONE || pixels->packing == camera->mode.packing;
-}
-
-static int no_format(const struct lc_camera *camera, const struct refused *refused,
-                     struct ttf_err *err)
-{
-    static const char *const streams[] = {"", "raw ", "processed "};
-    const char *asked = camera->config.pixel_format;
-
-    if (refused->n == 0)
-        return ttf_err_set(err, -EINVAL, camera->id.id, "the camera offers no %spixel format",
-                           streams[camera->config.stream]);
-    ttf_err_set(err, -EINVAL, camera->id.id, "the camera gives no %s%s",
-                streams[camera->config.stream],
-                asked[0] ? asked : "pixels that are known here or asked for");
-    ttf_err_hint(err, "it offers %s%s", refused->text,
-                 refused->compressed ? "; compressed ones are refused: what they threw away cannot "
-                                       "be calibrated"
-                                     : "");
-    return -EINVAL;
-}
-
-/* The best of one role's formats that is wanted; NULL: none. */
-static const struct lc_pixels *best_of(struct lc_camera *camera, enum lc_role role,
-                                       struct lc_offer *ret, struct refused *refused)
-{
-    const struct lc_pixels *best = NULL;
-    struct lc_offer offer;
-
-    for (unsigned i = 0; i < OFFERS_MAX; i++) {
-        const struct lc_pixels *p;
-
-        if (lc_ops(camera)->offer(camera->handle, role, i, &offer) <= 0)
-            break;
-        p = lc_pixels_of(offer.fourcc, offer.modifier);
-        /* Cameras without a raw stream offer processed pixels in its place. */
-        if (!p || p->role != role || !wanted(camera, p))
-            note(refused, &offer);
-        else if (!best || lc_pixels_rank(p->fourcc, p->modifier) <
-                              lc_pixels_rank(best->fourcc, best->modifier)) {
-            best = p;
-            *ret = offer;
-        }
-    }
-    return best;
-}
-
-static int choose(struct lc_camera *camera, struct lc_offer *ret, struct ttf_err *err)
-{
-    enum ttf_libcamera_stream stream = camera->config.stream;
-    struct refused refused = {0};
-    const struct lc_pixels *best = NULL;
-
-    if (stream != TTF_LIBCAMERA_PROCESSED)
-        best = best_of(camera, LC_RAW, ret, &refused);
-    if (!best && stream != TTF_LIBCAMERA_RAW)
-        best = best_of(camera, LC_PROCESSED, ret, &refused);
-    if (!best)
-        return no_format(camera, &refused, err);
-    camera->pixels = best;
-    return 0;
-}
 
 static enum lc_colour colour_of(enum ttf_packing packing, enum lc_role role)
 {
@@ -108,20 +14,41 @@ static enum lc_colour colour_of(enum ttf_packing packing, enum lc_role role)
                                                                        : LC_COLOUR_RGB_FULL;
 }
 
-static int check_pixels(const struct lc_camera *camera, const struct lc_granted *granted,
-                        struct ttf_err *err)
+/*
+ * A mosaic's order is that of the sensor as it reads out, whatever was asked: one that is mounted upside down is turned by
+ * libcamera. Words that are wider than asked hold the same samples; but a board that names a format may have given levels for it.
+ */
+static bool as_good(const struct lc_camera *camera, const struct lc_pixels *got)
 {
+    const struct lc_pixels *asked = camera->pixels;
+
+    if (got == asked)
+        return true;
+    if (!got || got->role != LC_RAW || asked->role != LC_RAW || got->packing != asked->packing ||
+        (got->cfa == TTF_CFA_NONE) != (asked->cfa == TTF_CFA_NONE))
+        return false;
+    return got->bits == asked->bits ||
+           (!camera->config.pixel_format[0] && got->bits > asked->bits && got->modifier == 0);
+}
+
+static int refuse_pixels(const struct lc_camera *camera, const struct lc_granted *granted,
+                         struct ttf_err *err)
+{
+    bool compressed = lc_pixels_compressed(granted->fourcc, granted->modifier);
     const struct lc_pixels *p = camera->pixels;
     char asked[6], got[6];
 
-    if (granted->fourcc == p->fourcc && granted->modifier == p->modifier)
-        return 0;
     (void)lc_pixels_text(p->fourcc, p->modifier, asked);
     (void)lc_pixels_text(granted->fourcc, granted->modifier, got);
     ttf_err_set(err, -EINVAL, camera->id.id, "instead of %s libcamera grants %s%s", asked, got,
-                lc_pixels_compressed(granted->fourcc, granted->modifier) ? ", which is compressed"
-                                                                         : "");
-    ttf_err_hint(err, "name another format, or another size");
+                compressed ? ", which is compressed" : "");
+    if (camera->config.pixel_format[0] && p->role == LC_RAW && compressed)
+        ttf_err_hint(err,
+                     "leave out 'format', so that words that are not compressed are asked for");
+    else if (camera->config.pixel_format[0] && lc_pixels_of(granted->fourcc, granted->modifier))
+        ttf_err_hint(err, "write 'format: %s', or leave it out; its levels are of its bits", got);
+    else
+        ttf_err_hint(err, "name another format, or another size");
     return -EINVAL;
 }
 
@@ -145,10 +72,7 @@ static int check_granted(const struct lc_camera *camera, const struct lc_granted
                          struct ttf_err *err)
 {
     size_t row = ttf_row_bytes(camera->pixels->packing, granted->width);
-    int r = check_pixels(camera, granted, err);
 
-    if (r < 0)
-        return r;
     if (granted->width == 0 || granted->height == 0 || granted->width > 65535 ||
         granted->height > 65535)
         return ttf_err_set(err, -EINVAL, camera->id.id, "libcamera grants frames of %u x %u",
@@ -160,11 +84,24 @@ static int check_granted(const struct lc_camera *camera, const struct lc_granted
     return check_colour(camera, granted, err);
 }
 
+/* The code of saturation: a word that is wider than the sensor's samples has them in its upper bits. */
+static uint32_t white_of(struct lc_camera *camera, const struct lc_granted *granted)
+{
+    const struct lc_pixels *p = camera->pixels;
+    unsigned bits = p->bits;
+
+    if (camera->config.white_level)
+        return camera->config.white_level;
+    if (p->role == LC_RAW && p->bits == 16)
+        bits = lc_sensor_bits(camera, granted);
+    return ((1u << bits) - 1) << (p->bits - bits);
+}
+
 static int take(struct lc_camera *camera, const struct lc_granted *granted, struct ttf_err *err)
 {
     const struct lc_pixels *p = camera->pixels;
     const struct ttf_libcamera_config *c = &camera->config;
-    uint32_t white = c->white_level ? c->white_level : (1u << p->bits) - 1;
+    uint32_t white = white_of(camera, granted);
     struct ttf_frame_format format = {
         .width = granted->width,
         .height = granted->height,
@@ -214,34 +151,64 @@ static int get_buffers(struct lc_camera *camera, unsigned want, struct ttf_err *
                  : 0;
 }
 
+static int configure(struct lc_camera *camera, const struct lc_offer *offer, struct lc_granted *ret,
+                     struct ttf_err *err)
+{
+    const struct lc_pixels *p = camera->pixels;
+    struct lc_ask ask = {
+        .role = p->role,
+        .fourcc = p->fourcc,
+        .modifier = p->modifier,
+        .width = camera->mode.width ? camera->mode.width : camera->config.width,
+        .height = camera->mode.height ? camera->mode.height : camera->config.height,
+        .colour = colour_of(p->packing, p->role),
+        .buffers = camera->config.buffers + LC_BUFFERS_SPARE,
+    };
+    int r;
+
+    ask.width = ask.width ? ask.width : offer->width;
+    ask.height = ask.height ? ask.height : offer->height;
+    *ret = (struct lc_granted){0};
+    r = lc_ops(camera)->configure(camera->handle, &ask, ret);
+    return r < 0 ? ttf_err_set(err, r == -ENODEV ? r : -EINVAL, camera->id.id,
+                               "the camera cannot be configured: %s", strerrordesc_np(-r))
+                 : 0;
+}
+
+/* A Raspberry Pi 5 compresses where packed samples are asked for, and lists no others: it gives plain words to who asks for them. */
+static bool ask_for_words(struct lc_camera *camera, const struct lc_granted *granted)
+{
+    const struct lc_pixels *plain = lc_pixels_unpacked(camera->pixels);
+
+    if (camera->pixels->role != LC_RAW || camera->config.pixel_format[0] ||
+        !lc_pixels_compressed(granted->fourcc, granted->modifier) || plain == camera->pixels ||
+        (camera->mode.packing != TTF_PACKING_NONE && plain->packing != camera->mode.packing))
+        return false;
+    camera->pixels = plain;
+    return true;
+}
+
 int lc_negotiate(struct lc_camera *camera, struct ttf_err *err)
 {
     struct lc_offer offer = {0};
     struct lc_granted granted = {0};
-    struct lc_ask ask;
-    int r = choose(camera, &offer, err);
+    const struct lc_pixels *got;
+    int r = lc_choose(camera, &offer, err);
 
+    if (r == 0)
+        r = configure(camera, &offer, &granted, err);
+    if (r == 0 && ask_for_words(camera, &granted))
+        r = configure(camera, &offer, &granted, err);
     if (r < 0)
         return r;
-    ask = (struct lc_ask){
-        .role = camera->pixels->role,
-        .fourcc = camera->pixels->fourcc,
-        .modifier = camera->pixels->modifier,
-        .width = camera->mode.width ? camera->mode.width : camera->config.width,
-        .height = camera->mode.height ? camera->mode.height : camera->config.height,
-        .colour = colour_of(camera->pixels->packing, camera->pixels->role),
-        .buffers = camera->config.buffers + LC_BUFFERS_SPARE,
-    };
-    ask.width = ask.width ? ask.width : offer.width;
-    ask.height = ask.height ? ask.height : offer.height;
-    r = lc_ops(camera)->configure(camera->handle, &ask, &granted);
-    if (r < 0)
-        return ttf_err_set(err, r == -ENODEV ? r : -EINVAL, camera->id.id,
-                           "the camera cannot be configured: %s", strerrordesc_np(-r));
+    got = lc_pixels_of(granted.fourcc, granted.modifier);
+    if (!as_good(camera, got))
+        return refuse_pixels(camera, &granted, err);
+    camera->pixels = got;
     r = check_granted(camera, &granted, err);
     if (r == 0)
         r = take(camera, &granted, err);
     if (r == 0)
-        r = get_buffers(camera, ask.buffers, err);
+        r = get_buffers(camera, camera->config.buffers + LC_BUFFERS_SPARE, err);
     return r;
 }

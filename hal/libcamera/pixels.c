@@ -101,3 +101,18 @@ bool lc_pixels_named(const struct lc_pixels *pixels, const char *text)
     (void)lc_pixels_text(pixels->fourcc, pixels->modifier, own);
     return strlen(own) == n && strncasecmp(own, text, n) == 0;
 }
+
+const struct lc_pixels *lc_pixels_of_name(const char *text)
+{
+    for (unsigned i = 0; i < TTF_COUNT_OF(PIXELS); i++)
+        if (lc_pixels_named(&PIXELS[i], text))
+            return &PIXELS[i];
+    return NULL;
+}
+
+const struct lc_pixels *lc_pixels_unpacked(const struct lc_pixels *pixels)
+{
+    const struct lc_pixels *plain = lc_pixels_of(pixels->fourcc, PLAIN);
+
+    return plain ? plain : pixels;
+}

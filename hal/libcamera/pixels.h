@@ -21,6 +21,12 @@ struct lc_pixels {
 /* NULL for one that is not known. */
 const struct lc_pixels *lc_pixels_of(uint32_t fourcc, uint64_t modifier);
 
+/* As lc_pixels_named has it; NULL. */
+const struct lc_pixels *lc_pixels_of_name(const char *text);
+
+/* The same samples, a word each; itself where it is that, or where there is no such format. */
+const struct lc_pixels *lc_pixels_unpacked(const struct lc_pixels *pixels);
+
 /* How much it is to be preferred, 1 best; 0 for one that is not known. */
 unsigned lc_pixels_rank(uint32_t fourcc, uint64_t modifier);
 

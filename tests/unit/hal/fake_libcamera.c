@@ -253,12 +253,15 @@ static int configure(struct lc_handle *handle, const struct lc_ask *ask, struct 
         return f->configure_failure;
     free_buffers(f);
     f->asked = *ask;
+    f->configured++;
     *ret = (struct lc_granted){.fourcc = f->granted_fourcc ? f->granted_fourcc : ask->fourcc,
                                .modifier = f->granted_fourcc ? f->granted_modifier : ask->modifier,
                                .width = f->width,
                                .height = f->height,
                                .stride = f->width * per_pixel + f->row_padding,
                                .colour = f->colour ? f->colour : ask->colour};
+    if (f->pipeline != FAKE_PLAIN && ask->role == LC_RAW)
+        fake_pi_grant(f, ask, ret);
     ret->bytes = (size_t)ret->stride * f->height;
     (void)snprintf(ret->colour_text, sizeof(ret->colour_text), "some other");
     f->bytes = ret->bytes;

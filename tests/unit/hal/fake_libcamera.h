@@ -11,6 +11,13 @@
 #define FAKE_REQUESTS 16
 #define FAKE_PENDING  16
 
+/* How it grants raw streams. */
+enum fake_pipeline {
+    FAKE_PLAIN = 0, /* what is asked */
+    FAKE_VC4,       /* Raspberry Pis up to the 4 */
+    FAKE_PISP       /* Raspberry Pi 5 */
+};
+
 struct fake_queued {
     unsigned buffer;
     struct lc_settings settings;
@@ -30,6 +37,8 @@ struct fake_libcamera {
     uint32_t width, height, row_padding;
     uint32_t granted_fourcc; /* instead of what is asked; 0: that */
     uint64_t granted_modifier;
+    enum fake_pipeline pipeline;
+    bool turned; /* the picture by 180 degrees, and the mosaic with it; of a Pi's pipelines */
     enum lc_colour colour; /* instead of what is asked; 0: that */
     unsigned buffers_max;
     int64_t least_ns; /* the shortest frame of its mode */
@@ -63,6 +72,7 @@ struct fake_libcamera {
     uint64_t requests;       /* queued in all */
     struct lc_settings last; /* of the last request, or start */
     struct lc_ask asked;
+    unsigned configured; /* how often */
 
     int64_t began_ns[64]; /* when frame n (mod 64) was begun to be exposed */
 
@@ -87,6 +97,13 @@ struct lc_system fake_libcamera_system(struct fake_libcamera *fake);
 
 /* A raw sensor of 12 bits, 64 x 48, 20 ms a frame at least, exposure, gain, lens and frame durations; a processed stream beside it. */
 void fake_libcamera_init(struct fake_libcamera *fake, struct ttf_clock *clock);
+/* A 12-bit sensor of an official camera module behind a Raspberry Pi's pipeline, as it is mounted: turned. */
+void fake_libcamera_be_pi(struct fake_libcamera *fake, enum fake_pipeline pipeline);
+
+/* What such a pipeline makes of a format that is asked: fourcc and modifier of *ret. */
+void fake_pi_grant(const struct fake_libcamera *fake, const struct lc_ask *ask,
+                   struct lc_granted *ret);
+
 void fake_libcamera_free(struct fake_libcamera *fake);
 
 /* What it has no more. */

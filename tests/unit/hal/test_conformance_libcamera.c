@@ -98,6 +98,29 @@ static int make_processed_and_deaf(struct ttf_box *ret)
     return make(ret, be_deaf, &config);
 }
 
+static const struct ttf_libcamera_config PI = {.stream = TTF_LIBCAMERA_RAW,
+                                               .stamp = TTF_LIBCAMERA_STAMP_READOUT};
+
+static void be_vc4(struct fake_libcamera *fake)
+{
+    fake_libcamera_be_pi(fake, FAKE_VC4);
+}
+
+static int make_vc4(struct ttf_box *ret)
+{
+    return make(ret, be_vc4, &PI);
+}
+
+static void be_pisp(struct fake_libcamera *fake)
+{
+    fake_libcamera_be_pi(fake, FAKE_PISP);
+}
+
+static int make_pisp(struct ttf_box *ret)
+{
+    return make(ret, be_pisp, &PI);
+}
+
 int main(void)
 {
     const struct conformance_factory plain = {"libcamera", make_plain};
@@ -105,7 +128,9 @@ int main(void)
     const struct conformance_factory late = {"libcamera, four frames late", make_late};
     const struct conformance_factory deaf = {"libcamera, processed, not steerable, without stamps",
                                              make_processed_and_deaf};
+    const struct conformance_factory vc4 = {"libcamera, raw of a Raspberry Pi 4", make_vc4};
+    const struct conformance_factory pisp = {"libcamera, raw of a Raspberry Pi 5", make_pisp};
 
     return conformance_camera(&plain) + conformance_camera(&vimc) + conformance_camera(&late) +
-           conformance_camera(&deaf);
+           conformance_camera(&deaf) + conformance_camera(&vc4) + conformance_camera(&pisp);
 }

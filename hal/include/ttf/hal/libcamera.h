@@ -47,7 +47,8 @@ struct ttf_libcamera_config {
         readout_ns; /* from the first row's end of exposure to the last's; 0: the shortest frame */
     enum ttf_libcamera_stamp stamp;
     uint16_t black_level; /* code of no light; < 2^bits - 1 */
-    uint16_t white_level; /* code of saturation; 0: 2^bits - 1 */
+    uint16_t
+        white_level; /* code of saturation; 0: 2^bits - 1, or the sensor's largest in wider words */
 };
 
 /* Which kinds of control there are. Bits. */
