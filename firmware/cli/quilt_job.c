@@ -43,12 +43,17 @@ static int reduce(struct quilt_job *job)
 {
     struct cli *cli = job->cli;
     const struct quilt_preview *p = &job->preview;
+    const struct quilt_preview_ask ask = {.inputs = job->inputs,
+                                          .n_inputs = job->n_inputs,
+                                          .config = &job->config,
+                                          .timed = quilt_options_pace(cli),
+                                          .fastest = job->fastest,
+                                          .ctx = job};
     int r;
 
     if (!cli->opt.preview)
         return 0;
-    r = quilt_preview_choose(cli, job->clock, job->inputs, job->n_inputs, &job->config,
-                             quilt_options_pace(cli), &job->preview);
+    r = quilt_preview_choose(cli, job->clock, &ask, &job->preview);
     for (unsigned i = 0; i < job->n_inputs && r == 0 && (p->shrink > 1 || p->step > 1); i++)
         r = quilt_input_reduce(cli, &job->inputs[i], p->shrink, p->step);
     if (r < 0)

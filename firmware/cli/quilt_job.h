@@ -22,6 +22,8 @@ struct quilt_job {
     uint32_t default_width, default_height;
     /* Fills rate for config's size (its m may stay NULL). */
     int (*control)(struct quilt_job *job);
+    /* For previews: the pace of the fastest pixel that control would find at this size. NULL: 1. */
+    int (*fastest)(void *job, uint32_t width, uint32_t height, float *ret);
     /* See struct quilt_sink_spec. NULL: none. */
     void (*edit)(void *ctx, const struct ttf_encoding *encoding, uint16_t *codes);
     void *edit_ctx;

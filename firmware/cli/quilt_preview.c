@@ -14,6 +14,7 @@
 #define POSITION_NS 40.0 /* one position of one block */
 #define LEARN_NS    2.5  /* one number of one pixel of one frame, in the compression */
 #define COMPOSE_NS  30.0 /* one output pixel of one frame: copied, measured, written */
+#define TIMED_NS    30.0 /* the same again, where pixels have times of their own: of two frames */
 #define SAMPLE_NS   20.0 /* one input pixel of one frame on its way through preparation */
 
 /* The program itself and what reading a file takes. */
@@ -21,15 +22,17 @@
 #define WINDOW_BYTES \
     ((size_t)64 << 20) /* source frames held where pixels have times of their own */
 
-#define SHRINK_MAX 64u
-#define FRAMES_MIN 8u /* fewer show no evolution */
+#define SHRINK_MAX     64u
+#define FRAMES_MIN     8u         /* fewer show no evolution */
+#define FRAMES_OUT_MAX (1u << 20) /* a rate map allows no more: what passes them is refused later */
+
+/* The pace of an output depends on its size, its size on the pace: so often it is asked anew. */
+#define ROUNDS 8
 
 struct estimate {
     const struct cli_options *options;
-    const struct quilt_input *inputs;
-    unsigned n_inputs;
-    const struct ttf_quilt_config *config;
-    bool timed;
+    const struct quilt_preview_ask *ask;
+    float fastest;
     int64_t read_ns;
 };
 
@@ -37,8 +40,8 @@ static uint64_t pixels_of(const struct estimate *e, uint32_t shrink)
 {
     uint64_t sum = 0;
 
-    for (unsigned i = 0; i < e->n_inputs; i++) {
-        const struct ttf_sequence *input = quilt_input_top(&e->inputs[i]);
+    for (unsigned i = 0; i < e->ask->n_inputs; i++) {
+        const struct ttf_sequence *input = quilt_input_top(&e->ask->inputs[i]);
 
         sum += (uint64_t)(input->width / shrink) * (input->height / shrink);
     }
@@ -48,8 +51,8 @@ static uint64_t pixels_of(const struct estimate *e, uint32_t shrink)
 /* The configuration that a run with this shrink would have. */
 static struct ttf_quilt_config shrunk(const struct estimate *e, uint32_t shrink)
 {
-    const struct ttf_sequence *first = quilt_input_top(&e->inputs[0]);
-    struct ttf_quilt_config config = *e->config;
+    const struct ttf_sequence *first = quilt_input_top(&e->ask->inputs[0]);
+    struct ttf_quilt_config config = *e->ask->config;
 
     if (config.width == 0) {
         config.width = 2 * first->width;
@@ -59,9 +62,14 @@ static struct ttf_quilt_config shrunk(const struct estimate *e, uint32_t shrink)
     return config;
 }
 
+static bool is_timed(const struct estimate *e, const struct ttf_quilt_config *c)
+{
+    return e->ask->timed || c->jitter_frames > 0;
+}
+
 static size_t bytes_of(const struct estimate *e, uint32_t shrink, uint32_t step)
 {
-    const struct ttf_sequence *first = quilt_input_top(&e->inputs[0]);
+    const struct ttf_sequence *first = quilt_input_top(&e->ask->inputs[0]);
     struct ttf_quilt_config c = shrunk(e, shrink);
     uint64_t in = pixels_of(e, shrink), whole = pixels_of(e, 1);
     uint64_t out = (uint64_t)c.width * c.height;
@@ -76,7 +84,7 @@ static size_t bytes_of(const struct estimate *e, uint32_t shrink, uint32_t step)
     bytes += e->options->flatten ? 24 * in : 0;
     bytes += e->options->keep_gradient ? 12 * out : 0;
     bytes += e->options->stabilise ? 48 * in : 0;
-    if (e->timed || c.jitter_frames) {
+    if (is_timed(e, &c)) {
         uint64_t frames = 6 * in * (n + 1);
 
         bytes += (frames < WINDOW_BYTES ? frames : WINDOW_BYTES) + 10 * out;
@@ -92,9 +100,19 @@ static uint32_t blocks_of(uint32_t size, uint32_t block)
     return size / step + 1;
 }
 
+/* Frames that n of the input become at the pace of the fastest pixel. */
+static uint32_t frames_out(const struct estimate *e, uint32_t n)
+{
+    float fastest = e->fastest;
+    const struct ttf_rate_map one = {1, 1, &fastest};
+    uint32_t frames;
+
+    return ttf_rate_map_frames(&one, n, &frames, NULL) < 0 ? FRAMES_OUT_MAX : frames;
+}
+
 static double time_of(const struct estimate *e, uint32_t shrink, uint32_t step)
 {
-    const struct ttf_sequence *first = quilt_input_top(&e->inputs[0]);
+    const struct ttf_sequence *first = quilt_input_top(&e->ask->inputs[0]);
     const struct cli_options *o = e->options;
     struct ttf_quilt_config c = shrunk(e, shrink);
     double in = (double)pixels_of(e, shrink), out = (double)c.width * c.height;
@@ -107,7 +125,7 @@ static double time_of(const struct estimate *e, uint32_t shrink, uint32_t step)
 
     ns += blocks * in * turns * POSITION_NS * (c.per_frame ? n : 1);
     ns += n * in * numbers * LEARN_NS;
-    ns += n * out * COMPOSE_NS;
+    ns += frames_out(e, frames) * out * (COMPOSE_NS + (is_timed(e, &c) ? TIMED_NS : 0));
     ns += n * in * SAMPLE_NS * (passes - 1);
     return ns;
 }
@@ -118,8 +136,8 @@ static bool is_possible(const struct estimate *e, uint32_t shrink)
 
     if (shrink == 1) /* what does not fit by itself has words of its own */
         return true;
-    for (unsigned i = 0; i < e->n_inputs; i++) {
-        const struct ttf_sequence *input = quilt_input_top(&e->inputs[i]);
+    for (unsigned i = 0; i < e->ask->n_inputs; i++) {
+        const struct ttf_sequence *input = quilt_input_top(&e->ask->inputs[i]);
 
         if (input->width / shrink < c.block_width || input->height / shrink < c.block_height ||
             input->width / shrink < 16 || input->height / shrink < 16)
@@ -145,7 +163,7 @@ static bool is_better(const struct quilt_preview *a, const struct quilt_preview 
 
 static int choose(struct cli *cli, const struct estimate *e, struct quilt_preview *ret)
 {
-    uint32_t n = quilt_input_top(&e->inputs[0])->n, least = n < FRAMES_MIN ? n : FRAMES_MIN;
+    uint32_t n = quilt_input_top(&e->ask->inputs[0])->n, least = n < FRAMES_MIN ? n : FRAMES_MIN;
     struct quilt_preview best = {0};
 
     for (uint32_t shrink = 1; shrink <= SHRINK_MAX && is_possible(e, shrink); shrink++) {
@@ -153,16 +171,51 @@ static int choose(struct cli *cli, const struct estimate *e, struct quilt_previe
             struct quilt_preview one = {shrink, step, bytes_of(e, shrink, step),
                                         (int64_t)time_of(e, shrink, step), e->read_ns};
 
-            if (one.bytes <= e->config->memory_bytes && is_better(&one, &best, cli->opt.time_ns))
+            if (one.bytes <= e->ask->config->memory_bytes &&
+                is_better(&one, &best, cli->opt.time_ns))
                 best = one;
         }
     }
     if (best.step == 0) {
         ttf_err_set(&cli->err, -EFBIG, "--memory", "no preview of this input fits into %zu MiB",
-                    e->config->memory_bytes >> 20);
+                    e->ask->config->memory_bytes >> 20);
         return ttf_err_hint(&cli->err, "give more, or smaller blocks or a smaller --size"), -EFBIG;
     }
     *ret = best;
+    return 0;
+}
+
+/* The pace of an output's fastest pixel at this shrink. */
+static int find_fastest(const struct estimate *e, uint32_t shrink, float *ret)
+{
+    struct ttf_quilt_config c = shrunk(e, shrink);
+
+    return e->ask->fastest(e->ask->ctx, c.width, c.height, ret);
+}
+
+/*
+ * A smaller map's fastest pixel is an average, and its output longer: until what is chosen was told so.
+ * The first round is told 1: a map of the whole output's size might not fit the memory.
+ */
+static int choose_paced(struct cli *cli, struct estimate *e, struct quilt_preview *ret)
+{
+    struct quilt_preview chosen = {0};
+    float fastest = 1;
+    int r = 0;
+
+    for (int i = 0; i < ROUNDS && r == 0; i++) {
+        e->fastest = fastest;
+        r = choose(cli, e, &chosen);
+        if (r == 0)
+            r = find_fastest(e, chosen.shrink, &fastest);
+        if (i > 0 && fastest >= e->fastest)
+            break;
+    }
+    if (r < 0)
+        return r;
+    e->fastest = fastest;
+    chosen.total_ns = (int64_t)time_of(e, chosen.shrink, chosen.step);
+    *ret = chosen;
     return 0;
 }
 
@@ -184,16 +237,17 @@ static int read_three(struct cli *cli, struct ttf_sequence *input)
     return r;
 }
 
-int quilt_preview_choose(struct cli *cli, struct ttf_clock *clock, const struct quilt_input *inputs,
-                         unsigned n, const struct ttf_quilt_config *config, bool timed,
-                         struct quilt_preview *ret)
+int quilt_preview_choose(struct cli *cli, struct ttf_clock *clock,
+                         const struct quilt_preview_ask *ask, struct quilt_preview *ret)
 {
-    struct estimate e = {&cli->opt, inputs, n, config, timed, 0};
+    struct estimate e = {&cli->opt, ask, 1, 0};
     int64_t start_ns = cli_now_ns(clock);
     int r = 0;
 
-    for (unsigned i = 0; i < n && r == 0; i++)
-        r = read_three(cli, quilt_input_top(&inputs[i]));
+    for (unsigned i = 0; i < ask->n_inputs && r == 0; i++)
+        r = read_three(cli, quilt_input_top(&ask->inputs[i]));
     e.read_ns = (cli_now_ns(clock) - start_ns) / 3;
-    return r < 0 ? r : choose(cli, &e, ret);
+    if (r < 0)
+        return r;
+    return ask->fastest ? choose_paced(cli, &e, ret) : choose(cli, &e, ret);
 }

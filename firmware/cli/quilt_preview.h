@@ -15,13 +15,19 @@ struct quilt_preview {
     int64_t read_ns; /* measured: one frame of all inputs */
 };
 
-/*
- * The most of the inputs that config.memory_bytes and --time allow. config is for inputs as they are,
- * width 0: twice the first; timed: pixels will be of different times. -EFBIG if nothing does.
- */
+struct quilt_preview_ask {
+    const struct quilt_input *inputs;
+    unsigned n_inputs;
+    const struct ttf_quilt_config *config; /* for inputs as they are; width 0: twice the first */
+    bool timed;                            /* pixels will be of different times */
+    /* The pace of the fastest pixel of an output of this size, by which it gets longer; NULL: 1. */
+    int (*fastest)(void *ctx, uint32_t width, uint32_t height, float *ret);
+    void *ctx;
+};
+
+/* The most of the inputs that config.memory_bytes and --time allow. -EFBIG if nothing does. */
 TTF_MUST_USE int quilt_preview_choose(struct cli *cli, struct ttf_clock *clock,
-                                      const struct quilt_input *inputs, unsigned n,
-                                      const struct ttf_quilt_config *config, bool timed,
+                                      const struct quilt_preview_ask *ask,
                                       struct quilt_preview *ret);
 
 #endif

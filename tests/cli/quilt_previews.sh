@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# A first look keeps to its memory and says what it thinks of its time; it shows less of the same thing.
+. "$(dirname "$0")/cli.bash"
+
+frames() {
+    "$PYTHON" "$HERE/frames.py" "$@" || fail "frames.py $*"
+}
+
+# holds EXPRESSION: a comparison that awk finds true.
+holds() {
+    awk "BEGIN { exit !($1) }" || fail "it is not so that $1"
+}
+
+# preview OPTIONS...: of d, nothing kept, its JSON in out.
+preview() {
+    expect 0 "$TTFBOX" synth quilt d --block 16x16 --sink null --preview --json "$@"
+}
+
+mkdir in
+"$PYTHON" "$HERE/pictures.py" make in 16 60 48 || fail "making pictures"
+expect 0 "$TTFBOX" import in/*.png --interval 1min -o d
+
+# ---- an output that ages slowly is long, and the estimate counts its frames ----
+frames picture halves halves.png 96 64
+preview --size 96x64 --time 1h
+plain=$(json preview.estimated_ns)
+preview --size 96x64 --time 1h --rate-map halves.png --rate-gain 0.01
+holds "$(json report.output_frames) > 1000"
+holds "$(json preview.estimated_ns) > $plain + 1000 * 96 * 64 * 10"
+for how in "--rate-map halves.png" "--light 0.5,0.3,0.4" "--curvature sigmoid"; do
+    # shellcheck disable=SC2086
+    preview --size 640x480 --time 3s $how --rate-gain 0.01
+    holds "$(json report.output_frames) > 600 && $(json preview.shrunk_by) > 1"
+    holds "$(json preview.estimated_ns) <= 3e9"
+done
+
+for left in never never.csv never.svg; do
+    [ -e $left ] && fail "a refused synthesis left something"
+done
+echo "quilt previews: each within what it was given"
