@@ -11,8 +11,12 @@
 #include "ttf/dataset/sequence.h"
 #include "ttf/dataset/tiff.h"
 
-/* Open files kept: a walk down all rows of a few frames does not open them anew each time. */
+/*
+ * Open files kept: a walk down all rows of a few frames does not open them anew each time. Each holds a decoded
+ * strip, so one whose last row was read is closed, and so is one that a walk over other frames has left behind.
+ */
 #define OPEN_MAX 16
+#define USES_MAX (4 * OPEN_MAX) /* of others: then it is left behind */
 
 struct open_file {
     struct ttf_tiff_reader *tiff; /* NULL: slot is free */
@@ -93,21 +97,38 @@ static struct open_file *place_for(struct dataset_sequence *dataset,
     return best;
 }
 
-/* Gives a file back (bad: it is not to be used again); what falls out of the cache is closed. */
+/* Takes a file that was left behind out of the cache, to be closed; NULL: there is none. */
+static struct ttf_tiff_reader *take_left(struct dataset_sequence *dataset)
+{
+    for (int i = 0; i < OPEN_MAX; i++) {
+        struct open_file *file = &dataset->open[i];
+        struct ttf_tiff_reader *tiff = file->tiff;
+
+        if (tiff && !file->busy && dataset->uses - file->used > USES_MAX) {
+            *file = (struct open_file){0};
+            return tiff;
+        }
+    }
+    return NULL;
+}
+
+/* Gives a file back (done: it is not to be used again); what falls out of the cache is closed. */
 static void give_back(struct dataset_sequence *dataset, uint32_t t, struct ttf_tiff_reader *tiff,
-                      bool bad)
+                      bool done)
 {
     struct ttf_tiff_reader *drop = tiff;
     struct open_file *place;
 
     pthread_mutex_lock(&dataset->lock);
     place = place_for(dataset, tiff);
-    if (place && place->tiff == tiff && bad) {
+    if (place && place->tiff == tiff && done) {
         *place = (struct open_file){0};
-    } else if (place && !bad) {
+    } else if (place && !done) {
         drop = place->tiff != tiff ? place->tiff : NULL;
         *place = (struct open_file){.tiff = tiff, .t = t, .used = ++dataset->uses};
     }
+    if (!drop)
+        drop = take_left(dataset);
     pthread_mutex_unlock(&dataset->lock);
     ttf_tiff_reader_close(drop);
 }
@@ -151,7 +172,7 @@ static int read_samples(struct dataset_sequence *dataset, uint32_t t, uint32_t y
             return code;
     }
     code = ttf_tiff_reader_rows(tiff, y0, rows, dst, stride, err);
-    give_back(dataset, t, tiff, code != 0);
+    give_back(dataset, t, tiff, code != 0 || y0 + rows == sequence->height);
     return code;
 }
 

@@ -35,6 +35,23 @@ for how in "--rate-map halves.png" "--light 0.5,0.3,0.4" "--curvature sigmoid"; 
     holds "$(json preview.estimated_ns) <= 3e9"
 done
 
+# ---- memory: of several inputs, and with all that is looked at besides ----
+mkdir large
+"$PYTHON" "$HERE/pictures.py" make large 12 256 256 || fail "making pictures"
+expect 0 "$TTFBOX" import large/*.png --interval 1min -o l
+rm -r large
+# within SIZE OPTIONS...: a preview of l in so many MiB held no more.
+within() {
+    local size=$1 peak
+    shift
+    expect 0 "$TTFBOX" synth quilt l --block 32x32 --sink null --preview --time 1h --memory "${size}MiB" --json "$@"
+    [ "$(json preview.estimated_bytes)" -le $((size << 20)) ] || fail "$*: estimated to pass $size MiB"
+    peak=$(json report.memory_bytes.peak_resident)
+    [ "$peak" -le $((size << 20)) ] || fail "$*: $peak bytes within $size MiB"
+}
+within 32 --source l --source l --source l --source l
+within 40 --source l --source l --source l
+
 for left in never never.csv never.svg; do
     [ -e $left ] && fail "a refused synthesis left something"
 done
