@@ -15,6 +15,7 @@
 #define LEARN_NS    2.5  /* one number of one pixel of one frame, in the compression */
 #define COMPOSE_NS  30.0 /* one output pixel of one frame: copied, measured, written */
 #define TIMED_NS    30.0 /* the same again, where pixels have times of their own: of two frames */
+#define FULL_NS     1.0  /* one position of one frame, in a search over all frames */
 #define SAMPLE_NS   20.0 /* one input pixel of one frame on its way through preparation */
 
 /* The program itself and what reading a file takes. */
@@ -127,6 +128,12 @@ static double time_of(const struct estimate *e, uint32_t shrink, uint32_t step)
     ns += n * in * numbers * LEARN_NS;
     ns += frames_out(e, frames) * out * (COMPOSE_NS + (is_timed(e, &c) ? TIMED_NS : 0));
     ns += n * in * SAMPLE_NS * (passes - 1);
+    if (c.agreement_queries > 0) {
+        double queries = c.agreement_queries < blocks ? c.agreement_queries : blocks;
+
+        ns += 2 * n * ((double)e->read_ns + in * SAMPLE_NS) + n * in * numbers * LEARN_NS;
+        ns += queries * n * in * FULL_NS;
+    }
     return ns;
 }
 

@@ -65,6 +65,12 @@ unsigned ttf_quilt_turns(const struct ttf_quilt_config *config)
     return turns;
 }
 
+/* Of the search over all frames: trajectories, features, and 24 bytes of search workspace per position. */
+static double full_bytes_per_pixel(uint32_t n)
+{
+    return 3.0 * n + (double)ttf_features_bytes_per_pixel(n) + 24.0;
+}
+
 size_t ttf_quilt_matching_bytes(const struct ttf_quilt_config *config, uint32_t pixels, uint32_t n)
 {
     unsigned rank = config->rank_error > 0.0 ? TTF_QUILT_RANK_MAX : config->rank;
@@ -72,8 +78,7 @@ size_t ttf_quilt_matching_bytes(const struct ttf_quilt_config *config, uint32_t 
     double per_pixel, bytes;
 
     if (rank == TTF_QUILT_RANK_FULL) {
-        /* trajectories, features, and 24 bytes of search workspace per position */
-        per_pixel = 3.0 * n + (double)ttf_features_bytes_per_pixel(n) + 24.0;
+        per_pixel = full_bytes_per_pixel(n);
     } else {
         /* coefficients of each view (but the first, which are the matching's), its cells and positions */
         unsigned numbers = rank * (config->per_channel ? 3 : 1);
@@ -84,7 +89,8 @@ size_t ttf_quilt_matching_bytes(const struct ttf_quilt_config *config, uint32_t 
                     turns * (2.0 * TTF_CELL_DIMS * TTF_CELL_LEVELS + sizeof(uint32_t)) +
                     (config->known.bytes || config->keep_factors
                          ? 2.0 * (double)ttf_matching_bytes(1, rank, config->per_channel)
-                         : 0.0);
+                         : 0.0) +
+                    (config->agreement_queries > 0 ? full_bytes_per_pixel(n) : 0.0);
     }
     bytes = per_pixel * pixels;
     return bytes < 1e18 ? (size_t)bytes : (size_t)1e18;
@@ -229,9 +235,13 @@ static int validate_memory(const struct ttf_quilt_config *config, uint32_t pixel
     ttf_err_set(err, -EFBIG, NULL,
                 "matching %u frames of %u pixels needs %zu MiB of memory, %zu MiB are allowed",
                 frames, pixels, (bytes >> 20) + 1, config->memory_bytes >> 20);
-    ttf_err_hint(err, config->rank == TTF_QUILT_RANK_FULL
-                          ? "give a rank, use fewer frames, or a smaller crop"
-                          : "use a smaller crop, a lower rank, or a machine with more memory");
+    if (config->agreement_queries > 0)
+        ttf_err_hint(err, "do without the comparison with the search over all frames, use fewer "
+                          "frames, or a smaller crop");
+    else
+        ttf_err_hint(err, config->rank == TTF_QUILT_RANK_FULL
+                              ? "give a rank, use fewer frames, or a smaller crop"
+                              : "use a smaller crop, a lower rank, or a machine with more memory");
     return -EFBIG;
 }
 

@@ -51,6 +51,14 @@ within() {
 }
 within 32 --source l --source l --source l --source l
 within 40 --source l --source l --source l
+within 60
+plain=$(json preview.estimated_bytes)
+within 60 --agreement 2
+holds "$(json preview.estimated_bytes) >= $plain + 3 * 12 * 256 * 256"
+expect 2 "$TTFBOX" synth quilt l --block 32x32 --sink null --agreement 2 --memory 16MiB
+said err "16 MiB are allowed"
+said err "do without the comparison"
+expect 0 "$TTFBOX" synth quilt l --block 32x32 --sink null --memory 16MiB
 
 for left in never never.csv never.svg; do
     [ -e $left ] && fail "a refused synthesis left something"

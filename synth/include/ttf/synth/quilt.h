@@ -232,7 +232,8 @@ TTF_MUST_USE int ttf_quilt_output_frames(const struct ttf_quilt_config *config, 
 /*
  * About what ttf_quilt_plan will hold while it searches `pixels` (of all inputs) with one thread (each
  * further one has bounds and a template of its own: 4 bytes a pixel and view, and some
- * 200 a pixel of a block): in k-space whatever the number of frames; in a full-time search about 3 n + 96 bytes per pixel.
+ * 200 a pixel of a block): in k-space whatever the number of frames; in a full-time search about 3 n + 96 bytes per pixel;
+ * both together where they are compared (agreement_queries).
  */
 size_t ttf_quilt_matching_bytes(const struct ttf_quilt_config *config, uint32_t pixels, uint32_t n);
 
