@@ -22,7 +22,7 @@ static int control(struct quilt_job *job)
     ttf_shadow_defaults(&config);
     config.least = o->least;
     config.threshold = o->threshold;
-    config.soften_px = o->soften;
+    config.soften_px = o->soften / (job->prepared.reduced ? job->prepared.shrink : 1);
     r = ttf_shadow_find(&config, &c->photo, job->config.width, job->config.height, &c->shadow,
                         &job->cli->err);
     if (r < 0)

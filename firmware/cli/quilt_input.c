@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "quilt_options.h"
+
 struct ttf_sequence *quilt_input_top(const struct quilt_input *input)
 {
     return input->chain[input->depth - 1];
@@ -123,8 +125,11 @@ static int deflicker(struct cli *cli, struct quilt_input *input,
                      struct ttf_report_prepared *prepared)
 {
     struct ttf_sequence *over = NULL;
-    int r = ttf_deflicker_create(quilt_input_top(input), (uint32_t)cli->opt.deflicker_window, &over,
-                                 &prepared->deflicker, &cli->err);
+    uint32_t step = prepared->reduced ? prepared->step : 1;
+    /* an odd number of the frames kept, as a frame is in the window's middle; the least there is */
+    uint32_t window = quilt_frames_kept((uint32_t)cli->opt.deflicker_window, step, 3) | 1u;
+    int r = ttf_deflicker_create(quilt_input_top(input), window, &over, &prepared->deflicker,
+                                 &cli->err);
 
     if (r < 0)
         return cli_by_option(cli, r, "--deflicker", NULL);

@@ -58,7 +58,7 @@ static int reduce(struct quilt_job *job)
         r = quilt_input_reduce(cli, &job->inputs[i], p->shrink, p->step);
     if (r < 0)
         return r;
-    quilt_config_shrink(&job->config, p->shrink);
+    quilt_config_reduce(&job->config, p->shrink, p->step);
     job->prepared.reduced = p->shrink > 1 || p->step > 1;
     job->prepared.shrink = p->shrink;
     job->prepared.step = p->step;

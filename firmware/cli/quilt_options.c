@@ -324,10 +324,15 @@ static uint32_t divided(uint32_t value, uint32_t by, uint32_t least)
     return value / by > least ? value / by : least;
 }
 
-void quilt_config_shrink(struct ttf_quilt_config *c, uint32_t shrink)
+uint32_t quilt_frames_kept(uint32_t frames, uint32_t step, uint32_t least)
 {
-    if (shrink <= 1)
-        return;
+    uint32_t kept = (frames + step / 2) / step;
+
+    return kept > least ? kept : least;
+}
+
+static void shrink_lengths(struct ttf_quilt_config *c, uint32_t shrink)
+{
     if (c->width) {
         c->width = divided(c->width, shrink, 1);
         c->height = divided(c->height, shrink, 1);
@@ -340,6 +345,14 @@ void quilt_config_shrink(struct ttf_quilt_config *c, uint32_t shrink)
     }
     c->avoid_px = c->avoid_px ? divided(c->avoid_px, shrink, 1) : 0;
     c->feather_px /= shrink;
+}
+
+void quilt_config_reduce(struct ttf_quilt_config *c, uint32_t shrink, uint32_t step)
+{
+    if (shrink > 1)
+        shrink_lengths(c, shrink);
+    c->jitter_frames = quilt_frames_kept(c->jitter_frames, step, 0);
+    c->jitter_every = quilt_frames_kept(c->jitter_every, step, 1);
 }
 
 /* What sets the pace: a composite's is its photograph. */

@@ -49,8 +49,8 @@ static uint64_t pixels_of(const struct estimate *e, uint32_t shrink)
     return sum;
 }
 
-/* The configuration that a run with this shrink would have. */
-static struct ttf_quilt_config shrunk(const struct estimate *e, uint32_t shrink)
+/* The configuration that a run with this shrink and step would have. */
+static struct ttf_quilt_config reduced(const struct estimate *e, uint32_t shrink, uint32_t step)
 {
     const struct ttf_sequence *first = quilt_input_top(&e->ask->inputs[0]);
     struct ttf_quilt_config config = *e->ask->config;
@@ -59,7 +59,7 @@ static struct ttf_quilt_config shrunk(const struct estimate *e, uint32_t shrink)
         config.width = 2 * first->width;
         config.height = 2 * first->height;
     }
-    quilt_config_shrink(&config, shrink);
+    quilt_config_reduce(&config, shrink, step);
     return config;
 }
 
@@ -71,7 +71,7 @@ static bool is_timed(const struct estimate *e, const struct ttf_quilt_config *c)
 static size_t bytes_of(const struct estimate *e, uint32_t shrink, uint32_t step)
 {
     const struct ttf_sequence *first = quilt_input_top(&e->ask->inputs[0]);
-    struct ttf_quilt_config c = shrunk(e, shrink);
+    struct ttf_quilt_config c = reduced(e, shrink, step);
     uint64_t in = pixels_of(e, shrink), whole = pixels_of(e, 1);
     uint64_t out = (uint64_t)c.width * c.height;
     uint32_t n = (first->n - 1) / step + 1;
@@ -115,7 +115,7 @@ static double time_of(const struct estimate *e, uint32_t shrink, uint32_t step)
 {
     const struct ttf_sequence *first = quilt_input_top(&e->ask->inputs[0]);
     const struct cli_options *o = e->options;
-    struct ttf_quilt_config c = shrunk(e, shrink);
+    struct ttf_quilt_config c = reduced(e, shrink, step);
     double in = (double)pixels_of(e, shrink), out = (double)c.width * c.height;
     uint32_t frames = (first->n - 1) / step + 1;
     double n = frames, passes = 2 + o->stabilise + o->deflicker;
@@ -139,7 +139,7 @@ static double time_of(const struct estimate *e, uint32_t shrink, uint32_t step)
 
 static bool is_possible(const struct estimate *e, uint32_t shrink)
 {
-    const struct ttf_quilt_config c = shrunk(e, shrink);
+    const struct ttf_quilt_config c = reduced(e, shrink, 1);
 
     if (shrink == 1) /* what does not fit by itself has words of its own */
         return true;
@@ -195,7 +195,7 @@ static int choose(struct cli *cli, const struct estimate *e, struct quilt_previe
 /* The pace of an output's fastest pixel at this shrink. */
 static int find_fastest(const struct estimate *e, uint32_t shrink, float *ret)
 {
-    struct ttf_quilt_config c = shrunk(e, shrink);
+    struct ttf_quilt_config c = reduced(e, shrink, 1);
 
     return e->ask->fastest(e->ask->ctx, c.width, c.height, ret);
 }

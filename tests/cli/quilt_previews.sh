@@ -60,6 +60,31 @@ said err "16 MiB are allowed"
 said err "do without the comparison"
 expect 0 "$TTFBOX" synth quilt l --block 32x32 --sink null --memory 16MiB
 
+# ---- what is told in frames is of frames kept, what is told in pixels of pixels kept ----
+# every second frame of 16 keeps within the time, and so do all pixels
+expect 0 "$TTFBOX" synth quilt d --block 32x32 --size 2560x1920 --sink null --preview --memory 1GiB --time 4s --jitter 4 --json
+is preview.shrunk_by 1
+is preview.frame_step 2
+is report.parameters.jitter_frames 2
+is report.parameters.jitter_every 8
+expect 0 "$TTFBOX" synth quilt d --block 32x32 --size 2560x1920 --sink null --preview --memory 1GiB --time 3s --deflicker --json
+is preview.frame_step 2
+gain=$(json report.prepared.largest_gain)
+mkdir half && for i in 0 2 4 6 8 10 12 14; do cp in/p$i.png half/; done
+expect 0 "$TTFBOX" import half/*.png --interval 2min -o half-d
+expect 0 "$TTFBOX" synth quilt half-d --block 16x16 --sink null --deflicker --deflicker-window 5 --json
+is report.prepared.largest_gain "$gain"
+
+frames picture photo photo.png 240 192
+mkdir grey && for i in 0 1 2 3 4 5 6 7; do frames picture plain grey/$i.png 60 48; done
+expect 0 "$TTFBOX" import grey/*.png --interval 1min -o g
+expect 0 "$TTFBOX" synth composite photo.png g --block 16x16 --size 720x576 --sink raw -o small.rgb --soften 6 --preview --time 100ms --json
+shrunk=$(json preview.shrunk_by)
+[ "$shrunk" -ge 2 ] || fail "the composite is no smaller"
+expect 0 "$TTFBOX" synth composite photo.png g --block $((16 / shrunk))x$((16 / shrunk)) --size $((720 / shrunk))x$((576 / shrunk)) \
+    --sink raw -o same.rgb --soften "$(awk "BEGIN { print 6 / $shrunk }")"
+cmp small.rgb same.rgb || fail "a shrunk object's edge is as wide as the whole one's"
+
 for left in never never.csv never.svg; do
     [ -e $left ] && fail "a refused synthesis left something"
 done
