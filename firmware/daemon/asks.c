@@ -174,6 +174,14 @@ int64_t asks_stop(struct asks *asks)
     return number;
 }
 
+void asks_take_back(struct asks *asks, int64_t number)
+{
+    (void)pthread_mutex_lock(&asks->lock);
+    if (number > 0 && asks->kept[number % KEPT].number == number)
+        asks->kept[number % KEPT] = (struct asked){0};
+    (void)pthread_mutex_unlock(&asks->lock);
+}
+
 static void put(const struct asked *asked, struct ttf_json *json)
 {
     ttf_json_object(json);

@@ -35,6 +35,8 @@ TTF_MUST_USE int64_t asks_put(struct asks *asks, const struct ttf_http_ask *ask,
 
 /* A stop, which needs no run that hears: answered by asks_end. */
 int64_t asks_stop(struct asks *asks);
+/* It came to nothing: as if it had not been asked. */
+void asks_take_back(struct asks *asks, int64_t number);
 
 /* The next that was answered and not given by this yet, as an event's data. false: there is none. */
 bool asks_answered(struct asks *asks, struct ttf_json *json);

@@ -231,20 +231,24 @@ static int show(struct daemon *d, int64_t number, char **ret_json, struct ttf_er
     return ttf_err_set(err, r, NULL, "nothing of this number was asked, or long ago");
 }
 
-/* A stop is a decision first, on the disk, and then an end of what runs (orders.h: of that alone). */
+/*
+ * A stop is a decision first, on the disk, and then an end of what runs (orders.h: of that alone). What runs may have ended, and answered
+ * what was asked, before the decision is told here: so the number is there before it.
+ */
 static int stop(struct daemon *d, char **ret_json, struct ttf_err *err)
 {
+    int64_t number = asks_stop(d->asks);
     int r = orders_stop(d->orders, err);
-    int64_t number;
 
-    if (r < 0)
+    if (r < 0) {
+        asks_take_back(d->asks, number);
         return r;
+    }
     log_line(LOG_LEVEL_NOTICE, "asked", "for=stop");
     if (situation_turn(d->situation, DOING_CAPTURING, DOING_STOPPING) ||
         situation_turn(d->situation, DOING_PAUSED, DOING_STOPPING) ||
         situation_turn(d->situation, DOING_WAITING, DOING_STOPPING))
         daemon_tell_state(d);
-    number = asks_stop(d->asks);
     ttf_gate_open(d->wake);
     return show(d, number, ret_json, err);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* test_door.c: what is asked of the box: nobody waits behind a start that waits for devices. */
+/* test_door.c: what is asked of the box: nobody waits behind a start that waits for devices, and every stop is answered. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +24,22 @@ struct fixture {
     char folder[64];
     struct ttf_err first; /* what came of the first start */
     int r;
+    bool ends; /* what runs does, as soon as a decision is on the disk */
+    bool full; /* the disk takes none */
 };
+
+/* Whoever runs what was decided is another thread: it may be done before the one that decided goes on. */
+static int on_write(void *ctx, const char *op, const char *path)
+{
+    struct fixture *f = ctx;
+
+    (void)path;
+    if (f->full)
+        return -ENOSPC;
+    if (f->ends && strcmp(op, "sync_dir") == 0)
+        asks_end(f->d.asks);
+    return 0;
+}
 
 static void begin(struct fixture *f)
 {
@@ -32,9 +47,9 @@ static void begin(struct fixture *f)
 
     memset(f, 0, sizeof *f);
     (void)snprintf(f->folder, sizeof f->folder, "/tmp/ttfbox-door.XXXXXX");
-    f->d.io = ttf_io_posix();
+    f->d.io = ttf_io_faulty_create(ttf_io_posix(), on_write, f);
     f->d.clock = ttf_clock_real_create();
-    if (!f->d.clock || !mkdtemp(f->folder)) {
+    if (!f->d.io || !f->d.clock || !mkdtemp(f->folder)) {
         fail_msg("no clock, or no folder");
         return;
     }
@@ -49,6 +64,8 @@ static void begin(struct fixture *f)
     f->d.door.ops = &DOOR_OPS;
     f->d.wake = ttf_gate_create(f->d.clock);
     f->d.shadow = shadow_create();
+    f->d.asks = asks_create(1);
+    f->d.situation = situation_create(f->d.clock);
     f->d.workshop = workshop_create(f->d.clock, f->d.wake);
     assert_int_equal(orders_create(f->d.io, f->folder, "", "", &f->d.orders, NULL), 0);
     workshop_open(f->d.workshop, true); /* and nobody works there: the devices do not answer */
@@ -59,6 +76,9 @@ static void end(struct fixture *f)
     char path[128];
 
     orders_destroy(f->d.orders);
+    asks_destroy(f->d.asks);
+    situation_destroy(f->d.situation);
+    ttf_io_faulty_destroy(f->d.io);
     workshop_destroy(f->d.workshop);
     shadow_destroy(f->d.shadow);
     ttf_gate_destroy(f->d.wake);
@@ -69,6 +89,10 @@ static void end(struct fixture *f)
     (void)unlink(path);
     (void)snprintf(path, sizeof path, "%s/plans", f->folder);
     (void)rmdir(path);
+    (void)snprintf(path, sizeof path, "%s/run.json", f->folder);
+    (void)unlink(path);
+    (void)snprintf(path, sizeof path, "%s/run.json.reserve", f->folder);
+    (void)unlink(path);
     assert_int_equal(rmdir(f->folder), 0);
 }
 
@@ -108,10 +132,56 @@ static void a_start_beside_one_that_waits_for_devices_is_told_so_at_once(void **
     end(&f);
 }
 
+static int ask_stop(struct fixture *f, char **ret_json, struct ttf_err *err)
+{
+    const struct ttf_http_ask stop = {.kind = TTF_HTTP_ASK_STOP};
+
+    return f->d.door.ops->ask(&f->d.door, &stop, ret_json, err);
+}
+
+static void a_stop_is_answered_however_soon_what_ran_has_ended(void **state)
+{
+    struct ttf_err err = {0};
+    struct fixture f;
+    char *json = NULL;
+
+    (void)state;
+    begin(&f);
+    assert_int_equal(orders_start(f.d.orders, "week", PLAN, "week", &err), 0);
+    f.ends = true;
+    assert_int_equal(ask_stop(&f, &json, &err), 0);
+    f.ends = false;
+    if (!json || !strstr(json, "\"answered\":true") || !strstr(json, "\"done\":true"))
+        fail_msg("%s", json ? json : "nothing");
+    free(json);
+    end(&f);
+}
+
+static void a_stop_that_the_disk_did_not_take_is_none(void **state)
+{
+    struct ttf_err err = {0};
+    struct ttf_json said;
+    struct fixture f;
+    char *json = NULL;
+
+    (void)state;
+    begin(&f);
+    assert_int_equal(orders_start(f.d.orders, "week", PLAN, "week", &err), 0);
+    f.full = true;
+    assert_int_equal(ask_stop(&f, &json, &err), -ENOSPC);
+    asks_end(f.d.asks);
+    ttf_json_init(&said, false);
+    assert_false(asks_answered(f.d.asks, &said));
+    ttf_json_free(&said);
+    end(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_start_beside_one_that_waits_for_devices_is_told_so_at_once),
+        cmocka_unit_test(a_stop_is_answered_however_soon_what_ran_has_ended),
+        cmocka_unit_test(a_stop_that_the_disk_did_not_take_is_none),
     };
 
     (void)alarm(100); /* what waits for ever fails */
