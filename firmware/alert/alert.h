@@ -77,10 +77,13 @@ struct watch {
     bool fresh; /* the first look at it: what lies there is no news */
     bool came;  /* a record has come since since_ns */
     bool ended, losing;
-    bool stopped;        /* an alarm was told, and no record has come since */
-    bool rests;          /* stopped by a person: so it was told */
-    bool by_button;      /* that is to come, or has */
-    int64_t told_end_ns; /* when its events said that it was told to end; TTF_NS_UNKNOWN */
+    bool stopped;          /* an alarm was told, and no record has come since */
+    bool rests;            /* stopped by a person: so it was told */
+    bool by_button;        /* that is to come, or has */
+    bool doubted;          /* it has ended, and yet it may be wanted to go on */
+    int64_t asked_ns;      /* when that was last asked, or settled */
+    int64_t plan_mtime_ns; /* of the plan's file, as the end was seen */
+    int64_t told_end_ns;   /* when its events said that it was told to end; TTF_NS_UNKNOWN */
     int64_t interval_ns, index, lost;
     struct ttf_segment segment; /* the last; segment -1: none */
     int64_t seen_ns;            /* when the last record was seen to come */

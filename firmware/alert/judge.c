@@ -122,14 +122,77 @@ static void run(struct watch *w)
     }
 }
 
+/* ---- behind its end ---- */
+
+static void settle(struct watch *w, bool is_news)
+{
+    if (is_news)
+        watch_tell(w, "ended", TTF_ALERT_NOTICE, "the capture has come to its end");
+    w->stopped = w->rests = w->doubted = false;
+    w->asked_ns = ttf_clock_now_ns(w->clock);
+}
+
+/* The plan's file was written behind the end: it may be a longer one now. Also before we looked. */
+static bool plan_is_newer(const struct watch *w)
+{
+    const struct ttf_io_stat *plan = &w->wanted.seen[1];
+    struct ttf_io_stat records;
+    char path[4200];
+
+    (void)snprintf(path, sizeof path, "%s/records.jsonl", w->path);
+    if (!plan->is_regular || w->io->ops->stat(w->io, path, &records) < 0)
+        return false;
+    return plan->mtime_ns != w->plan_mtime_ns || plan->mtime_ns > records.mtime_ns;
+}
+
+static void doubt(struct watch *w)
+{
+    w->doubted = true;
+    w->came = false;
+    w->since_ns = w->asked_ns = ttf_clock_now_ns(w->clock);
+}
+
+/*
+ * What has ended is wanted by the configuration for ever, as nothing says that its plan is done but the daemon, which is asked each `begin`: one
+ * that is idle has nothing to do. One that tries in vain has, and one that says nothing may have.
+ */
+static void ask_behind_end(struct watch *w)
+{
+    char words[200] = "";
+
+    w->asked_ns = ttf_clock_now_ns(w->clock);
+    if (w->says)
+        w->says(w->ctx, words, sizeof words);
+    if (strncmp(words, "idle", 4) == 0)
+        settle(w, w->stopped);
+    else if (!w->doubted && strncmp(words, "retrying", 8) == 0)
+        doubt(w);
+    else if (w->doubted && !w->stopped)
+        does_not_come(w);
+}
+
+static void judge_ended(struct watch *w, bool ended_before)
+{
+    if (!ended_before ||
+        w->seen_ns > w->asked_ns) { /* also one that went on and ended between two looks */
+        w->plan_mtime_ns = w->wanted.seen[1].mtime_ns;
+        settle(w, !w->fresh);
+    }
+    if (w->wanted.wants != WANTS_RUN)
+        settle(w, false);
+    else if (!w->doubted && plan_is_newer(w))
+        doubt(w);
+    else if (ttf_clock_now_ns(w->clock) - w->asked_ns > w->config->begin_ns)
+        ask_behind_end(w);
+}
+
 void judge(struct watch *w, bool ended_before)
 {
     if (w->ended) {
-        if (!ended_before && !w->fresh)
-            watch_tell(w, "ended", TTF_ALERT_NOTICE, "the capture has come to its end");
-        w->stopped = w->rests = false;
+        judge_ended(w, ended_before);
         return;
     }
+    w->doubted = false;
     switch (w->wanted.wants) {
     case WANTS_REST:
         rest(w);

@@ -48,6 +48,7 @@ struct fixture {
     struct hand_clock clock;
     struct ttf_alerts_config config;
     struct watch watch;
+    const char *says; /* what the daemon does; "": it is not there */
     unsigned n;
     struct alert told[16];
 };
@@ -62,8 +63,9 @@ static void on_told(void *ctx, const struct alert *alert)
 
 static void on_says(void *ctx, char *ret, size_t size)
 {
-    (void)ctx;
-    (void)snprintf(ret, size, "retrying: the guardian is away");
+    const struct fixture *f = ctx;
+
+    (void)snprintf(ret, size, "%s", f->says);
 }
 
 static void start_watching(struct fixture *f)
@@ -83,6 +85,7 @@ static struct fixture *begin(const char *folder)
     assert_non_null(f);
     f->clock = (struct hand_clock){{.ops = &OPS}, 5 * SECOND, BOOT};
     f->config.begin_ns = BEGIN;
+    f->says = "retrying: the guardian is away";
     (void)snprintf(f->config.data, sizeof f->config.data, "%s/data", folder);
     (void)snprintf(f->config.state, sizeof f->config.state, "%s/state", folder);
     (void)snprintf(f->config.plan, sizeof f->config.plan, "%s/grass.yaml", folder);
@@ -505,6 +508,105 @@ static void times_beyond_all_time_are_no_alarm(void **state)
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, folder_setup, folder_teardown)
 
+/* The plan of `grass` has come to its end, and its file is what it was then. */
+static struct fixture *begin_ended(const char *folder)
+{
+    struct fixture *f = begin(folder);
+    struct ttf_writer *writer = small_create(ttf_io_posix(), in(folder, "data/grass"));
+    char digest[65];
+
+    f->says = "idle";
+    assert_int_equal(small_slot(writer, 0), 0);
+    pass(f, 3);
+    assert_int_equal(ttf_writer_seal(writer, "count", digest, NULL), 0);
+    ttf_writer_abandon(writer);
+    pass(f, 300);
+    assert_int_equal(f->n, 1);
+    assert_true(told(f, 0, "ended", "has come to its end"));
+    return f;
+}
+
+static void write_longer_plan(const struct fixture *f)
+{
+    write_text(f->config.plan, "interval: 10s\ncount: 90\n", 24);
+    assert_int_equal(run("touch -d '+1 hour' %s", f->config.plan), 0);
+}
+
+/* In the folder of a capture that had ended. */
+static struct ttf_writer *go_on(const char *folder)
+{
+    struct ttf_writer *writer = NULL;
+
+    assert_int_equal(ttf_writer_open(ttf_io_posix(), in(folder, "data/grass"), &writer, NULL), 0);
+    assert_int_equal(small_slot(writer, 1), 0);
+    return writer;
+}
+
+static void a_plan_made_longer_behind_its_end_is_waited_for(void **state)
+{
+    struct fixture *f = begin_ended(*state);
+    struct ttf_writer *writer;
+
+    write_longer_plan(f);
+    f->says = ""; /* its daemon does not come up */
+    pass(f, 59);
+    assert_int_equal(f->n, 1);
+    pass(f, 3);
+    assert_int_equal(f->n, 2);
+    assert_true(told(f, 1, "not-begun", "has not gone on"));
+    assert_true(f->watch.stopped);
+    pass(f, 300);
+    assert_int_equal(f->n, 2); /* once */
+    start_watching(f);         /* the alerter begins anew */
+    pass(f, 300);
+    assert_int_equal(f->n, 1);
+    assert_true(told(f, 0, "not-begun", "has not gone on"));
+    writer = go_on(*state);
+    pass(f, 1);
+    assert_int_equal(f->n, 2);
+    assert_true(told(f, 1, "going-on", "goes on"));
+    assert_false(f->watch.stopped);
+    ttf_writer_abandon(writer);
+    free(f);
+}
+
+static void a_daemon_with_nothing_to_do_knows_that_the_end_was_one(void **state)
+{
+    struct fixture *f = begin_ended(*state);
+
+    write_longer_plan(f); /* or with a word more of comment */
+    pass(f, 300);
+    assert_int_equal(f->n, 1);
+    f->says = "";
+    pass(f, 125);
+    assert_int_equal(f->n, 2);
+    assert_true(told(f, 1, "not-begun", "has not gone on"));
+    f->says = "idle"; /* it came up, and there is nothing to do */
+    pass(f, 62);
+    assert_int_equal(f->n, 3);
+    assert_true(told(f, 2, "ended", "has come to its end"));
+    assert_false(f->watch.stopped);
+    free(f);
+}
+
+static void a_daemon_that_tries_in_vain_has_something_to_do_behind_an_end(void **state)
+{
+    struct fixture *f = begin_ended(*state);
+
+    f->says = ""; /* a dead one with a plan that is done misses nothing */
+    pass(f, 300);
+    assert_int_equal(f->n, 1);
+    f->says = "retrying: the guardian is away";
+    pass(f, 125);
+    assert_int_equal(f->n, 2);
+    assert_true(told(f, 1, "not-begun", "has not gone on"));
+    assert_true(told(f, 1, "not-begun", "the box says: retrying: the guardian is away"));
+    decided(f, ORDER_STOPPED, "");
+    pass(f, 2);
+    assert_false(f->watch.stopped); /* a person wants no more of it */
+    free(f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -524,6 +626,9 @@ int main(void)
         TEST(the_second_part_of_another_run_is_not_watched),
         TEST(a_second_part_without_its_first_is_watched),
         TEST(times_beyond_all_time_are_no_alarm),
+        TEST(a_plan_made_longer_behind_its_end_is_waited_for),
+        TEST(a_daemon_with_nothing_to_do_knows_that_the_end_was_one),
+        TEST(a_daemon_that_tries_in_vain_has_something_to_do_behind_an_end),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
