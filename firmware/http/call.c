@@ -73,6 +73,12 @@ static int count_wrong(const struct calls *calls, struct MHD_Connection *connect
     return -EUSERS;
 }
 
+/* What a token that comes with it changes: where reading is free the answer to a reader is the same with any, and a guess learns nothing. */
+static bool tells_of_token(enum ttf_http_access needs, bool free_to_read)
+{
+    return needs != TTF_HTTP_READ || !free_to_read;
+}
+
 /* May whoever asks do what this route does, and what else may they? */
 static int judge_access(const struct call_socket *socket, struct call *call,
                         struct MHD_Connection *connection, struct ttf_err *err)
@@ -87,8 +93,8 @@ static int judge_access(const struct call_socket *socket, struct call *call,
     enum ttf_http_access needs = call->match.route->access;
     enum access_verdict verdict;
 
-    if (said.authorization && !access_token(said.authorization, calls->token) &&
-        count_wrong(calls, connection, err) < 0)
+    if (said.authorization && tells_of_token(needs, socket->free_to_read) &&
+        !access_token(said.authorization, calls->token) && count_wrong(calls, connection, err) < 0)
         return err->code;
     call->request.may_read =
         access_decide(TTF_HTTP_READ, socket->free_to_read, &said, calls->token) == ACCESS_YES;

@@ -250,6 +250,12 @@ static int wire_error(struct wire *wire, CURLcode code, const char *path, struct
     return ttf_err_set(err, r, path, "the box does not answer: %s", curl_easy_strerror(code));
 }
 
+/* 429 is of wrong tokens: more of them than it answers (openapi.yaml). The right one it takes always, so another try is no use. */
+static bool is_wrong_token(const struct wire *wire, long status)
+{
+    return status == 401 || (status == 429 && strstr(wire->said, "wrong token"));
+}
+
 /* What the box says by a status and in words. */
 static int box_error(struct wire *wire, long status, const char *path, struct ttf_err *err)
 {
@@ -262,7 +268,7 @@ static int box_error(struct wire *wire, long status, const char *path, struct tt
             *c = ' ';
     if (status == 416)
         return -ERANGE;
-    if (status == 401)
+    if (is_wrong_token(wire, status))
         r = -EACCES;
     else if (status == 404)
         r = -ENOENT;
@@ -271,8 +277,10 @@ static int box_error(struct wire *wire, long status, const char *path, struct tt
     else if (status == 503 || status == 429)
         r = -EAGAIN; /* it is short of something, and will have it again */
     ttf_err_set(err, r, path, "the box says %ld: %.200s", status, text);
-    if (status == 401)
-        ttf_err_hint(err, "give the box's token by --token-file");
+    if (r == -EACCES)
+        ttf_err_hint(err, wire->config->token
+                              ? "the token that was given is not this box's: look at it again"
+                              : "give the box's token by --token-file");
     return r;
 }
 

@@ -63,6 +63,12 @@ said err "http://127.0.0.1:1: the box does not answer"
 said err "does ttfboxd or ttfbox serve run there?"
 expect 2 "$TTFBOX" pull only --box "$BOX" --only nobody
 said err 'no dataset of this name'
+# Where reading is free a token is not needed, and none is wrong.
+(umask 077 && echo not-the-token-of-this-box >wrong.token)
+for _ in 1 2 3; do
+    rm -rf unneeded
+    expect 0 "$TTFBOX" pull unneeded --box "$BOX" --token-file wrong.token --only grass
+done
 expect 2 "$TTFBOX" pull only --box "$BOX" --only ../grass
 rm -r data/meadow
 
@@ -324,6 +330,19 @@ same data/live live/live
 unserve
 expect 1 "$TTFBOX" pull live --box "$BOX"
 said err 'does not answer'
+
+# --- a wrong token is said to be that, however many came before
+serve data --listen 0.0.0.0:0 --token-file token
+BOX=http://127.0.0.1:$(sed 's|.*:\([0-9]*\)/api/v1$|\1|' <<<"$URL")
+expect 1 "$TTFBOX" pull refused --box "$BOX"
+said err "give the box's token by --token-file"
+for _ in $(seq 15); do
+    expect 1 "$TTFBOX" pull refused --box "$BOX" --token-file wrong.token
+    said err "the token that was given is not this box's"
+done
+said err "the box says 429"
+expect 0 "$TTFBOX" pull granted --box "$BOX" --token-file token
+unserve
 
 # --- boxes that mean harm
 for case in path absolute long garbage noend name size notes hidden nomanifest nolength; do

@@ -399,6 +399,33 @@ static void the_right_token_is_taken_however_many_were_wrong(void **state)
     end(&f);
 }
 
+static void a_token_that_nothing_depends_on_is_not_counted(void **state)
+{
+    static const char READ[] = "GET /api/v1/datasets HTTP/1.1\r\nHost: localhost\r\n"
+                               "Authorization: Bearer no\r\n\r\n";
+    static const char STOP[] = "POST /api/v1/run/stop HTTP/1.1\r\nHost: localhost\r\n"
+                               "Authorization: Bearer no\r\nContent-Length: 0\r\n\r\n";
+    struct fixture f;
+    int fd, status = 0;
+
+    (void)state;
+    begin(&f);
+    fd = dial(&f);
+    for (unsigned i = 0; i < 30; i++) {
+        say(fd, READ);
+        assert_int_equal(status_of(fd), 200);
+    }
+    (void)close(fd);
+    for (unsigned i = 0; i < 30; i++) {
+        fd = dial(&f);
+        say(fd, STOP);
+        status = status_of(fd);
+        assert_int_equal(status, i < 10 ? 401 : 429);
+        (void)close(fd);
+    }
+    end(&f);
+}
+
 static void a_file_that_loses_its_end_while_it_is_sent_ends_the_connection(void **state)
 {
     struct fixture f;
@@ -493,6 +520,7 @@ int main(void)
         IN_SCRATCH(a_body_that_dribbles_in_is_given_up),
         IN_SCRATCH(headers_that_dribble_in_are_given_up),
         IN_SCRATCH(the_right_token_is_taken_however_many_were_wrong),
+        IN_SCRATCH(a_token_that_nothing_depends_on_is_not_counted),
         IN_SCRATCH(a_file_that_loses_its_end_while_it_is_sent_ends_the_connection),
         IN_SCRATCH(what_lies_at_the_path_now_is_served),
         IN_SCRATCH(an_answer_is_of_one_folder),
