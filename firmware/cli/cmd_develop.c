@@ -246,8 +246,6 @@ static int develop_all(struct darkroom *d)
         ttf_err_hint(&cli->err, "a plan with 'keep: raw' or 'keep: both' keeps them");
     }
     if (r == 0)
-        r = derive_people(cli, cli->opt.args[0], cli->opt.output);
-    if (r == 0)
         r = derive_seal(d->writer, n == s->slots ? "count" : "frames", d->digest, &cli->err);
     d->done = r == 0;
     return r;
@@ -305,6 +303,8 @@ static int create(struct darkroom *d)
     }
     if (r == 0)
         r = derive_create(cli, cli->opt.output, m, yaml, json, &d->writer);
+    if (r == 0)
+        derive_people(cli, cli->opt.args[0], cli->opt.output);
     free(yaml);
     free(json);
     free(m);

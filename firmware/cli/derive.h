@@ -19,8 +19,8 @@ TTF_MUST_USE int derive_manifest(struct cli *cli, struct ttf_reader *parent,
 TTF_MUST_USE int derive_create(struct cli *cli, const char *path,
                                const struct ttf_manifest *manifest, const char *plan_yaml,
                                const char *plan_json, struct ttf_writer **ret);
-/* Notes and samples of one dataset, for another one of the same slots and pixels. */
-TTF_MUST_USE int derive_people(struct cli *cli, const char *from, const char *to);
+/* Notes and samples of one dataset, for another one of the same slots and pixels; what cannot be taken over is warned of. */
+void derive_people(struct cli *cli, const char *from, const char *to);
 
 /* As ttf_writer_seal; what is made of a rehearsal is none either, stays unsealed, and has no digest. */
 TTF_MUST_USE int derive_seal(struct ttf_writer *writer, const char *reason, char ret_digest[65],

@@ -1,69 +1,50 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* derive_people.c: what people said of a dataset, for one whose slots and pixels are the same. */
+/*
+ * derive_people.c: what people said of a dataset, for one whose slots and pixels are the same. The files as they are: whoever reads them passes
+ * over what he does not understand, and it is not this program's to take out.
+ */
 #include <errno.h>
+#include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 
+#include "commands.h"
 #include "derive.h"
-#include "ttf/dataset/notes.h"
-#include "ttf/dataset/samples.h"
 
-struct notes {
-    struct cli *cli;
-    const char *to;
-    int code;
-};
+#define BYTES_MAX ((size_t)64 << 20)
 
-static void copy_note(void *ctx, const struct ttf_note *note)
+/* Nothing if there is none; a link would be somebody else's file. */
+static int copy_file(struct cli *cli, const char *from, const char *to, struct ttf_err *err)
 {
-    struct notes *n = ctx;
-
-    if (n->code == 0)
-        n->code = ttf_note_append(n->cli->io, n->to, note, &n->cli->err);
-}
-
-static int copy_notes(struct cli *cli, const char *from, const char *to)
-{
-    struct notes n = {cli, to, 0};
-    const struct ttf_note_visitor visitor = {.note = copy_note, .ctx = &n};
-    int r = ttf_notes_read(cli->io, from, &visitor, &cli->err);
-
-    return r < 0 ? r : n.code;
-}
-
-/* All at once. */
-static int add_samples(struct cli *cli, const struct ttf_sample_region *samples, unsigned n,
-                       const char *to)
-{
-    struct ttf_sample_change *changes = calloc(n, sizeof *changes);
+    struct stat st;
+    char *text = NULL;
+    size_t bytes = 0;
     int r;
 
-    if (!changes)
-        return ttf_err_set(&cli->err, -ENOMEM, to, "no memory for %u samples", n);
-    for (unsigned i = 0; i < n; i++)
-        changes[i] = (struct ttf_sample_change){.id = samples[i].id,
-                                                .title = samples[i].title,
-                                                .treatment = samples[i].treatment,
-                                                .region = &samples[i].region};
-    r = ttf_samples_change(cli->io, to, changes, n, &cli->err);
-    free(changes);
+    if (lstat(from, &st) < 0)
+        return errno == ENOENT ? 0 : ttf_err_set(err, -errno, from, "cannot be looked at");
+    if (!S_ISREG(st.st_mode))
+        return ttf_err_set(err, -EINVAL, from, "is no plain file");
+    r = ttf_io_slurp(cli->io, from, BYTES_MAX, &text, &bytes, err);
+    if (r == 0)
+        r = ttf_io_write_file(cli->io, to, text, bytes, err);
+    free(text);
     return r;
 }
 
-static int copy_samples(struct cli *cli, const char *from, const char *to)
+void derive_people(struct cli *cli, const char *from, const char *to)
 {
-    struct ttf_sample_region *samples = NULL;
-    unsigned n = 0;
-    int r = ttf_samples_read(cli->io, from, &samples, &n, &cli->err);
+    static const char *const NAMES[] = {"notes.jsonl", "samples.json"};
 
-    if (r == 0 && n > 0)
-        r = add_samples(cli, samples, n, to);
-    free(samples);
-    return r;
-}
+    for (unsigned i = 0; i < TTF_COUNT_OF(NAMES); i++) {
+        char source[PATH_MAX], copy[PATH_MAX], text[900];
+        struct ttf_err err = {0};
 
-int derive_people(struct cli *cli, const char *from, const char *to)
-{
-    int r = copy_notes(cli, from, to);
-
-    return r < 0 ? r : copy_samples(cli, from, to);
+        (void)snprintf(source, sizeof source, "%s/%s", from, NAMES[i]);
+        (void)snprintf(copy, sizeof copy, "%s/%s", to, NAMES[i]);
+        if (copy_file(cli, source, copy, &err) < 0)
+            cli_warn("ttfbox %s: warning: %s is not taken over: %s", cli->command->name, NAMES[i],
+                     ttf_err_text(&err, text, sizeof text));
+    }
 }

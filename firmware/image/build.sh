@@ -86,6 +86,12 @@ make_base() {
     mv "$base.new.tar" "$base"
 }
 
+# Files for the system as a tar: root's and readable to all, whoever built it out of whose checkout, whatever the umask was. They
+# bring / itself along: with other rights no service would get anywhere.
+tar_of_files() { # FOLDER TAR
+    tar -C "$1" --numeric-owner --owner=0 --group=0 --mode=u=rwX,go=rX -cf "$2" .
+}
+
 # The system as a tar.
 make_system() { # DISK-ID
     local overlay=$work/overlay base
@@ -97,6 +103,7 @@ make_system() { # DISK-ID
     echo ttfbox >"$overlay/etc/hostname"
     printf '127.0.0.1 localhost\n127.0.1.1 ttfbox\n' >"$overlay/etc/hosts"
     cp build-package/"$arch"/*.deb $here/finish.sh $here/services.sh "$overlay/debs/"
+    tar_of_files "$overlay" "$work/overlay.tar"
     sources >"$work/sources.list"
     # A week old, it is asked for anew: updates.
     base=$out/base-$(echo "$arch $base_packages $kernel $packages $(cat "$work/sources.list")" | sha256sum | cut -c1-16).tar
@@ -104,7 +111,7 @@ make_system() { # DISK-ID
     echo "image: making the system of $board" >&2
     # shellcheck disable=SC2016 # the hook's own $1
     mmdebstrap --quiet --variant=custom --architectures="$arch" --setup-hook="tar -C \"\$1\" --numeric-owner -xf $base" \
-        --customize-hook="sync-in $overlay /" --customize-hook='chroot "$1" sh /debs/finish.sh '"$board" \
+        --customize-hook="tar-in $work/overlay.tar /" --customize-hook='chroot "$1" sh /debs/finish.sh '"$board" \
         bookworm "$work/system.tar" "$work/sources.list" >"$work/mmdebstrap.log" 2>&1 ||
         { tail -n 30 "$work/mmdebstrap.log" >&2; exit 1; }
 }

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "file.h"
 #include "page.h"
@@ -112,6 +113,15 @@ static int write_small_enough(struct job *job, struct ttf_err *err)
     return -EFBIG;
 }
 
+/* Hidden, in the same folder, of this process: nobody else's file is in its way. */
+static bool name_temp(const char *output, char *ret, size_t size)
+{
+    const char *slash = strrchr(output, '/'), *base = slash ? slash + 1 : output;
+
+    return snprintf(ret, size, "%.*s.%.40s.part-%ld", (int)(base - output), output, base,
+                    (long)getpid()) < (int)size;
+}
+
 static int begin(struct job *job, struct ttf_err *err)
 {
     const char *output = job->config->output;
@@ -120,9 +130,9 @@ static int begin(struct job *job, struct ttf_err *err)
 
     if (code == 0 && st.is_dir)
         return ttf_err_set(err, -EISDIR, output, "is a folder");
-    if (snprintf(job->temp, sizeof job->temp, "%s.tmp", output) >= (int)sizeof job->temp)
+    if (!name_temp(output, job->temp, sizeof job->temp))
         return ttf_err_set(err, -ENAMETOOLONG, output, "the path is too long");
-    (void)job->io->ops->unlink(job->io, job->temp); /* of one that was killed */
+    (void)job->io->ops->unlink(job->io, job->temp); /* of a process of the same number, long ago */
     job->file.io = job->io;
     job->file.path = job->temp;
     job->file.handle = job->io->ops->open(job->io, job->temp, TTF_IO_CREATE_NEW);

@@ -23,8 +23,7 @@ static void put_rate_row(struct ttf_json *json, const struct ttf_rate_map *rate,
         uint32_t bits;
 
         memcpy(&bits, &row[x], sizeof(bits));
-        (void)snprintf(text + (size_t)x * DIGITS, DIGITS + 1, "%08x",
-                       bits);
+        (void)snprintf(text + (size_t)x * DIGITS, DIGITS + 1, "%08x", bits);
     }
     ttf_json_string(json, text);
 }

@@ -21,6 +21,19 @@ import json, sys
 assert json.load(open(sys.argv[1]))["excluded_slots"] == [2, 3]
 END
 
+# Whatever people wrote is taken along as it is, also what nobody understands; a link is not followed, and is no reason to stop.
+printf '%s\n' '{"slots":[[1,1]],"tags":["bad light"]}' '{"utc_ns":5,"author":"Ada"}' 'no JSON' >>raw/notes.jsonl
+echo 'no JSON either' >raw/samples.json
+expect 0 "$TTFBOX" develop raw -o odd
+cmp raw/notes.jsonl odd/notes.jsonl || fail "the notes are not as they were"
+cmp raw/samples.json odd/samples.json || fail "the samples are not as they were"
+rm raw/samples.json
+ln -s /etc/hostname raw/samples.json
+expect 0 "$TTFBOX" develop raw -o linked
+said err "samples.json is not taken over"
+[ ! -e linked/samples.json ] || fail "a link was followed"
+rm raw/samples.json
+
 # The calibration's scale is the new dataset's, but where the plan has one.
 SQUARE=("${TINY[@]}" --set sim.sensor.width=512px --set sim.sensor.height=384px --set sim.optics.margin=0%
     --set sim.optics.perspective=0 --set sim.optics.blur=0px)

@@ -60,7 +60,7 @@ cp -r d broken
 frame=$(find broken/frames -name '000003*')
 printf 'no picture' >"$frame"
 refuse 3 "000003" broken -o never.html
-# --- nor of one that is stopped; what a killed one left is in nobody's way
+# --- nor of one that is stopped; and what is somebody else's stays
 mkdir noise
 "$PYTHON" "$HERE/view_file.py" noise noise 12 640 480 || fail "making noise"
 expect 0 "$TTFBOX" import noise/*.png --interval 1min -o n
@@ -68,12 +68,14 @@ echo old >stopped.html.tmp
 "$TTFBOX" view n -o stopped.html --threads 1 2>stop.err &
 pid=$!
 for _ in $(seq 500); do
-    [ "$(stat -c %s stopped.html.tmp 2>/dev/null || echo 0)" -gt 100000 ] && break
+    [ "$(stat -c %s .stopped.html.part-* 2>/dev/null || echo 0)" -gt 100000 ] && break
     sleep 0.01
 done
 kill -INT "$pid"
 wait "$pid"
 code=$?
 [ "$code" = 1 ] || fail "stopped, it ended with $code"
-[ -z "$(find . -name 'never*' -o -name 'stopped*' -o -name '*.tmp')" ] || fail "something is left: $(ls -A)"
+[ "$(cat stopped.html.tmp)" = old ] || fail "a file of somebody else's is gone"
+rm stopped.html.tmp stop.err
+[ -z "$(find . -name 'never*' -o -name '*stopped*')" ] || fail "something is left: $(ls -A)"
 echo "view: one file, whole or not there"

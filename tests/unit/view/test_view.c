@@ -19,6 +19,15 @@
 #define HEIGHT 120
 #define FRAMES 24
 
+/* The name that a page has until it is whole. */
+static const char *part_of(const char *output)
+{
+    static char name[80];
+
+    (void)snprintf(name, sizeof name, ".%s.part-%ld", output, (long)getpid());
+    return name;
+}
+
 static const struct ttf_encoding PLAIN = {.pedestal = 0, .scale = 65535};
 
 struct made {
@@ -93,7 +102,7 @@ static void what_does_not_fit_is_made_smaller_as_far_as_it_must(void **state)
     assert_int_equal(result.panel[0].frames, FRAMES);
     assert_false(result.panel[0].exact);
     assert_true(result.panel[0].width < WIDTH);
-    assert_int_equal(access("fit.html.tmp", F_OK), -1);
+    assert_int_equal(access(part_of("fit.html"), F_OK), -1);
 }
 
 static void what_fits_is_exact_and_says_what_its_brightest_code_means(void **state)
@@ -167,7 +176,7 @@ static void on_a_full_disk_what_was_there_stays_and_nothing_else(void **state)
             failures++;
             assert_int_equal(code, -ENOSPC);
             assert_int_equal(size_of("kept.html"), 3);
-            assert_int_equal(access("kept.html.tmp", F_OK), -1);
+            assert_int_equal(access(part_of("kept.html"), F_OK), -1);
         }
     }
     unmake(&made);
@@ -194,7 +203,7 @@ static void one_that_is_stopped_leaves_nothing(void **state)
                      -ECANCELED);
     unmake(&made);
     assert_int_equal(access("stopped.html", F_OK), -1);
-    assert_int_equal(access("stopped.html.tmp", F_OK), -1);
+    assert_int_equal(access(part_of("stopped.html"), F_OK), -1);
 }
 
 static void what_cannot_be_made_is_refused(void **state)
