@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "image_file_codecs.h"
+#include "ttf/dataset/hash.h"
 
 #define CHUNK_MAX ((size_t)16 << 20) /* bytes of one ancillary chunk, and of all of them */
 
@@ -65,10 +66,34 @@ static int layout_of(spng_ctx *ctx, const struct spng_ihdr *header, int *ret_fla
     }
 }
 
-static void read_colour_and_time(spng_ctx *ctx, struct ttf_image_info *info)
+static uint32_t read_be32(const uint8_t *p)
+{
+    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
+}
+
+/*
+ * An EXIF block may lie behind the pixels as well, where the library finds it only once they are decoded; a file is
+ * asked when it was taken without that. What is broken there spoils no pixel, and is left alone.
+ */
+static void find_exif(const uint8_t *data, size_t n, struct ttf_image_info *info)
+{
+    size_t at = 8;
+
+    while (n - at >= 12) {
+        size_t bytes = read_be32(data + at);
+
+        if (bytes > n - at - 12)
+            return;
+        if (memcmp(data + at + 4, "eXIf", 4) == 0 &&
+            ttf_crc32(0, data + at + 4, bytes + 4) == read_be32(data + at + 8 + bytes))
+            exif_read(data + at + 8, bytes, info);
+        at += 12 + bytes;
+    }
+}
+
+static void read_colour(spng_ctx *ctx, struct ttf_image_info *info)
 {
     struct spng_iccp profile;
-    struct spng_exif exif;
     uint32_t gamma = 0;
     uint8_t intent;
 
@@ -78,8 +103,6 @@ static void read_colour_and_time(spng_ctx *ctx, struct ttf_image_info *info)
             !image_profile_is_srgb(profile.profile, profile.profile_len, info->samples <= 2);
     if (spng_get_srgb(ctx, &intent) != 0 && spng_get_gama_int(ctx, &gamma) == 0 && gamma == 100000)
         info->transfer = TTF_TRANSFER_LINEAR;
-    if (spng_get_exif(ctx, &exif) == 0)
-        exif_read((const uint8_t *)exif.data, exif.length, info);
 }
 
 static int decode_rows(spng_ctx *ctx, int format, int flags, struct ttf_pixbuf *pixels)
@@ -118,7 +141,8 @@ static int decode(spng_ctx *ctx, const uint8_t *data, size_t n, const char *path
     format = layout_of(ctx, &header, &flags, info);
     info->width = header.width;
     info->height = header.height;
-    read_colour_and_time(ctx, info);
+    read_colour(ctx, info);
+    find_exif(data, n, info);
     if (!ret)
         return 0;
     code = ttf_pixbuf_alloc(&pixels, header.width, header.height, info->samples, info->format);

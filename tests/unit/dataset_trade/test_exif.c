@@ -50,6 +50,34 @@ static void text(struct exif *e, uint32_t tag, const char *value)
     e->n += n;
 }
 
+/* Where the chunk of this type begins, in a file that has one. */
+static size_t chunk_at(const uint8_t *file, const char *type, size_t *ret_bytes)
+{
+    size_t at = 8, n;
+
+    for (;; at += n) {
+        n = 12 + ((size_t)file[at + 2] << 8 | file[at + 3]);
+        if (memcmp(file + at + 4, type, 4) == 0)
+            break;
+    }
+    *ret_bytes = n;
+    return at;
+}
+
+/* Takes the EXIF block from before the pixels to behind them, where a PNG may have it as well. */
+static void move_behind_pixels(uint8_t *file)
+{
+    size_t exif_bytes, end_bytes, exif = chunk_at(file, "eXIf", &exif_bytes);
+    size_t end = chunk_at(file, "IEND", &end_bytes);
+    uint8_t *block = malloc(exif_bytes);
+
+    assert_non_null(block);
+    memcpy(block, file + exif, exif_bytes);
+    memmove(file + exif, file + exif + exif_bytes, end - exif - exif_bytes);
+    memcpy(file + end - exif_bytes, block, exif_bytes);
+    free(block);
+}
+
 static struct ttf_image_info look(void **state, const struct exif *e)
 {
     static const uint8_t pixels[2 * 3] = {1, 2, 3, 4, 5, 6};
@@ -58,7 +86,7 @@ static struct ttf_image_info look(void **state, const struct exif *e)
         .width = 1, .height = 2, .bit_depth = 8, .color_type = SPNG_COLOR_TYPE_TRUECOLOR};
     struct spng_exif exif = {.data = (char *)e->bytes, .length = e->n};
     spng_ctx *ctx = spng_ctx_new(SPNG_CTX_ENCODER);
-    struct ttf_image_info info;
+    struct ttf_image_info info, behind;
     size_t bytes = 0;
     void *file;
     int error = 0;
@@ -71,9 +99,14 @@ static struct ttf_image_info look(void **state, const struct exif *e)
     file = spng_get_png_buffer(ctx, &bytes, &error);
     assert_non_null(file);
     write_bytes(path, file, bytes);
+    assert_int_equal(ttf_image_probe(ttf_io_posix(), path, &info, NULL), 0);
+    move_behind_pixels(file);
+    write_bytes(path, file, bytes);
     free(file);
     spng_ctx_free(ctx);
-    assert_int_equal(ttf_image_probe(ttf_io_posix(), path, &info, NULL), 0);
+    assert_int_equal(ttf_image_probe(ttf_io_posix(), path, &behind, NULL), 0);
+    assert_true(behind.taken_utc_ns == info.taken_utc_ns && behind.zone_known == info.zone_known);
+    assert_true(behind.orientation == info.orientation && behind.width == info.width);
     return info;
 }
 
@@ -212,6 +245,34 @@ static void a_broken_block_tells_nothing_and_harms_nothing(void **state)
     assert_true(look(state, &e).taken_utc_ns == TTF_NS_UNKNOWN);
 }
 
+/* Cut short, of another length, or of a wrong checksum: the pixels are whole, and nothing else is told. */
+static void a_broken_block_behind_the_pixels_harms_nothing(void **state)
+{
+    const char *path = in_folder(state, "exif.png");
+    struct exif e;
+    size_t n, at, bytes;
+    uint8_t *file;
+
+    begin(&e, false);
+    text(&e, 0x132, "2026:01:01 12:00:00");
+    assert_true(look(state, &e).taken_utc_ns == NOON);
+    file = slurp(path, &n);
+    at = chunk_at(file, "eXIf", &bytes);
+    for (unsigned i = 0; i < 4; i++) {
+        struct ttf_image_info info;
+        size_t where = i == 0 ? at + 12 : i == 1 ? at : at + 3, end = i == 3 ? at + bytes - 1 : n;
+        struct ttf_pixbuf pixels;
+
+        file[where] ^= i < 3 ? 0x81 : 0;
+        write_bytes(path, file, end);
+        file[where] ^= i < 3 ? 0x81 : 0;
+        assert_int_equal(ttf_image_read(ttf_io_posix(), path, 0, &pixels, &info, NULL), 0);
+        assert_true(info.taken_utc_ns == TTF_NS_UNKNOWN);
+        ttf_pixbuf_free(&pixels);
+    }
+    free(file);
+}
+
 static void pictures_are_turned_upright(void **state)
 {
     for (uint32_t turn = 0; turn < 10; turn++) {
@@ -239,6 +300,7 @@ int main(void)
         T(a_time_of_the_picture_that_is_none_gives_way_to_the_files),
         T(leap_years_and_years_before_1970_have_their_days),
         T(a_broken_block_tells_nothing_and_harms_nothing),
+        T(a_broken_block_behind_the_pixels_harms_nothing),
         T(pictures_are_turned_upright),
     };
 
