@@ -49,7 +49,7 @@ static void trap_message(j_common_ptr info, int level)
     if (level >= 0 || trap->corrupt)
         return;
     if (code == JWRN_EXTRANEOUS_DATA || code == JWRN_ADOBE_XFORM || code == JWRN_JFIF_MAJOR ||
-        code == JWRN_BOGUS_ICC)
+        code == JWRN_BOGUS_ICC || code == JWRN_NOT_SEQUENTIAL)
         return;
     trap->corrupt = true;
     info->err->format_message(info, trap->message);

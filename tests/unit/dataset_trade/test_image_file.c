@@ -344,6 +344,31 @@ static void a_jpeg_for_print_is_refused_with_what_to_do(void **state)
     assert_null(pixels.data);
 }
 
+/* Some encoders write zeros where a scan says which frequencies it holds, which of a plain JPEG are always all. */
+static void a_jpeg_whose_scan_says_nothing_of_itself_is_whole(void **state)
+{
+    const char *path = in_folder(state, "zeros.jpg");
+    struct ttf_pixbuf pixels = make_picture(24, 16, 3, TTF_SAMPLE_U8, 5), whole, zeros;
+    size_t n, scan;
+    uint8_t *bytes;
+
+    save_jpeg(path, &pixels, 90);
+    whole = read_ok(path, NULL);
+    bytes = slurp(path, &n);
+    for (scan = 0; !(bytes[scan] == 0xff && bytes[scan + 1] == 0xda); scan++)
+        assert_true(scan + 14 < n);
+    assert_int_equal(bytes[scan + 12],
+                     63); /* behind the length, 3 components of 2 bytes, the first frequency */
+    bytes[scan + 12] = 0;
+    write_bytes(path, bytes, n);
+    zeros = read_ok(path, NULL);
+    assert_true(same_pixels(&whole, &zeros));
+    free(bytes);
+    ttf_pixbuf_free(&pixels);
+    ttf_pixbuf_free(&whole);
+    ttf_pixbuf_free(&zeros);
+}
+
 /* A small file that says the same pixels over and over: each scan costs as much as the first. */
 static void a_jpeg_of_endless_scans_is_refused(void **state)
 {
@@ -452,6 +477,7 @@ int main(void)
         IN_FOLDER(broken_png_never_crashes),
         IN_FOLDER(broken_jpeg_never_crashes),
         IN_FOLDER(a_jpeg_for_print_is_refused_with_what_to_do),
+        IN_FOLDER(a_jpeg_whose_scan_says_nothing_of_itself_is_whole),
         IN_FOLDER(a_jpeg_of_endless_scans_is_refused),
         IN_FOLDER(an_srgb_profile_is_known_and_another_is_told),
         IN_FOLDER(a_full_disk_is_told_when_writing),
