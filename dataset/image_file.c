@@ -46,8 +46,22 @@ int image_find_kind(struct ttf_io *io, const char *path, enum ttf_image_kind *re
     return 0;
 }
 
-void image_info_of_tiff(const struct ttf_tiff_info *tiff, struct ttf_image_info *info)
+static bool is_foreign(const struct ttf_tiff_reader *reader, const struct ttf_tiff_info *tiff)
 {
+    size_t n;
+    const void *profile = ttf_tiff_reader_profile(reader, &n);
+    bool grey = tiff->samples == 1;
+
+    if (!profile)
+        return false;
+    return tiff->display_encoded ? !image_profile_is_srgb(profile, n, grey)
+                                 : !image_profile_is_linear_srgb(profile, n, grey);
+}
+
+void image_info_of_tiff(const struct ttf_tiff_reader *reader, struct ttf_image_info *info)
+{
+    const struct ttf_tiff_info *tiff = ttf_tiff_reader_info(reader);
+
     info->kind = TTF_IMAGE_TIFF;
     info->width = tiff->width;
     info->height = tiff->height;
@@ -57,7 +71,8 @@ void image_info_of_tiff(const struct ttf_tiff_info *tiff, struct ttf_image_info 
     info->pages = tiff->pages;
     info->transfer = tiff->display_encoded && tiff->format != TTF_SAMPLE_F32 ? TTF_TRANSFER_SRGB
                                                                              : TTF_TRANSFER_LINEAR;
-    info->foreign_profile = false; /* tiff.h has read what it says about linearity */
+    info->foreign_profile = is_foreign(reader, tiff);
+    info->alpha_left_out = tiff->alpha_left_out;
     info->taken_utc_ns = tiff->times.start_utc_ns;
     info->zone_known = tiff->zone_known;
     info->zone_offset_s = tiff->zone_known ? tiff->times.zone_offset_s : 0;
@@ -85,7 +100,7 @@ static int read_tiff(struct ttf_io *io, const char *path, unsigned page, struct 
         if (code)
             goto out;
     }
-    image_info_of_tiff(ttf_tiff_reader_info(reader), info);
+    image_info_of_tiff(reader, info);
     code = image_check_size(info->width, info->height, path, err);
     if (code || !ret)
         goto out;

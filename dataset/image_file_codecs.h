@@ -22,8 +22,8 @@ TTF_MUST_USE int jpeg_decode(const uint8_t *data, size_t n, const char *path,
                              struct ttf_pixbuf *ret, struct ttf_image_info *info,
                              struct ttf_err *err);
 
-/* What tiff.h says of a page, in this header's words. */
-void image_info_of_tiff(const struct ttf_tiff_info *tiff, struct ttf_image_info *info);
+/* What tiff.h says of the current page, in this header's words. */
+void image_info_of_tiff(const struct ttf_tiff_reader *reader, struct ttf_image_info *info);
 
 /* By a file's first bytes, never by its name. -ENOTSUP if it is no picture. */
 TTF_MUST_USE int image_find_kind(struct ttf_io *io, const char *path, enum ttf_image_kind *ret,
@@ -38,6 +38,8 @@ void exif_read(const uint8_t *data, size_t n, struct ttf_image_info *info);
 
 /* Whether a profile, as far as 8 bits show, is that of sRGB; false too for what is no profile. */
 bool image_profile_is_srgb(const void *profile, size_t bytes, bool grey);
+/* The same of sRGB's colours (and its white) with codes that are proportional to light. */
+bool image_profile_is_linear_srgb(const void *profile, size_t bytes, bool grey);
 
 /* Days from 1970-01-01 of a date that exists; false if it does not. */
 bool days_of_date(int year, int month, int day, int64_t *ret);

@@ -4,11 +4,18 @@
 #include <stdlib.h>
 
 #include "image_file_codecs.h"
+#include "ttf/dataset/colour.h"
 
 #define DIFFERENCE_MAX 3 /* 8-bit codes: makers of "sRGB" profiles differ by so much */
 
+/* The display's code of what is stored as this one. */
+static int shown(uint8_t code, bool linear)
+{
+    return linear ? (int)(ttf_srgb_encode((float)code / 255.0f) * 255.0f + 0.5f) : code;
+}
+
 /* Colours all over the cube, as RGB or as grey. */
-static int worst_difference(cmsHTRANSFORM transform, bool grey)
+static int worst_difference(cmsHTRANSFORM transform, bool grey, bool linear)
 {
     int worst = 0;
 
@@ -19,15 +26,18 @@ static int worst_difference(cmsHTRANSFORM transform, bool grey)
                 uint8_t out[3] = {0};
 
                 cmsDoTransform(transform, in, out, 1);
-                for (int c = 0; c < 3; c++)
-                    worst = abs(out[c] - in[c]) > worst ? abs(out[c] - in[c]) : worst;
+                for (int c = 0; c < 3; c++) {
+                    int difference = abs(out[c] - shown(in[c], linear));
+
+                    worst = difference > worst ? difference : worst;
+                }
             }
         }
     }
     return worst;
 }
 
-bool image_profile_is_srgb(const void *profile, size_t bytes, bool grey)
+static bool is_srgb(const void *profile, size_t bytes, bool grey, bool linear)
 {
     cmsContext context = cmsCreateContext(NULL, NULL);
     cmsHPROFILE given = NULL, srgb = NULL;
@@ -43,7 +53,7 @@ bool image_profile_is_srgb(const void *profile, size_t bytes, bool grey)
     transform = cmsCreateTransformTHR(context, given, grey ? TYPE_GRAY_8 : TYPE_RGB_8, srgb,
                                       TYPE_RGB_8, INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_NOCACHE);
     if (transform)
-        same = worst_difference(transform, grey) <= DIFFERENCE_MAX;
+        same = worst_difference(transform, grey, linear) <= DIFFERENCE_MAX;
 out:
     if (transform)
         cmsDeleteTransform(transform);
@@ -54,4 +64,14 @@ out:
     if (context)
         cmsDeleteContext(context);
     return same;
+}
+
+bool image_profile_is_srgb(const void *profile, size_t bytes, bool grey)
+{
+    return is_srgb(profile, bytes, grey, false);
+}
+
+bool image_profile_is_linear_srgb(const void *profile, size_t bytes, bool grey)
+{
+    return is_srgb(profile, bytes, grey, true);
 }

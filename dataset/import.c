@@ -347,7 +347,8 @@ static int add_frame(struct import_run *run, const struct ttf_pixbuf *pixels,
     if (!code)
         code = commit_frame(run, slot, err);
     run->result.frames++;
-    run->result.alpha_dropped |= pixels->samples == 2 || pixels->samples == 4;
+    run->result.alpha_dropped |=
+        pixels->samples == 2 || pixels->samples == 4 || info->alpha_left_out;
     run->result.foreign_profile |= info->foreign_profile;
     return code;
 }

@@ -47,7 +47,7 @@ static int read_page(struct picture_source *source, const struct import_frame *f
     if (code)
         return code;
     *info = (struct ttf_image_info){.orientation = 1, .taken_utc_ns = TTF_NS_UNKNOWN};
-    image_info_of_tiff(ttf_tiff_reader_info(source->stack), info);
+    image_info_of_tiff(source->stack, info);
     code = image_check_size(info->width, info->height, frame->path, err);
     if (code)
         return code;

@@ -119,7 +119,8 @@ static int on_error(TIFF *tiff, void *user_data, const char *module, const char 
 
     if (client->message[0] == '\0')
         vsnprintf(client->message, sizeof(client->message), fmt, args);
-    return 1; /* dealt with: libtiff's own handler would print */
+    client->made_up |= client->decoding; /* a fax goes on after errors */
+    return 1;                            /* dealt with: libtiff's own handler would print */
 }
 
 static int on_warning(TIFF *tiff, void *user_data, const char *module, const char *fmt,
@@ -127,7 +128,44 @@ static int on_warning(TIFF *tiff, void *user_data, const char *module, const cha
 static int on_warning(TIFF *tiff, void *user_data, const char *module, const char *fmt,
                       va_list args)
 {
+    /* Said while decoding, too, and no pixel is made up by it. */
+    static const char *const harmless[] = {
+        "Old-style LZW codes",         /* another order of bits, which is read */
+        "Discarding",                  /* more than the strip holds */
+        "strip size exceeds expected", /* more rows than asked for */
+        "Adobe color transform",       /* how colours are told apart from a comment */
+        "JFIF revision",
+        "Invalid SOS parameters", /* zeros, as some encoders write */
+    };
+    struct tiff_client *client = user_data;
+    char text[sizeof(client->message)];
+
+    if (!client->decoding || client->made_up)
+        return 1;
+    vsnprintf(text, sizeof(text), fmt, args);
+    for (unsigned i = 0; i < TTF_COUNT_OF(harmless); i++) {
+        if (strstr(text, harmless[i]))
+            return 1;
+    }
+    client->made_up = true;
+    memcpy(client->message, text, sizeof(text));
     return 1;
+}
+
+void tiff_decode_begin(struct tiff_client *client)
+{
+    errno = 0;
+    client->message[0] = '\0';
+    client->made_up = false;
+    client->decoding = true;
+}
+
+int tiff_decode_end(struct tiff_client *client, struct ttf_err *err, const char *doing)
+{
+    client->decoding = false;
+    if (client->made_up)
+        return tiff_client_fail(client, err, -TTF_EDAMAGED, doing);
+    return tiff_client_done(client, err, doing);
 }
 
 static int open_handle(struct tiff_client *client, const char *mode)

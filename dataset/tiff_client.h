@@ -28,6 +28,8 @@ struct tiff_client {
     int64_t position, size;
     int io_error;      /* the first negative errno of the I/O table */
     char message[256]; /* the first thing that libtiff complained of */
+    bool decoding;     /* pixels: what is complained of now, even in passing, was made up */
+    bool made_up;
     char where[256];
     TIFF *tiff;
     int64_t window_at;
@@ -71,6 +73,14 @@ TTF_MUST_USE int tiff_write_exif(struct tiff_client *client, const struct ttf_ti
 bool tiff_set_date_time(TIFF *tiff, const struct ttf_tiff_times *times);
 /* Times of the current page, from its EXIF folder and DateTime. The current directory is kept. */
 void tiff_read_times(TIFF *tiff, struct ttf_tiff_times *ret, bool *ret_zone_known);
+
+/*
+ * Between these two pixels are decoded. libtiff only warns where a JPEG or a fax ends too early, or is none in the middle,
+ * and hands out what it made up; so end says -TTF_EDAMAGED with the words of the warning.
+ */
+void tiff_decode_begin(struct tiff_client *client);
+TTF_MUST_USE int tiff_decode_end(struct tiff_client *client, struct ttf_err *err,
+                                 const char *doing);
 
 /* Sets a text tag unless it is NULL or empty. */
 bool tiff_set_text(TIFF *tiff, uint32_t tag, const char *text);

@@ -29,6 +29,8 @@ struct ttf_tiff_reader {
     unsigned char *band;    /* band_rows x band_stride, unpacked */
     size_t band_stride;
     uint32_t band_index; /* UINT32_MAX: none */
+
+    uint32_t *folder; /* in which each page lies; NULL: in that of its number */
 };
 
 static int fail(const struct ttf_tiff_reader *reader, struct ttf_err *err, int code,
@@ -81,6 +83,7 @@ static int read_layout(struct ttf_tiff_reader *reader, struct ttf_err *err)
     reader->planar = planar == PLANARCONFIG_SEPARATE && samples > 1;
     layout->bits = bits;
     layout->kept = kept_samples(tiff, samples);
+    reader->info.alpha_left_out = layout->kept < samples;
     layout->in_pixel = reader->planar ? 1 : samples;
     layout->spread = bits < 8;
     layout->format = tiff_format_of(bits, layout->is_float);
@@ -187,14 +190,11 @@ static int read_chunks(struct ttf_tiff_reader *reader, struct ttf_err *err)
 
 static void read_profile(struct ttf_tiff_reader *reader)
 {
-    uint32_t n = 0;
-    void *icc = NULL;
-    int linear = -1;
+    size_t n;
+    const void *icc = ttf_tiff_reader_profile(reader, &n);
+    int linear = icc ? ttf_icc_is_linear(icc, n) : -1;
 
-    if (TIFFGetField(reader->client.tiff, TIFFTAG_ICCPROFILE, &n, &icc) == 1 && icc && n > 0) {
-        reader->info.has_icc = true;
-        linear = ttf_icc_is_linear(icc, n);
-    }
+    reader->info.has_icc = icc != NULL;
     if (linear >= 0)
         reader->info.display_encoded = linear == 0;
     else
@@ -249,6 +249,54 @@ static int open_page(struct ttf_tiff_reader *reader, struct ttf_err *err)
     return tiff_client_done(&reader->client, err, "reading a TIFF file's tags");
 }
 
+/* A page is a picture of its own: no smaller copy of another, as pyramids have, and no mask. */
+static bool is_page(TIFF *tiff)
+{
+    uint32_t kind = 0;
+
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_SUBFILETYPE, &kind);
+    return (kind & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) == 0;
+}
+
+/* Folders that cannot be read are pages, so that whoever asks for them is told. */
+static int find_pages(struct ttf_tiff_reader *reader, struct ttf_err *err)
+{
+    TIFF *tiff = reader->client.tiff;
+    unsigned n = TIFFNumberOfDirectories(tiff), pages = 0;
+    bool readable = true;
+
+    if (n == 0)
+        return fail(reader, err, -TTF_EDAMAGED, "reading a TIFF file");
+    reader->info.pages = n;
+    if (n == 1)
+        return tiff_client_done(&reader->client, err, "reading a TIFF file");
+    reader->folder = calloc(n, sizeof(*reader->folder));
+    if (!reader->folder)
+        return ttf_err_set(err, -ENOMEM, reader->client.where, "no memory for %u pages", n);
+    for (unsigned i = 0; i < n; i++) {
+        readable = readable && (i == 0 ? TIFFSetDirectory(tiff, 0) : TIFFReadDirectory(tiff)) == 1;
+        if (!readable || is_page(tiff))
+            reader->folder[pages++] = i;
+    }
+    if (pages == 0) { /* no other has more pixels */
+        free(reader->folder);
+        reader->folder = NULL;
+    } else {
+        reader->info.pages = pages;
+    }
+    return tiff_client_done(&reader->client, err, "reading a TIFF file");
+}
+
+static int go_to_page(struct ttf_tiff_reader *reader, unsigned page, struct ttf_err *err)
+{
+    uint32_t folder = reader->folder ? reader->folder[page] : page;
+
+    errno = 0;
+    if (TIFFSetDirectory(reader->client.tiff, (tdir_t)folder) != 1)
+        return fail(reader, err, -TTF_EDAMAGED, "going to a page of a TIFF file");
+    return open_page(reader, err);
+}
+
 int ttf_tiff_reader_open(struct ttf_io *io, const char *path, struct ttf_tiff_reader **ret,
                          struct ttf_err *err)
 {
@@ -264,11 +312,9 @@ int ttf_tiff_reader_open(struct ttf_io *io, const char *path, struct ttf_tiff_re
         free(reader);
         return r;
     }
-    reader->info.pages = TIFFNumberOfDirectories(reader->client.tiff);
-    if (reader->info.pages == 0 || TIFFSetDirectory(reader->client.tiff, 0) != 1)
-        r = fail(reader, err, -TTF_EDAMAGED, "reading a TIFF file");
-    else
-        r = open_page(reader, err);
+    r = find_pages(reader, err);
+    if (r == 0)
+        r = go_to_page(reader, 0, err);
     if (r < 0) {
         ttf_tiff_reader_close(reader);
         return r;
@@ -282,10 +328,18 @@ int ttf_tiff_reader_page(struct ttf_tiff_reader *reader, unsigned page, struct t
     if (page >= reader->info.pages || page >= PAGES_MAX)
         return ttf_err_set(err, -EINVAL, reader->client.where, "there is no page %u of %u", page,
                            reader->info.pages);
-    errno = 0;
-    if (TIFFSetDirectory(reader->client.tiff, (tdir_t)page) != 1)
-        return fail(reader, err, -TTF_EDAMAGED, "going to a page of a TIFF file");
-    return open_page(reader, err);
+    return go_to_page(reader, page, err);
+}
+
+const void *ttf_tiff_reader_profile(const struct ttf_tiff_reader *reader, size_t *ret_bytes)
+{
+    uint32_t n = 0;
+    void *icc = NULL;
+
+    if (TIFFGetField(reader->client.tiff, TIFFTAG_ICCPROFILE, &n, &icc) != 1 || n == 0)
+        icc = NULL;
+    *ret_bytes = icc ? n : 0;
+    return icc;
 }
 
 const struct ttf_tiff_info *ttf_tiff_reader_info(const struct ttf_tiff_reader *reader)
@@ -352,20 +406,23 @@ static int decode_band(struct ttf_tiff_reader *reader, uint32_t index, struct tt
 {
     uint32_t rows = reader->info.height - index * reader->band_rows;
     unsigned planes = reader->planar ? reader->layout.kept : 1;
+    int r = 0;
 
     if (rows > reader->band_rows)
         rows = reader->band_rows;
     reader->band_index = UINT32_MAX;
-    errno = 0;
-    for (unsigned plane = 0; plane < planes; plane++) {
-        int r = reader->tiled ? decode_tiles(reader, index, plane, rows, err)
-                              : decode_strip(reader, index, plane, rows, err);
-
-        if (r < 0)
-            return r;
+    tiff_decode_begin(&reader->client);
+    for (unsigned plane = 0; plane < planes && r == 0; plane++)
+        r = reader->tiled ? decode_tiles(reader, index, plane, rows, err)
+                          : decode_strip(reader, index, plane, rows, err);
+    if (r < 0) {
+        reader->client.decoding = false;
+        return r;
     }
-    reader->band_index = index;
-    return tiff_client_done(&reader->client, err, "decoding an image");
+    r = tiff_decode_end(&reader->client, err, "decoding an image");
+    if (r == 0)
+        reader->band_index = index;
+    return r;
 }
 
 int ttf_tiff_reader_rows(struct ttf_tiff_reader *reader, uint32_t y0, uint32_t n, void *dst,
@@ -393,6 +450,7 @@ void ttf_tiff_reader_close(struct ttf_tiff_reader *reader)
     tiff_client_drop(&reader->client);
     free(reader->chunk);
     free(reader->band);
+    free(reader->folder);
     free(reader);
 }
 

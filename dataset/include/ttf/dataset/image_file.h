@@ -46,7 +46,9 @@ struct ttf_image_info {
      * PNG: linear if gAMA is 1 and no sRGB chunk says otherwise; everything else is sRGB.
      */
     enum ttf_transfer transfer;
-    bool foreign_profile; /* an ICC profile other than sRGB is there, which is not applied */
+    bool
+        foreign_profile; /* an ICC profile of other colours than sRGB's is there, which is not applied */
+    bool alpha_left_out; /* TIFF: it has alpha, without which pixels come */
     /*
      * When it was taken (EXIF DateTimeOriginal, else DateTime; TIFF: its tags), as if
      * local time were UTC, less the zone's offset where zone_known. TTF_NS_UNKNOWN if

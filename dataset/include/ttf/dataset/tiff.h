@@ -91,8 +91,10 @@ struct ttf_tiff_info {
     unsigned bits;          /* of a sample in the file: 1..8 come as U8, 9..16 as U16 */
     bool display_encoded;   /* no profile says that it is linear, and samples are 8 bits or sRGB */
     bool has_icc;
+    bool alpha_left_out;
     unsigned orientation; /* Exif 1..8, 1 = upright; rows are handed out as they lie */
-    unsigned pages;       /* images in the file */
+    /* Pictures in the file. Smaller copies (of pyramids) and masks, as their tags say, are none, unless there is nothing else. */
+    unsigned pages;
     struct ttf_tiff_times times;
     bool zone_known; /* else the file's local time was taken as UTC */
 };
@@ -114,6 +116,9 @@ TTF_MUST_USE int ttf_tiff_reader_page(struct ttf_tiff_reader *reader, unsigned p
 
 /* Of the current page; belongs to the reader. */
 const struct ttf_tiff_info *ttf_tiff_reader_info(const struct ttf_tiff_reader *reader);
+
+/* The current page's ICC profile, the reader's own until it goes to another; NULL: none. */
+const void *ttf_tiff_reader_profile(const struct ttf_tiff_reader *reader, size_t *ret_bytes);
 
 /*
  * Rows y0..y0+n-1 as info says, into dst with stride bytes from row to row; in any
