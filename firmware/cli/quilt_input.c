@@ -94,6 +94,51 @@ void quilt_input_close(struct quilt_input *input)
     memset(input, 0, sizeof *input);
 }
 
+/* ---- of one material? ---- */
+
+struct meaning {
+    const char *quantity, *unit, *colour_space;
+};
+
+static struct meaning meaning_of(const struct cli *cli, const struct quilt_input *input)
+{
+    const struct ttf_manifest *m = input->reader ? ttf_reader_manifest(input->reader) : NULL;
+    const struct ttf_stream *stream = NULL;
+
+    if (m)
+        stream =
+            cli->opt.stream ? ttf_manifest_stream(m, cli->opt.stream) : ttf_manifest_primary(m);
+    if (!stream)
+        return (struct meaning){"reflectance", "1", "linear-srgb"};
+    return (struct meaning){stream->quantity, stream->unit, stream->colour_space};
+}
+
+int quilt_input_mixes(struct cli *cli, const struct quilt_input *first,
+                      const struct quilt_input *other, const char *path)
+{
+    struct meaning a = meaning_of(cli, first), b = meaning_of(cli, other);
+
+    if (strcmp(a.quantity, b.quantity) == 0 && strcmp(a.unit, b.unit) == 0 &&
+        strcmp(a.colour_space, b.colour_space) == 0)
+        return 0;
+    ttf_err_set(&cli->err, -EINVAL, "--source",
+                "%s is of %s (unit %s, colours %s), the first input of %s (unit %s, colours %s)",
+                path, b.quantity, b.unit, b.colour_space, a.quantity, a.unit, a.colour_space);
+    return ttf_err_hint(&cli->err, "their pixels would stand side by side and mean different "
+                                   "things: develop both in the same way"),
+           -EINVAL;
+}
+
+void quilt_input_name(const struct quilt_input *input, struct ttf_report_source *ret)
+{
+    *ret = (struct ttf_report_source){0};
+    if (!input->reader)
+        return;
+    memcpy(ret->uuid, ttf_reader_manifest(input->reader)->uuid, sizeof ret->uuid);
+    if (ttf_reader_digest(input->reader, ret->digest, NULL) < 0)
+        ret->digest[0] = '\0';
+}
+
 /* ---- preparing ---- */
 
 int quilt_input_reduce(struct cli *cli, struct quilt_input *input, uint32_t shrink, uint32_t step)

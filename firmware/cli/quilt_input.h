@@ -24,6 +24,16 @@ struct quilt_input {
 TTF_MUST_USE int quilt_input_open(struct cli *cli, const char *path, struct quilt_input *ret);
 void quilt_input_close(struct quilt_input *input);
 
+/*
+ * -EINVAL, naming --source and path, unless what its codes mean (quantity, unit, colours) is what the first's mean:
+ * pixels of both will stand side by side in one output. A picture means what an import of it would.
+ */
+TTF_MUST_USE int quilt_input_mixes(struct cli *cli, const struct quilt_input *first,
+                                   const struct quilt_input *other, const char *path);
+
+/* What names it in a report; a picture has no names. */
+void quilt_input_name(const struct quilt_input *input, struct ttf_report_source *ret);
+
 /* The sequence as it is so far. */
 struct ttf_sequence *quilt_input_top(const struct quilt_input *input);
 

@@ -34,6 +34,8 @@ static int open_inputs(struct quilt_job *job)
         r = quilt_input_open(cli, cli->opt.sources[i], &job->inputs[1 + i]);
         r = cli_by_option(cli, r, "--source", cli->opt.sources[i]);
         job->n_inputs += r == 0;
+        if (r == 0)
+            r = quilt_input_mixes(cli, &job->inputs[0], &job->inputs[1 + i], cli->opt.sources[i]);
     }
     return r;
 }
@@ -92,21 +94,25 @@ static double sigma_px(const struct quilt_job *job)
     return (c->block_width > c->block_height ? c->block_width : c->block_height) / 2.0;
 }
 
+static struct ttf_report_prepared *prepared_of(struct quilt_job *job, unsigned input)
+{
+    return input ? &job->more_prepared[input - 1] : &job->prepared;
+}
+
 static int prepare_inputs(struct quilt_job *job)
 {
     struct cli *cli = job->cli;
     int r = 0;
 
-    /* the report tells of the first, so it comes last */
     for (unsigned i = job->n_inputs; i-- > 0 && r == 0;)
-        r = quilt_input_steady(cli, &job->inputs[i], &job->prepared);
+        r = quilt_input_steady(cli, &job->inputs[i], prepared_of(job, i));
     if (r == 0)
         r = find_block(job);
     /* a map's block is what it was found by, so the gradient is that of then */
     if (r == 0)
         quilt_map_describe(&job->kept, first(job), &job->config);
     for (unsigned i = job->n_inputs; i-- > 0 && r == 0 && cli->opt.flatten;)
-        r = quilt_input_flatten(cli, &job->inputs[i], sigma_px(job), &job->prepared);
+        r = quilt_input_flatten(cli, &job->inputs[i], sigma_px(job), prepared_of(job, i));
     for (unsigned i = 1; i < job->n_inputs && r == 0; i++)
         job->more[i - 1] = quilt_input_top(&job->inputs[i]);
     job->config.more = job->more;
@@ -205,6 +211,8 @@ static int check(struct quilt_job *job)
         r = ttf_quilt_verify(&job->config, first(job), output,
                              job->config.per_frame ? NULL : &job->map, &job->check, &cli->err);
     job->checked = r == 0;
+    if (r == -ECANCELED)
+        ttf_err_set(&cli->err, r, cli->opt.output, "is whole, but its check was cancelled");
     ttf_sequence_destroy(output);
     ttf_reader_close(reader);
     return r;
@@ -222,7 +230,11 @@ static void complete_report(struct quilt_job *job)
     struct ttf_quilt_report *report = &job->report;
 
     report->prepared = job->prepared;
+    for (unsigned i = 0; i + 1 < job->n_inputs; i++)
+        report->more_prepared[i] = job->more_prepared[i];
     report->peak_bytes = peak_bytes();
+    for (unsigned i = 0; i < job->n_inputs; i++)
+        quilt_input_name(&job->inputs[i], &report->sources[i]);
     for (unsigned i = 0; i < job->n_inputs; i++)
         report->simulated |=
             job->inputs[i].reader && ttf_reader_manifest(job->inputs[i].reader)->simulated;

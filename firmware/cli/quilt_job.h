@@ -35,7 +35,8 @@ struct quilt_job {
     unsigned n_inputs;
     struct ttf_sequence *more[CLI_SOURCES_MAX];
     struct ttf_quilt_config config;
-    struct ttf_report_prepared prepared;
+    struct ttf_report_prepared prepared;                       /* the first input */
+    struct ttf_report_prepared more_prepared[CLI_SOURCES_MAX]; /* the others, but for reduced */
     struct quilt_preview preview;
     struct ttf_gradient gradient; /* of the output's size, to be laid over it again */
     struct ttf_rate_map rate;

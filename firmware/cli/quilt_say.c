@@ -6,6 +6,30 @@
 #include <math.h>
 #include <stdio.h>
 
+/* What was done to an input before, the further ones by their number. */
+static void say_steadied(const struct cli *cli, const struct ttf_report_prepared *p, unsigned input)
+{
+    char which[24] = "", unlike[64] = "";
+
+    if (input > 0)
+        (void)snprintf(which, sizeof which, "input %u: ", input + 1);
+    if (p->stabilise.unlike)
+        (void)snprintf(unlike, sizeof unlike,
+                       ", %u unlike all others and left with their neighbour", p->stabilise.unlike);
+    if (p->stabilised)
+        cli_say(cli,
+                "stabilised        %s%u frames moved, by %.2f px at most%s; %u x %u px cut off",
+                which, p->stabilise.moved, p->stabilise.largest_shift_px, unlike,
+                p->stabilise.crop_x, p->stabilise.crop_y);
+    if (p->deflickered)
+        cli_say(cli, "deflickered       %sgains of %.4f to %.4f", which, p->deflicker.smallest_gain,
+                p->deflicker.largest_gain);
+    if (p->flattened)
+        cli_say(cli, "flattened         %sa gradient of %.3f to %.3f%s", which,
+                (double)p->gradient_least, (double)p->gradient_most,
+                p->gradient_reapplied ? ", laid over the output" : "");
+}
+
 static void say_prepared(const struct quilt_job *job)
 {
     const struct ttf_report_prepared *p = &job->prepared;
@@ -18,16 +42,8 @@ static void say_prepared(const struct quilt_job *job)
                 job->preview.shrink, job->preview.step, job->preview.bytes >> 20,
                 job->config.memory_bytes >> 20, (double)job->preview.total_ns / 1e9,
                 (double)cli->opt.time_ns / 1e9);
-    if (p->stabilised)
-        cli_say(cli, "stabilised        %u frames moved, by %.2f px at most; %u x %u px cut off",
-                p->stabilise.moved, p->stabilise.largest_shift_px, p->stabilise.crop_x,
-                p->stabilise.crop_y);
-    if (p->deflickered)
-        cli_say(cli, "deflickered       gains of %.4f to %.4f", p->deflicker.smallest_gain,
-                p->deflicker.largest_gain);
-    if (p->flattened)
-        cli_say(cli, "flattened         a gradient of %.3f to %.3f%s", (double)p->gradient_least,
-                (double)p->gradient_most, p->gradient_reapplied ? ", laid over the output" : "");
+    for (unsigned i = 0; i < job->n_inputs; i++)
+        say_steadied(cli, i ? &job->more_prepared[i - 1] : p, i);
     if (p->auto_block)
         cli_say(cli, "block             %u x %u: what is seen is %.1f x %.1f px large",
                 job->config.block_width, job->config.block_height, p->feature.correlation_x_px,
@@ -42,8 +58,7 @@ static void say_repetition(const struct quilt_job *job)
     const struct ttf_quilt_report *p = &job->report;
     const struct ttf_repetition_figures *r = &p->repetition;
     const struct cli *cli = job->cli;
-    double even = (double)job->config.width * job->config.height /
-                  ((double)p->source_width * p->source_height);
+    double even = (double)job->config.width * job->config.height / p->source_pixels;
     char avoid[32];
 
     cli_say(cli,

@@ -30,6 +30,7 @@ struct ttf_figures {
     struct ttf_second_differences noise; /* of the sources, over all frames */
     struct ttf_seams *seams;
     struct ttf_seams_figures last_seams;
+    uint32_t last_seams_at;
     struct ttf_colour_distance *colour;
     struct ttf_synchrony *synchrony;
     unsigned n_colour;
@@ -180,8 +181,10 @@ void ttf_figures_add(struct ttf_figures *f, uint32_t t, const uint16_t *source,
     /* seams are told from steps that pixels made in the source at the same time */
     if (is_one_of(t, f->frames, SEAM_FRAMES) && !f->config->rate) {
         ttf_seams_add(f->seams, source, output);
-        if (f->config->per_frame)
+        if (f->config->per_frame) {
             ttf_seams_figures(f->seams, &f->last_seams);
+            f->last_seams_at = t;
+        }
     }
     add_colours(f, t, source, output, pool);
 }
@@ -261,7 +264,8 @@ int ttf_figures_finish(struct ttf_figures *f, const struct ttf_quilt_map *map,
     finish_coherence(f, map, report);
     if (f->config->per_frame)
         report->seams = f->last_seams;
-    else
+    report->seams_of_frame = f->last_seams_at;
+    if (!f->config->per_frame)
         ttf_seams_figures(f->seams, &report->seams);
     ttf_colour_distance_figures(f->colour, &report->colour);
     report->n_colour = f->n_colour;

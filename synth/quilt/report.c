@@ -190,12 +190,9 @@ static void put_rank(const struct ttf_quilt_report *report, struct ttf_json *jso
     ttf_json_object_end(json);
 }
 
-static void put_prepared(const struct ttf_quilt_report *report, struct ttf_json *json)
+/* What each input has its own figures of. */
+static void put_steadied(const struct ttf_report_prepared *p, struct ttf_json *json)
 {
-    const struct ttf_report_prepared *p = &report->prepared;
-
-    ttf_json_key(json, "prepared");
-    ttf_json_object(json);
     ttf_json_kbool(json, "gradient_removed", p->flattened);
     if (p->flattened) {
         ttf_json_kbool(json, "gradient_applied_again", p->gradient_reapplied);
@@ -213,8 +210,44 @@ static void put_prepared(const struct ttf_quilt_report *report, struct ttf_json 
     if (p->stabilised) {
         ttf_json_kdouble(json, "largest_shift_px", p->stabilise.largest_shift_px);
         ttf_json_kint(json, "frames_moved", p->stabilise.moved);
+        ttf_json_kint(json, "frames_unlike", p->stabilise.unlike);
         put_size(json, "cropped_px", p->stabilise.crop_x, p->stabilise.crop_y);
     }
+}
+
+static void put_text(struct ttf_json *json, const char *key, const char *text)
+{
+    if (*text)
+        ttf_json_kstring(json, key, text);
+    else
+        put_null(json, key);
+}
+
+static void put_sources(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    ttf_json_key(json, "sources");
+    ttf_json_array(json);
+    for (uint32_t i = 0; i < report->inputs; i++) {
+        ttf_json_object(json);
+        put_text(json, "uuid", report->sources[i].uuid);
+        put_text(json, "digest", report->sources[i].digest);
+        ttf_json_key(json, "prepared");
+        ttf_json_object(json);
+        put_steadied(i ? &report->more_prepared[i - 1] : &report->prepared, json);
+        ttf_json_object_end(json);
+        ttf_json_object_end(json);
+    }
+    ttf_json_array_end(json);
+}
+
+/* The first input's; the others' are with the sources. */
+static void put_prepared(const struct ttf_quilt_report *report, struct ttf_json *json)
+{
+    const struct ttf_report_prepared *p = &report->prepared;
+
+    ttf_json_key(json, "prepared");
+    ttf_json_object(json);
+    put_steadied(p, json);
     ttf_json_kbool(json, "reduced", p->reduced);
     if (p->reduced) {
         ttf_json_kint(json, "shrunk_by", p->shrink);
@@ -230,6 +263,13 @@ static void put_prepared(const struct ttf_quilt_report *report, struct ttf_json 
     ttf_json_object_end(json);
 }
 
+/* Of frames quilted alone each has blocks of its own: which one's these are. */
+static void put_frame(const struct ttf_quilt_report *report, uint32_t t, struct ttf_json *json)
+{
+    if (report->config.per_frame)
+        ttf_json_kint(json, "of_frame", t);
+}
+
 static void put_seams(const struct ttf_quilt_report *report, struct ttf_json *json)
 {
     const struct ttf_seams_figures *seams = &report->seams;
@@ -237,6 +277,7 @@ static void put_seams(const struct ttf_quilt_report *report, struct ttf_json *js
 
     ttf_json_key(json, "seams");
     ttf_json_object(json);
+    put_frame(report, report->seams_of_frame, json);
     ttf_json_kint(json, "pairs", (int64_t)seams->pairs);
     ttf_json_kdouble(json, "pair_share", seams->pair_share);
     ttf_json_kint(json, "frames", seams->frames);
@@ -254,6 +295,7 @@ static void put_blocks(const struct ttf_quilt_report *report, struct ttf_json *j
 
     ttf_json_key(json, "blocks");
     ttf_json_object(json);
+    put_frame(report, 0, json);
     ttf_json_kint(json, "count", report->blocks);
     ttf_json_kdouble(json, "mean_candidates", report->mean_candidates);
     ttf_json_kint(json, "with_one_candidate", report->single_candidate_blocks);
@@ -262,6 +304,7 @@ static void put_blocks(const struct ttf_quilt_report *report, struct ttf_json *j
     ttf_json_object_end(json);
     ttf_json_key(json, "repetition");
     ttf_json_object(json);
+    put_frame(report, 0, json);
     ttf_json_kdouble(json, "verbatim_share", repetition->verbatim_share);
     ttf_json_kdouble(json, "source_coverage", repetition->source_coverage);
     ttf_json_kdouble(json, "mean_uses", repetition->mean_uses);
@@ -319,6 +362,7 @@ void ttf_quilt_report_json(const struct ttf_quilt_report *report, struct ttf_jso
     ttf_json_kint(json, "output_frames", report->out_frames);
     put_hex(json, "map_digest", report->map_digest);
     put_prepared(report, json);
+    put_sources(report, json);
     put_rank(report, json);
     ttf_json_kbool(json, "measured", report->measured);
     if (report->measured) {

@@ -56,6 +56,7 @@ static int start(struct run *run, struct ttf_err *err)
                                             .source_width = run->sources.list[0]->width,
                                             .source_height = run->sources.list[0]->height,
                                             .frames = run->sources.frames,
+                                            .source_pixels = run->sources.pixels,
                                             .out_frames = run->frames,
                                             .threads = ttf_pool_threads(run->pool)};
     if (config->measure &&

@@ -21,6 +21,7 @@ struct entry {
 };
 
 struct verify {
+    const volatile int *cancel;
     struct ttf_sources sources;
     struct ttf_sequence *output;
     size_t source_pixels, output_pixels;
@@ -32,8 +33,13 @@ struct verify {
 
 static int read_frames(struct verify *v, uint32_t t, struct ttf_err *err)
 {
-    int r = ttf_sources_read(&v->sources, t, v->source_frame, err);
+    int r;
 
+    if (v->cancel && *v->cancel) {
+        ttf_err_set(err, -ECANCELED, NULL, "cancelled");
+        return -ECANCELED;
+    }
+    r = ttf_sources_read(&v->sources, t, v->source_frame, err);
     if (r < 0)
         return r;
     return ttf_sequence_read_rows(v->output, t, 0, v->output->height, v->output_frame, err);
@@ -135,7 +141,9 @@ int ttf_quilt_verify(const struct ttf_quilt_config *config, struct ttf_sequence 
                      struct ttf_sequence *output, const struct ttf_quilt_map *map,
                      struct ttf_quilt_check *ret, struct ttf_err *err)
 {
-    struct verify v = {.output = output, .output_pixels = (size_t)output->width * output->height};
+    struct verify v = {.cancel = config->cancel,
+                       .output = output,
+                       .output_pixels = (size_t)output->width * output->height};
     int r = ttf_sources_of(config, source, &v.sources, err);
 
     if (r == 0)

@@ -100,6 +100,9 @@ is report.parameters.tileable true
 holds "$(frames edges other.rgb 96 64) * 1.5 < $(frames edges plain.rgb 96 64)"
 quilt other --source d --flips --rotations --save-map all.json
 is report.parameters.inputs 2
+uuid=$(json report.sources.1.uuid)
+said d/dataset.json "$uuid"
+is report.sources.1.digest "$(sha256sum d/SHA256SUMS | cut -d' ' -f1)"
 "$PYTHON" -c 'import json
 blocks = json.load(open("all.json"))["blocks"]
 assert {b["input"] for b in blocks} == {0, 1} and len({b["turn"] for b in blocks}) > 3' ||
@@ -196,6 +199,22 @@ is report.prepared.frames_moved 2
 holds "$(json report.prepared.largest_shift_px) > 1.5 && $(json report.prepared.cropped_px.0) >= 2"
 is report.prepared.deflickered true
 holds "$(json report.prepared.flicker_after) * 3 < $(json report.prepared.flicker_before)"
+is report.prepared.frames_unlike 0
+# What is often is told by the pixels of all inputs, not of the first: here one spot is laid 112 times instead of 8.
+mkdir other-in && frames nudged other-in 16 64 48
+expect 0 "$TTFBOX" import other-in/*.png --interval 1min -o other-d
+expect 0 "$TTFBOX" synth quilt d --source other-d --seed 3 --size 240x192 --block 12x12 --sink null --figures
+said out "the same place again and again"
+# Of several inputs each has its own: this one's neighbour stands still.
+mkdir calm && for i in $(seq 10 21); do cp "$(compgen -G 'nudged/*.png' | head -n 1)" "calm/p$i.png"; done
+expect 0 "$TTFBOX" import calm/*.png --interval 1min -o calm-d
+expect 0 "$TTFBOX" synth quilt n --source calm-d --block 16x16 --sink null --stabilise --json
+is report.prepared.frames_moved 2
+is report.sources.0.prepared.frames_moved 2
+is report.sources.1.prepared.frames_moved 0
+expect 0 "$TTFBOX" synth quilt n --source calm-d --block 16x16 --sink null --stabilise
+said out "stabilised        2 frames moved"
+said out "stabilised        input 2: 0 frames moved"
 
 # ---- control: dark places lag, and the output is as long as its fastest pixel takes ----
 frames picture hill hill.png 96 64

@@ -167,6 +167,18 @@ expect 2 "$TTFBOX" synth quilt in/p0.png --sink raw -o never --map map.json --so
 said err "--map: it is of 1 input"
 rm four.rgb four.json
 
+# Light as the camera saw it and reflectances of the same codes are no one material.
+plan p.yaml "interval: 30min" "count: 3" "lamps: {mode: continuous, settle: 5s}" \
+    "shot: {lamps: {left: 100%, right: 100%}, exposure: 20ms}"
+expect 0 "$TTFBOX" calibrate dark "${TINY[@]}" --plan p.yaml --frames 2 -o cal
+expect 0 "$TTFBOX" calibrate flat "${TINY[@]}" --plan p.yaml --scene white --frames 2 -o cal
+expect 0 "$TTFBOX" capture "${TINY[@]}" p.yaml -o seen
+expect 0 "$TTFBOX" capture "${TINY[@]}" p.yaml -c cal -o reflected
+expect 2 "$TTFBOX" synth quilt seen --source reflected "${B[@]}" --sink raw -o never
+said err "--source: reflected is of reflectance (unit 1, colours linear-srgb), the first input of radiance (unit 1, colours camera)"
+expect 0 "$TTFBOX" synth quilt seen --source seen "${B[@]}" --sink null
+rm -r cal seen reflected p.yaml
+
 # A command takes only what it can do something with.
 expect 2 "$TTFBOX" synth composite $P d --rate-map $P -o never
 expect 2 "$TTFBOX" synth composite $P d --map map.json -o never

@@ -347,6 +347,35 @@ static void a_replay_goes_at_its_maps_pace(void **state)
     texture_free(&input);
 }
 
+/* Each frame has blocks of its own: the table would else be taken for that of all. */
+static void figures_of_frames_quilted_alone_say_of_which_frame_they_are(void **state)
+{
+    static const char *const TABLES[] = {"blocks", "repetition", "seams"};
+    static const json_int_t FRAMES[] = {0, 0, 23}; /* seams: the last of 16 that are looked at */
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct quilt_taker taker = quilt_taker_make(&config, N);
+    struct ttf_quilt_report report;
+
+    (void)state;
+    for (int per_frame = 0; per_frame < 2; per_frame++) {
+        json_t *root;
+
+        config.per_frame = per_frame;
+        quilt_run_ok(&config, input.sequence, NULL, &taker, &report, NULL);
+        root = json_of(&report);
+        for (int i = 0; i < 3; i++) {
+            const json_t *of = json_object_get(json_object_get(root, TABLES[i]), "of_frame");
+
+            assert_int_equal(json_is_integer(of), per_frame);
+            assert_int_equal(json_integer_value(of), per_frame ? FRAMES[i] : 0);
+        }
+        json_decref(root);
+    }
+    quilt_taker_free(&taker);
+    texture_free(&input);
+}
+
 static void odd_inputs_have_defined_reports(void **state)
 {
     static const uint32_t lengths[] = {1, 2, 3};
@@ -385,6 +414,7 @@ int main(void)
         cmocka_unit_test(an_input_that_does_not_change_has_no_ratios),
         cmocka_unit_test(a_replay_reports_no_search_that_never_was),
         cmocka_unit_test(a_replay_goes_at_its_maps_pace),
+        cmocka_unit_test(figures_of_frames_quilted_alone_say_of_which_frame_they_are),
         cmocka_unit_test(odd_inputs_have_defined_reports),
     };
 

@@ -177,6 +177,30 @@ static void one_changed_sample_is_found_by_the_check(void **state)
     texture_free(&input);
 }
 
+static void a_check_can_be_cancelled(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_SPOTS, W, H, N);
+    struct ttf_quilt_config config = small_config();
+    struct taker taker = taker_make(&config);
+    struct ttf_sequence *output;
+    struct ttf_quilt_check check;
+    struct ttf_quilt_map map;
+    const int cancel = 1;
+
+    (void)state;
+    run_ok(&config, &input, &taker, NULL, &map);
+    output = output_of(&taker, &config);
+    config.cancel = &cancel;
+    assert_int_equal(ttf_quilt_verify(&config, input.sequence, output, &map, &check, NULL),
+                     -ECANCELED);
+    assert_int_equal(ttf_quilt_verify(&config, input.sequence, output, NULL, &check, NULL),
+                     -ECANCELED);
+    ttf_sequence_destroy(output);
+    ttf_quilt_map_free(&map);
+    free(taker.codes);
+    texture_free(&input);
+}
+
 static void sequences_of_other_lengths_are_not_compared(void **state)
 {
     struct texture_sequence a = texture_make(TEXTURE_SPOTS, W, H, 3);
@@ -336,6 +360,7 @@ int main(void)
         cmocka_unit_test(a_whole_run_copies_trajectories_and_keeps_coherence),
         cmocka_unit_test(frames_quilted_alone_flicker_and_fail_the_check),
         cmocka_unit_test(one_changed_sample_is_found_by_the_check),
+        cmocka_unit_test(a_check_can_be_cancelled),
         cmocka_unit_test(sequences_of_other_lengths_are_not_compared),
         cmocka_unit_test(threads_change_no_bit_of_the_frames_and_no_figure),
         cmocka_unit_test(a_failing_sink_and_a_cancel_end_the_run_at_once),

@@ -31,9 +31,17 @@ struct ttf_report_prepared {
     uint32_t shrink, step;
 };
 
+/* A dataset that was an input; empty: none, or not sealed. For the report, filled in by who knows. */
+struct ttf_report_source {
+    char uuid[37], digest[65];
+};
+
 struct ttf_quilt_report {
     struct ttf_quilt_config config; /* as given; its pointers are not for the reader */
-    struct ttf_report_prepared prepared;
+    struct ttf_report_prepared
+        prepared; /* the first input; of the others what steadied and flattened them: */
+    struct ttf_report_prepared more_prepared[TTF_QUILT_INPUTS_MAX - 1];
+    struct ttf_report_source sources[TTF_QUILT_INPUTS_MAX];
     bool measured;     /* the figures from `input` to `repetition` were taken */
     size_t peak_bytes; /* peak resident of the process: set by who knows it, after the run */
     uint32_t inputs;   /* sequences */
@@ -41,7 +49,8 @@ struct ttf_quilt_report {
     bool simulated;                /* the input was: set by who knows it, after the run */
     uint32_t overlap_x, overlap_y; /* as used */
     bool block_known; /* the map says what block was asked for: a replayed one may not */
-    uint32_t source_width, source_height, frames;
+    uint32_t source_width, source_height, frames; /* of the first */
+    uint32_t source_pixels;                       /* of all inputs */
     unsigned threads;
     uint64_t map_digest; /* per frame: of all frames' maps together */
 
@@ -67,8 +76,9 @@ struct ttf_quilt_report {
     uint32_t colour_at[TTF_REPORT_TIMES];
     double colour_distance[TTF_REPORT_TIMES];
 
-    struct ttf_seams_figures seams; /* per frame: of the last frame looked at */
-    struct ttf_repetition_figures repetition;
+    struct ttf_seams_figures seams; /* per frame: of the last frame looked at: */
+    uint32_t seams_of_frame;
+    struct ttf_repetition_figures repetition; /* per frame: of frame 0, as the blocks */
 
     /* The blocks' table in short. Errors as RMS in codes, per overlap sample; NAN: of a map that does not say of how many frames. */
     unsigned blocks;

@@ -58,7 +58,7 @@ struct ttf_quilt_check {
 /*
  * Is every output trajectory, bit for bit, that of one source pixel? With a
  * map: of the pixel the map names. Without (NULL): of any, found by hashing the
- * trajectories and then compared in full. config: only for its further inputs (`more`). Reads both sequences frame by frame;
+ * trajectories and then compared in full. config: only for its further inputs (`more`) and `cancel` (-ECANCELED). Reads both sequences frame by frame;
  * memory: a frame of each and about 16 bytes per pixel of each. -EINVAL if lengths or the
  * map's sizes differ.
  */
