@@ -362,6 +362,9 @@ const char *ttf_resume_lost(const struct ttf_resume *r, int64_t index, enum ttf_
             return TTF_REASON_STOPPED;
     if (a->trying_since_ns > 0 && due_ns >= a->trying_since_ns)
         return TTF_REASON_TRYING;
+    /* Gone on with by a program that was there: its cameras and the dataset were being made ready. */
+    if (a->n_stops > 0 && due_ns >= a->stops[a->n_stops - 1].until_ns)
+        return TTF_REASON_NOT_READY;
     *ret_result = r->lost_result;
     return r->lost_reason;
 }

@@ -236,6 +236,29 @@ static void a_stop_holds_over_a_boot_and_is_no_lack_of_power(void **state)
     assert_string_equal(lost(&r, 12, TTF_RESULT_MISSED), TTF_REASON_STOPPED);
 }
 
+static void what_is_due_while_a_box_gets_ready_behind_a_stop_did_not_lack_the_program(void **state)
+{
+    const int64_t slot10_ns = (100 + 10 * 60) * TTF_NS_PER_S;
+    struct ttf_writer_state done = ten_slots_done();
+    struct ttf_resume_input in = boot(&done, 0, TTF_TRUST_NONE);
+    struct ttf_resume r;
+
+    (void)state;
+    in.boot_id = "first-boot";
+    in.now_ns = slot10_ns + 3 * TTF_NS_PER_MIN + TTF_NS_PER_S; /* cameras are armed */
+    in.ready_ns = in.now_ns + TTF_NS_PER_MIN;                  /* lamps have settled */
+    in.absence.n_stops = 1;
+    in.absence.stops[0].from_ns = slot10_ns + 1;
+    in.absence.stops[0].until_ns = slot10_ns + 2 * TTF_NS_PER_MIN;
+    assert_int_equal(ttf_resume_resolve(&in, &r, NULL), 0);
+    assert_int_equal(r.lost_until, 15);
+    assert_string_equal(lost(&r, 10, TTF_RESULT_MISSED), TTF_REASON_NOT_RUNNING);
+    assert_string_equal(lost(&r, 11, TTF_RESULT_MISSED), TTF_REASON_STOPPED);
+    assert_string_equal(lost(&r, 12, TTF_RESULT_MISSED), TTF_REASON_NOT_READY);
+    assert_string_equal(lost(&r, 13, TTF_RESULT_MISSED), TTF_REASON_NOT_READY);
+    assert_string_equal(lost(&r, 14, TTF_RESULT_MISSED), TTF_REASON_NOT_READY);
+}
+
 static void an_untrusted_clock_goes_on_at_once_with_the_gap_unknown(void **state)
 {
     struct ttf_writer_state done = ten_slots_done();
@@ -617,6 +640,7 @@ int main(void)
         cmocka_unit_test(the_same_boot_needs_no_utc),
         cmocka_unit_test(what_a_person_stopped_and_what_was_tried_in_vain_is_said_so),
         cmocka_unit_test(a_stop_holds_over_a_boot_and_is_no_lack_of_power),
+        cmocka_unit_test(what_is_due_while_a_box_gets_ready_behind_a_stop_did_not_lack_the_program),
         cmocka_unit_test(an_untrusted_clock_goes_on_at_once_with_the_gap_unknown),
         cmocka_unit_test(a_clock_behind_the_last_slot_is_not_believed),
         cmocka_unit_test(a_clock_is_behind_by_more_than_right_ones_differ),
