@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "asks.h"
+#include "commit_place.h"
 #include "commit_storage.h"
 #include "image_flags.h"
 #include "previews.h"
@@ -227,13 +228,18 @@ static void print_image(struct ttf_committer *c, const struct ttf_job *job)
                         image->stream, storage_reason(raw < 0 ? raw : developed));
 }
 
+/* Nothing more can be recorded: an event where the storage takes one, and the watcher is told. */
+static void give_up(struct ttf_committer *c, int code, const struct ttf_err *err);
+
 /*
  * An event or a correction that failed leaves a writer that takes nothing more. Opening anew clears away files
  * without a record, so it comes before the slot's first one, not between its files and its record.
+ * So also of a dataset whose disk came back: images go there by their path.
  */
 static void open_for_slot(struct ttf_committer *c, const struct ttf_slot_record *record)
 {
-    if (!c->writer || !ttf_writer_broken(c->writer) || c->pending)
+    if (!c->writer || c->pending ||
+        (!ttf_writer_broken(c->writer) && ttf_committer_place(c) != TTF_PLACE_BACK))
         return;
     for (unsigned i = 0; i < record->n_images; i++)
         if (record->images[i].n_files > 0)
@@ -255,10 +261,25 @@ static void watch_focus(struct ttf_committer *c, unsigned shot, const struct ttf
                         image->stream, 100 * fall);
 }
 
+/* Looked at before each image: its file would be written there. */
+static bool another_lies_there(struct ttf_committer *c)
+{
+    struct ttf_err err = {0};
+
+    if (ttf_committer_power_lost(c) || ttf_committer_place(c) != TTF_PLACE_OTHER)
+        return false;
+    give_up(c, ttf_committer_come_back(c, &err), &err);
+    return true;
+}
+
 static void do_image(struct ttf_committer *c, struct ttf_job *job)
 {
     if (c->busy_since_ns == TTF_NS_UNKNOWN)
         c->busy_since_ns = ttf_clock_now_ns(c->box->clock);
+    if (another_lies_there(c)) {
+        ttf_queue_give_raw(c->queue, job->raw);
+        return;
+    }
     open_for_slot(c, &job->slot->record);
     ttf_clock_charge(c->box->clock, TTF_WORK_DEVELOP, 1);
     if (!ttf_committer_power_lost(c)) {
@@ -276,19 +297,29 @@ static void do_image(struct ttf_committer *c, struct ttf_job *job)
 
 /* ---- slots ---- */
 
-/* Nothing more can be recorded: an event where the storage takes one, and the watcher is told. */
+static void put_why(const struct ttf_committer *c, int told, char ret[256])
+{
+    const char *second = "and the plan names no second storage";
+
+    if (told == -ESTALE) {
+        snprintf(ret, 256, "%s", TTF_PLACE_ALARM);
+        return;
+    }
+    if (c->second_path[0])
+        second = c->moved ? "in the second storage too" : "and the second storage cannot be used";
+    snprintf(ret, 256, "%s, %s: the run ends; nothing that was committed is lost",
+             storage_reason(told), second);
+}
+
 static void give_up(struct ttf_committer *c, int code, const struct ttf_err *err)
 {
-    int told = full(code) || code == -EROFS || code == -TTF_EDAMAGED ? code : -EIO;
+    const bool is_said = full(code) || code == -EROFS || code == -TTF_EDAMAGED || code == -ESTALE;
+    int told = is_said ? code : -EIO;
     char text[256];
 
     if (ttf_queue_fatal(c->queue) < 0)
         return; /* told before */
-    snprintf(text, sizeof(text), "%s, %s: the run ends; nothing that was committed is lost",
-             storage_reason(told),
-             c->second_path[0] ? (c->moved ? "in the second storage too"
-                                           : "and the second storage cannot be used")
-                               : "and the plan names no second storage");
+    put_why(c, told, text);
     if (c->writer)
         (void)ttf_committer_say(c, c->writer, text, NULL);
     ttf_committer_alarm(c, TTF_ALARM_UNTIL_ARMED, text);
@@ -362,7 +393,7 @@ static void do_slot(struct ttf_committer *c, struct ttf_slot_work *work)
     }
     if (ttf_committer_power_lost(c))
         return;
-    if (lasting(c) || r == -EROFS || r == -TTF_EDAMAGED)
+    if (lasting(c) || r == -EROFS || r == -TTF_EDAMAGED || r == -ESTALE)
         give_up(c, r, &err);
 }
 
@@ -547,6 +578,7 @@ int ttf_committer_begin(struct ttf_committer *committer)
     int r;
 
     committer->busy_since_ns = TTF_NS_UNKNOWN;
+    ttf_committer_note_place(committer);
     ttf_clock_join_for(committer->box->clock);
     /* Signals are for the program's own threads; here they would only interrupt writing. */
     sigfillset(&all);

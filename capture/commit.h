@@ -48,6 +48,8 @@ struct ttf_committer {
     void *progress_ctx;
     struct ttf_control *control; /* for answers; NULL allowed */
     /* the committer's until join */
+    uint64_t device, inode;    /* of the dataset's folder (commit_place.h); 0: not known */
+    char uuid[37];             /* its own */
     bool doubt;                /* a sync failed, and the dataset was not opened anew since */
     struct ttf_writer *writer; /* NULL while the dataset cannot be opened; owned by the session */
     int away;                  /* why it cannot */

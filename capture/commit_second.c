@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "commit_place.h"
 #include "commit_storage.h"
 #include "plan_change.h"
 #include "schedule.h"
@@ -221,6 +222,8 @@ int ttf_committer_move(struct ttf_committer *c, const char *why, struct ttf_slot
 
     if (c->moved || c->second_path[0] == '\0' || !c->in_force || ttf_committer_power_lost(c))
         return -ENOENT;
+    if (ttf_committer_place(c) == TTF_PLACE_OTHER)
+        return -ENOENT; /* nothing has failed: the run goes on in what lies there, begun again */
     r = make_second(c, &writer, &err);
     if (r < 0) {
         if (!c->second_failed)
@@ -232,6 +235,7 @@ int ttf_committer_move(struct ttf_committer *c, const char *why, struct ttf_slot
     before = c->writer;
     c->writer = writer;
     c->path = c->second_path;
+    ttf_committer_note_place(c);
     c->segment_base = c->in_force->segment.segment;
     c->plan_base = c->n_plans - 1 - c->continued.plan; /* its newest plan is the one in force */
     c->moved = true;

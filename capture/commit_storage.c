@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "commit_place.h"
 #include "image_flags.h"
 #include "plan_change.h"
 
@@ -54,6 +55,8 @@ int ttf_committer_reopen(struct ttf_committer *c)
     struct ttf_err err = {0};
     int r;
 
+    if (ttf_committer_place(c) == TTF_PLACE_OTHER)
+        return -ESTALE; /* this run's records are none of it */
     c->writer = NULL;
     r = ttf_writer_open_anew(c->io, c->path, old, &c->doubt, &c->writer, &err);
     if (r == 0)
@@ -64,6 +67,7 @@ int ttf_committer_reopen(struct ttf_committer *c)
         c->writer = NULL;
         return r;
     }
+    ttf_committer_note_place(c);
     for (struct ttf_slot_work *work = c->pending; work; work = work->next)
         ttf_committer_drop_lost_files(c, &work->record);
     return 0;
@@ -110,9 +114,11 @@ static int commit(struct ttf_committer *c, struct ttf_slot_record *record, struc
 static int write_record(struct ttf_committer *c, struct ttf_slot_record *record,
                         struct ttf_err *err)
 {
-    int r = commit(c, record, err);
+    int r = ttf_committer_come_back(c, err);
 
-    if (r == 0 || ttf_committer_power_lost(c))
+    if (r == 0)
+        r = commit(c, record, err);
+    if (r == 0 || r == -ESTALE || ttf_committer_power_lost(c))
         return r;
     /* Two tries have failed by now; opening it anew would clear away the slot's files, which can still be fetched. */
     if (c->second_path[0] && !c->moved && !c->second_failed)

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "asks.h"
+#include "commit_place.h"
 #include "exposure.h"
 #include "manifest_of_plan.h"
 #include "plan_change.h"
@@ -293,7 +294,10 @@ static int seal(struct ttf_session *s, char ret_digest[65], struct ttf_err *err)
     int64_t until = ttf_clock_now_ns(clock) + TTF_COMMIT_PATIENCE_NS;
     const char *reason = ttf_session_end_reason(s);
     struct ttf_writer *old;
-    int r = ttf_writer_seal(*writer, reason, ret_digest, err);
+    int r = ttf_committer_come_back(&s->committer, err);
+
+    if (r == 0)
+        r = ttf_writer_seal(*writer, reason, ret_digest, err);
 
     while (ttf_storage_may_pass(r) && !power_lost(s) && ttf_clock_now_ns(clock) < until) {
         (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + TTF_TICK_NS);
@@ -345,10 +349,14 @@ static int finish_dataset(struct ttf_session *s, int r, struct ttf_session_resul
         ret->sealed = r == 0;
         if (r < 0 && !power_lost(s))
             ttf_committer_alarm(&s->committer, TTF_ALARM_UNTIL_ARMED,
-                                "the dataset cannot be sealed: all slots have their records; run "
-                                "again to seal it");
+                                r == -ESTALE ? TTF_PLACE_ALARM
+                                             : "the dataset cannot be sealed: all slots have their "
+                                               "records; run again to seal it");
     }
-    ttf_writer_close(s->committer.writer);
+    if (ttf_committer_place(&s->committer) == TTF_PLACE_SAME)
+        ttf_writer_close(s->committer.writer);
+    else
+        ttf_writer_abandon(s->committer.writer); /* it would put right what lies there now */
     s->committer.writer = NULL;
     return r;
 }

@@ -120,6 +120,7 @@ TTF_MUST_USE int ttf_session_find(struct ttf_io *io, const char *path, const str
  * -EINVAL: the plan does not fit the box or the dataset. -EBUSY: dataset in use.
  * -ENOSPC, -EROFS, -EIO: storage gave out (all committed slots are safe); -EIO also: at arming the
  * camera granted other settings each time it was asked.
+ * -ESTALE: another folder lies where the dataset did (a disk was mounted over it): run again, and what lies there is gone on with.
  * -ENODEV: no camera after the whole ladder at arming. -ESHUTDOWN: the (simulated) box lost power; run
  * again to resume. -TTF_EDAMAGED: the dataset is damaged.
  */
