@@ -145,8 +145,9 @@ static void probe_sensors(struct probe *p)
 {
     struct ttf_reading readings[TTF_SENSORS_MAX];
     struct ttf_json *j = &p->cli->out;
+    struct ttf_err why = {0};
     char text[48];
-    int n = p->box.sensors ? ttf_sensors_read(p->box.sensors, readings, NULL) : 0;
+    int n = p->box.sensors ? ttf_sensors_read(p->box.sensors, readings, &why) : 0;
 
     if (n < 0) {
         cli_say(p->cli, "sensors           DO NOT ANSWER");
@@ -166,6 +167,8 @@ static void probe_sensors(struct probe *p)
         ttf_json_object_end(j);
     }
     ttf_json_array_end(j);
+    if (n >= 0 && why.code)
+        cli_say(p->cli, "  %s: %s", why.where, why.what);
 }
 
 static void probe_rest(struct probe *p, bool panel_silent)

@@ -15,6 +15,9 @@
 #define PATH_BYTES   384
 #define FOLDER_BYTES 448
 
+/* Counts that nobody tells the unit of: no errno that reading a file gives. */
+#define NO_SCALE (-ENOMSG)
+
 struct sysfs_sensors {
     struct ttf_sensors base; /* first: downcast by address */
     struct ttf_clock *clock;
@@ -63,32 +66,66 @@ static int read_number(const char *folder, const char *channel, const char *suff
 {
     char path[FOLDER_BYTES + 80], text[64];
     char *end;
+    double number;
     int r;
 
     (void)snprintf(path, sizeof(path), "%s/%s_%s", folder, channel, suffix);
     r = read_line(path, text, sizeof(text));
     if (r < 0)
         return r;
-    *ret = strtod(text, &end);
-    return end == text || !isfinite(*ret) ? -EINVAL : 0;
+    number = strtod(text, &end);
+    if (end == text || !isfinite(number))
+        return -EINVAL;
+    *ret = number;
+    return 0;
+}
+
+/* A channel's type, without modifier and indices: "in_temp" of "in_temp_object" and "in_temp1". */
+static void type_of(const char *channel, char *ret)
+{
+    unsigned parts = 0;
+
+    for (; *channel && parts < 2; channel++) {
+        parts += *channel == '_';
+        if (parts < 2 && (*channel < '0' || *channel > '9'))
+            *ret++ = *channel;
+    }
+    *ret = '\0';
+}
+
+/* Of the channel alone; or, as the kernel names what all channels of a type share, of its type. */
+static int read_shared(const struct ttf_sysfs_sensor *spec, const char *folder, const char *suffix,
+                       double *ret)
+{
+    char type[sizeof(spec->channel)];
+    int r = read_number(folder, spec->channel, suffix, ret);
+
+    if (r != -ENOENT || spec->bus != TTF_SYSFS_IIO)
+        return r;
+    type_of(spec->channel, type);
+    return read_number(folder, type, suffix, ret);
 }
 
 /* As the driver counts: processed where it does that, else (raw + offset) * scale. */
-static int read_driver(const char *folder, const char *channel, double *ret)
+static int read_driver(const struct ttf_sysfs_sensor *spec, const char *folder, double *ret)
 {
     double raw, offset = 0.0, scale = 1.0;
-    int r = read_number(folder, channel, "input", ret);
+    int r = read_number(folder, spec->channel, "input", ret);
 
     if (r != -ENOENT)
         return r;
-    r = read_number(folder, channel, "raw", &raw);
+    r = read_number(folder, spec->channel, "raw", &raw);
     if (r < 0)
         return r;
-    r = read_number(folder, channel, "offset", &offset);
-    if (r == 0 || r == -ENOENT)
-        r = read_number(folder, channel, "scale", &scale);
+    r = read_shared(spec, folder, "offset", &offset);
+    if (r < 0 && r != -ENOENT)
+        return r;
+    r = read_shared(spec, folder, "scale", &scale);
+    /* Light is told as a share of the board's own number, which may as well be of counts. */
+    if (r == -ENOENT)
+        r = spec->kind == TTF_SENSOR_LIGHT_PERMILLE ? 0 : NO_SCALE;
     *ret = (raw + offset) * scale;
-    return r == -ENOENT ? 0 : r;
+    return r;
 }
 
 /* The number behind the prefix; -1: it is no device of that bus. */
@@ -168,7 +205,24 @@ static int read_one(struct sysfs_sensors *s, unsigned i, double *ret, int64_t *r
         return -ENODEV;
     if (spec->kind == TTF_SENSOR_UNDERVOLTAGE) /* an alarm: raspberrypi-hwmon has nothing else */
         return read_number(s->folder[i], spec->channel, "lcrit_alarm", ret);
-    return read_driver(s->folder[i], spec->channel, ret);
+    return read_driver(spec, s->folder[i], ret);
+}
+
+/* Why a reading is not ok. The first reason stays. */
+static void complain(const struct ttf_sysfs_sensor *spec, int r, double value, struct ttf_err *err)
+{
+    if (!err || err->code)
+        return;
+    if (r == 0)
+        (void)ttf_err_set(err, -ERANGE, spec->name, "%s of %s tells %g, which cannot be",
+                          spec->channel, spec->device, value);
+    else if (r == NO_SCALE)
+        (void)ttf_err_set(err, r, spec->name,
+                          "%s has neither %s_input nor a scale for %s_raw: its counts have no unit",
+                          spec->device, spec->channel, spec->channel);
+    else
+        (void)ttf_err_set(err, r, spec->name, "%s of %s: %s", spec->channel, spec->device,
+                          strerrordesc_np(-r));
 }
 
 static int sysfs_read(struct ttf_sensors *base, struct ttf_reading ret[TTF_SENSORS_MAX],
@@ -176,7 +230,8 @@ static int sysfs_read(struct ttf_sensors *base, struct ttf_reading ret[TTF_SENSO
 {
     struct sysfs_sensors *s = (struct sysfs_sensors *)base;
 
-    (void)err;
+    if (err)
+        err->code = 0;
     for (unsigned i = 0; i < s->n; i++) {
         struct ttf_reading *reading = &ret[i];
         double value = 0.0;
@@ -193,6 +248,8 @@ static int sysfs_read(struct ttf_sensors *base, struct ttf_reading ret[TTF_SENSO
         reading->at_ns = at_ns;
         reading->ok = r == 0 && is_possible(reading->kind, in_unit(&s->spec[i], value));
         reading->value = reading->ok ? in_unit(&s->spec[i], value) : 0;
+        if (!reading->ok)
+            complain(&s->spec[i], r, value, err);
     }
     return (int)s->n;
 }

@@ -214,6 +214,87 @@ static void raw_values_have_an_offset_too(void **state)
     ttf_sensors_destroy(sensors);
 }
 
+/* An mlx90614's attributes, as the kernel names them: what channels share has the type's name alone. */
+static void an_infrared_thermometer(const struct sys *sys)
+{
+    put(sys, "bus/iio/devices/iio:device4/name", "mlx90614\n");
+    put(sys, "bus/iio/devices/iio:device4/in_temp_ambient_raw", "14824\n");
+    put(sys, "bus/iio/devices/iio:device4/in_temp_object_raw", "16657\n");
+    put(sys, "bus/iio/devices/iio:device4/in_temp_offset", "-13657.5\n");
+    put(sys, "bus/iio/devices/iio:device4/in_temp_scale", "20\n");
+}
+
+static void read_alone(const struct sys *sys, const struct ttf_sysfs_sensor *spec, bool ok,
+                       int64_t value, const char *said)
+{
+    struct ttf_reading r[TTF_SENSORS_MAX];
+    struct ttf_sensors *sensors = NULL;
+    struct ttf_err why = {0};
+
+    assert_int_equal(ttf_sensors_sysfs_create(sys->root, spec, 1, sys->clock, &sensors, NULL), 0);
+    assert_int_equal(ttf_sensors_read(sensors, r, &why), 1);
+    assert_int_equal(why.code != 0, !ok);
+    if (!ok && (strcmp(why.where, spec->name) != 0 || !strstr(why.what, said)))
+        fail_msg("%s: %s", why.where, why.what);
+    assert_int_equal(r[0].ok, ok);
+    assert_int_equal(r[0].value, value);
+    ttf_sensors_destroy(sensors);
+}
+
+static void scale_and_offset_may_be_those_of_all_channels_of_the_type(void **state)
+{
+    static const struct ttf_sysfs_sensor leaf = {
+        .name = "leaf", .bus = TTF_SYSFS_IIO, .device = "mlx90614", .channel = "in_temp_object"};
+    const struct sys *sys = *state;
+
+    an_infrared_thermometer(sys);
+    read_alone(sys, &leaf, true, 59990, "");
+    /* Its own counts before the shared one. */
+    put(sys, "bus/iio/devices/iio:device4/in_temp_object_scale", "10\n");
+    read_alone(sys, &leaf, true, 29995, "");
+}
+
+static void an_index_is_left_out_of_a_shared_name_too(void **state)
+{
+    static const struct ttf_sysfs_sensor second = {
+        .name = "second", .bus = TTF_SYSFS_IIO, .device = "two", .channel = "in_temp1"};
+    const struct sys *sys = *state;
+
+    put(sys, "bus/iio/devices/iio:device5/name", "two\n");
+    put(sys, "bus/iio/devices/iio:device5/in_temp1_raw", "250\n");
+    put(sys, "bus/iio/devices/iio:device5/in_temp_scale", "100\n");
+    read_alone(sys, &second, true, 25000, "");
+}
+
+/* 16657 counts are no 16.7 degrees. */
+static void counts_without_a_scale_are_no_reading(void **state)
+{
+    static const struct ttf_sysfs_sensor leaf = {
+        .name = "leaf", .bus = TTF_SYSFS_IIO, .device = "mlx90614", .channel = "in_temp_object"};
+    const struct sys *sys = *state;
+
+    an_infrared_thermometer(sys);
+    put(sys, "bus/iio/devices/iio:device4/in_temp_scale", NULL);
+    read_alone(sys, &leaf, false, 0, "neither in_temp_object_input nor a scale");
+    put(sys, "bus/iio/devices/iio:device4/in_temp_scale", "n/a\n");
+    read_alone(sys, &leaf, false, 0, "in_temp_object of mlx90614");
+}
+
+static void counts_of_light_need_no_scale_as_the_board_says_what_is_full(void **state)
+{
+    static const struct ttf_sysfs_sensor light = {.name = "light",
+                                                  .kind = TTF_SENSOR_LIGHT_PERMILLE,
+                                                  .bus = TTF_SYSFS_IIO,
+                                                  .device = "diode",
+                                                  .channel = "in_intensity_both",
+                                                  .full = 2000};
+    const struct sys *sys = *state;
+
+    put(sys, "bus/iio/devices/iio:device6/name", "diode\n");
+    put(sys, "bus/iio/devices/iio:device6/in_intensity_both_raw", "500\n");
+    read_alone(sys, &light, true, 250, "");
+}
+
 static void what_does_not_answer_or_cannot_be_is_not_ok(void **state)
 {
     struct sys *sys = *state;
@@ -338,6 +419,10 @@ int main(void)
         IN_SYS(a_supply_s_alarm_is_read_where_a_driver_has_one),
         IN_SYS(what_a_slow_driver_gives_is_as_old_as_the_asking),
         IN_SYS(raw_values_have_an_offset_too),
+        IN_SYS(scale_and_offset_may_be_those_of_all_channels_of_the_type),
+        IN_SYS(an_index_is_left_out_of_a_shared_name_too),
+        IN_SYS(counts_without_a_scale_are_no_reading),
+        IN_SYS(counts_of_light_need_no_scale_as_the_board_says_what_is_full),
         IN_SYS(what_does_not_answer_or_cannot_be_is_not_ok),
         IN_SYS(a_driver_that_comes_later_or_moves_is_found),
         IN_SYS(of_two_of_one_name_the_first_is_taken),

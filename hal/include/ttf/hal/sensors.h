@@ -31,7 +31,7 @@ const char *ttf_sensor_kind_name(enum ttf_sensor_kind kind);
 struct ttf_reading {
     char name[32]; /* [a-z0-9-], unique on the board */
     enum ttf_sensor_kind kind;
-    bool ok; /* false: it did not answer; value is then 0 and means nothing */
+    bool ok; /* false: no answer, or one that cannot be; value is then 0 and means nothing */
     int64_t value;
     int64_t at_ns; /* boot clock; what was measured is not older, however long its driver took */
 };
@@ -39,7 +39,8 @@ struct ttf_reading {
 /*
  * Reads all sensors now. Returns how many readings were written to ret[], at
  * most TTF_SENSORS_MAX, also for sensors that did not answer; a negative errno
- * only if none can be asked at all.
+ * only if none can be asked at all. A back-end that knows why a sensor is not ok says it in *err, of the
+ * first of them, whose name is `where`, and returns the count all the same (code is 0 where there is nothing to say).
  */
 TTF_MUST_USE int ttf_sensors_read(struct ttf_sensors *sensors,
                                   struct ttf_reading ret[TTF_SENSORS_MAX], struct ttf_err *err);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * sysfs.h: sensors that kernel drivers show under /sys: hwmon (temp1_input, humidity1_input) and IIO
- * (in_temp_input, or raw, offset and scale), as the kernel's Documentation/hwmon/sysfs-interface and
+ * (in_temp_input, or raw, offset and scale, the latter two of the channel or, where it has none, of its type: in_temp_scale of
+ * in_temp_object). Counts without a scale are not ok, but of light, which is a share of the board's own number. As the kernel's Documentation/hwmon/sysfs-interface and
  * Documentation/ABI/testing/sysfs-bus-iio have them.
  */
 #ifndef TTF_HAL_SYSFS_H
