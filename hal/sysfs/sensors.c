@@ -208,6 +208,12 @@ static int read_one(struct sysfs_sensors *s, unsigned i, double *ret, int64_t *r
     return read_driver(spec, s->folder[i], ret);
 }
 
+/* It is not where it was. A bus that hangs or fails is another thing: asked twice, it takes its driver's patience twice. */
+static bool is_away(int r)
+{
+    return r == -ENOENT || r == -ENODEV || r == -ENXIO;
+}
+
 /* Why a reading is not ok. The first reason stays. */
 static void complain(const struct ttf_sysfs_sensor *spec, int r, double value, struct ttf_err *err)
 {
@@ -238,7 +244,7 @@ static int sysfs_read(struct ttf_sensors *base, struct ttf_reading ret[TTF_SENSO
         int64_t at_ns;
         int r = read_one(s, i, &value, &at_ns);
 
-        if (r < 0) {
+        if (is_away(r)) {
             look_for(s, i); /* numbers change when a module is loaded anew */
             r = read_one(s, i, &value, &at_ns);
         }

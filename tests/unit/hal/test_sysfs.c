@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -336,6 +337,49 @@ static void a_driver_that_comes_later_or_moves_is_found(void **state)
     ttf_sensors_destroy(sensors);
 }
 
+/* How often a file of this name was opened in the folder that is watched. */
+static unsigned opened(int watch, const char *name)
+{
+    _Alignas(struct inotify_event) char buf[4096];
+    unsigned n = 0;
+    ssize_t got;
+
+    while ((got = read(watch, buf, sizeof(buf))) > 0)
+        for (ssize_t at = 0; at < got;) {
+            const struct inotify_event *e = (const void *)(buf + at);
+
+            n += e->len > 0 && strcmp(e->name, name) == 0;
+            at += (ssize_t)(sizeof(*e) + e->len);
+        }
+    return n;
+}
+
+/* A bus that is stuck costs its driver's whole patience each time it is asked. */
+static void a_sensor_whose_bus_fails_is_asked_once(void **state)
+{
+    struct sys *sys = *state;
+    struct ttf_sensors *sensors = sensors_of(sys);
+    int watch = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+    char folder[256];
+
+    look(sensors, 1, true, 23450);
+    snprintf(folder, sizeof(folder), "%s/bus/iio/devices/iio:device0", sys->root);
+    assert_true(watch >= 0 && inotify_add_watch(watch, folder, IN_OPEN) >= 0);
+    put(sys, "bus/iio/devices/iio:device0/in_temp_input", NULL);
+    /* Reading a folder fails, and not for want of it. */
+    put(sys, "bus/iio/devices/iio:device0/in_temp_input/nothing", "");
+    (void)opened(watch, "in_temp_input");
+    look(sensors, 1, false, 0);
+    assert_int_equal(opened(watch, "in_temp_input"), 1);
+    put(sys, "bus/iio/devices/iio:device0/in_temp_input/nothing", NULL);
+    snprintf(folder, sizeof(folder), "%s/bus/iio/devices/iio:device0/in_temp_input", sys->root);
+    assert_int_equal(rmdir(folder), 0);
+    put(sys, "bus/iio/devices/iio:device0/in_temp_input", "24000\n");
+    look(sensors, 1, true, 24000);
+    (void)close(watch);
+    ttf_sensors_destroy(sensors);
+}
+
 static void of_two_of_one_name_the_first_is_taken(void **state)
 {
     struct sys *sys = *state;
@@ -425,6 +469,7 @@ int main(void)
         IN_SYS(counts_of_light_need_no_scale_as_the_board_says_what_is_full),
         IN_SYS(what_does_not_answer_or_cannot_be_is_not_ok),
         IN_SYS(a_driver_that_comes_later_or_moves_is_found),
+        IN_SYS(a_sensor_whose_bus_fails_is_asked_once),
         IN_SYS(of_two_of_one_name_the_first_is_taken),
         IN_SYS(reading_what_is_there_allocates_nothing),
         IN_SYS(descriptions_that_mean_nothing_are_refused),

@@ -30,7 +30,7 @@ struct ttf_sysfs_sensor {
 
 /*
  * root: "/sys", or a folder laid out like it. A device that is not there now may come later: its readings are
- * not ok until then. n in 1..TTF_SENSORS_MAX; specs are copied; the clock is borrowed. -EINVAL naming the sensor, -ENOMEM.
+ * not ok until then; one that is not where it was is looked for anew, one that fails is asked once. n in 1..TTF_SENSORS_MAX; specs are copied; the clock is borrowed. -EINVAL naming the sensor, -ENOMEM.
  * Reading allocates nothing but when a device has to be looked for.
  */
 TTF_MUST_USE int ttf_sensors_sysfs_create(const char *root, const struct ttf_sysfs_sensor *specs,
