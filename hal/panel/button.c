@@ -20,6 +20,15 @@ void button_level(struct button *button, bool level, int64_t now_ns)
     button->level_since_ns = now_ns;
 }
 
+void button_missed(struct button *button, bool level, int64_t now_ns)
+{
+    if (level == button->level)
+        return;
+    if (!level)
+        button->told = true;
+    button_level(button, level, now_ns);
+}
+
 static bool tell(struct button *button, enum ttf_panel_event_kind kind, int64_t at_ns,
                  struct ttf_panel_event *ret)
 {

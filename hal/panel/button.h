@@ -26,6 +26,9 @@ void button_init(struct button *button, bool level, int64_t now_ns);
 /* The wire is at this level since now. */
 void button_level(struct button *button, bool level, int64_t now_ns);
 
+/* The wire is at this level, and no edge told when it came there: a press whose end was missed so is none. */
+void button_missed(struct button *button, bool level, int64_t now_ns);
+
 /* Time passes: true if that makes an event. A long press is one while it is still held; a short one when it ends. */
 bool button_look(struct button *button, int64_t now_ns, struct ttf_panel_event *ret);
 

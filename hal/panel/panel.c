@@ -77,18 +77,40 @@ static int64_t drive(struct lines_panel *p, int64_t now_ns)
     return next_ns;
 }
 
+/*
+ * The kernel keeps a few edges of a line and drops the newest, so of a wire that bounces the last one that is told may not be the
+ * last there was: its level is asked after edges, and once more before anything is made of it.
+ */
+static void ask_button(struct lines_panel *p, bool moved, int64_t now_ns)
+{
+    int level;
+
+    if (p->lost || (!moved && now_ns < button_next_ns(&p->button)))
+        return;
+    level = ttf_lines_get(p->c.lines, (unsigned)p->c.button);
+    heed(p, level);
+    if (level >= 0 && moved)
+        button_level(&p->button, level == 1, now_ns);
+    else if (level >= 0)
+        button_missed(&p->button, level == 1, now_ns);
+}
+
 static int64_t feel(struct lines_panel *p, int64_t now_ns)
 {
     struct ttf_panel_event pressed;
     struct ttf_line_event event;
+    bool moved = false;
     int r = 0;
 
     if (p->c.button < 0 || p->lost)
         return TTF_NS_NEVER;
     while ((r = ttf_lines_event(p->c.lines, &event)) > 0)
-        if ((int)event.i == p->c.button)
+        if ((int)event.i == p->c.button) {
             button_level(&p->button, event.active, now_ns);
+            moved = true;
+        }
     heed(p, r);
+    ask_button(p, moved, now_ns);
     while (button_look(&p->button, now_ns, &pressed))
         push(p, &pressed);
     pthread_mutex_lock(&p->lock);

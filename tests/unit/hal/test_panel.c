@@ -8,15 +8,18 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include "button.h"
 #include "conformance/conformance.h"
 #include "lampd_fixture.h"
 #include "light.h"
+#include "ttf/hal/clock_backend.h"
 #include "ttf/hal/panel_lines.h"
 
 #define MS(n) ((n)*TTF_NS_PER_MS)
@@ -97,6 +100,24 @@ static void contacts_that_bounce_are_one_press(void **state)
     n = events_until(&b, &now, now + MS(20), &e);
     button_level(&b, false, now);
     assert_int_equal(n + events_until(&b, &now, now + MS(5000), &e), 0);
+}
+
+static void a_press_whose_end_was_missed_is_none(void **state)
+{
+    struct ttf_panel_event e;
+    struct button b;
+    int64_t now = 0;
+
+    (void)state;
+    button_init(&b, false, 0);
+    button_level(&b, true, now);
+    assert_int_equal(events_until(&b, &now, MS(2999), &e), 0);
+    button_missed(&b, false, now);
+    assert_int_equal(events_until(&b, &now, MS(9000), &e), 0);
+    assert_false(button_held(&b));
+    button_level(&b, true, now); /* the next one is one */
+    assert_int_equal(events_until(&b, &now, MS(12500), &e), 1);
+    assert_int_equal(e.kind, TTF_PANEL_BUTTON_LONG);
 }
 
 static void a_button_that_is_jammed_at_the_start_is_no_press(void **state)
@@ -337,6 +358,178 @@ static void a_panel_without_wires_has_the_door_alone(void **state)
     assert_int_equal(ttf_panel_lines_create(&config, &panel, NULL), -EINVAL);
 }
 
+/* ---- on a line whose edges get lost, in time that the test makes ---- */
+
+struct lossy {
+    struct ttf_lines base; /* first: downcast by address */
+    int fd;                /* readable while there is something to feel */
+    _Atomic bool level;
+    _Atomic unsigned edges, felt; /* alternating, up first */
+    _Atomic unsigned rounds;      /* in which the panel found no edge more */
+};
+
+static int lossy_set(struct ttf_lines *base, unsigned i, unsigned permille)
+{
+    (void)base;
+    (void)i;
+    (void)permille;
+    return 0;
+}
+
+static int lossy_get(struct ttf_lines *base, unsigned i)
+{
+    (void)i;
+    return ((struct lossy *)base)->level;
+}
+
+static int lossy_fd(const struct ttf_lines *base)
+{
+    return ((const struct lossy *)base)->fd;
+}
+
+static int lossy_event(struct ttf_lines *base, struct ttf_line_event *ret)
+{
+    struct lossy *l = (struct lossy *)base;
+    uint64_t count;
+
+    if (l->felt < l->edges) {
+        *ret = (struct ttf_line_event){.i = 0, .active = l->felt++ % 2 == 0};
+        return 1;
+    }
+    (void)!read(l->fd, &count, sizeof(count));
+    l->rounds++;
+    return 0;
+}
+
+static int lossy_reopen(struct ttf_lines *base, struct ttf_err *err)
+{
+    (void)base;
+    (void)err;
+    return 0;
+}
+
+static void lossy_destroy(struct ttf_lines *base)
+{
+    (void)base;
+}
+
+static const struct ttf_lines_ops LOSSY = {.name = "lossy",
+                                           .set = lossy_set,
+                                           .get = lossy_get,
+                                           .fd = lossy_fd,
+                                           .event = lossy_event,
+                                           .reopen = lossy_reopen,
+                                           .destroy = lossy_destroy};
+
+/* A clock that stands until the test moves it. */
+struct hand {
+    struct ttf_clock base; /* first: downcast by address */
+    _Atomic int64_t now_ns;
+};
+
+static int64_t hand_now(struct ttf_clock *clock)
+{
+    return ((struct hand *)clock)->now_ns;
+}
+
+static const struct ttf_clock_ops HAND = {.name = "by hand", .now_ns = hand_now};
+
+struct lonely {
+    struct lossy lines;
+    struct hand clock;
+    struct ttf_panel *panel;
+};
+
+static int lonely_setup(void **state)
+{
+    struct lonely *l = calloc(1, sizeof(*l));
+    struct ttf_panel_lines_config config = {.button = 0, .led = -1};
+
+    if (!l)
+        return -1;
+    l->lines.base = (struct ttf_lines){.ops = &LOSSY, .n = 1};
+    l->lines.base.spec[0] = (struct ttf_line_spec){.label = "button", .input = true};
+    l->lines.fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    l->clock.base.ops = &HAND;
+    l->clock.now_ns = TTF_NS_PER_S;
+    config.lines = &l->lines.base;
+    config.clock = &l->clock.base;
+    *state = l;
+    return l->lines.fd < 0 ? -1 : ttf_panel_lines_create(&config, &l->panel, NULL);
+}
+
+static int lonely_teardown(void **state)
+{
+    struct lonely *l = *state;
+
+    ttf_panel_destroy(l->panel);
+    (void)close(l->lines.fd);
+    free(l);
+    return 0;
+}
+
+/* The first round may have begun before; the second feels all there is; in the third what came of it was said. */
+static void let_it_feel(struct lonely *l)
+{
+    for (unsigned n = 0; n < 3; n++) {
+        const uint64_t one = 1;
+        unsigned before = l->lines.rounds;
+
+        assert_int_equal(write(l->lines.fd, &one, sizeof(one)), sizeof(one));
+        while (l->lines.rounds == before)
+            (void)sched_yield();
+    }
+}
+
+/* Many edges at once, of which the kernel kept the first ones only; the wire came to rest at this level. */
+static void edges_of_which_some_are_kept(struct lonely *l, unsigned kept, bool level)
+{
+    l->lines.level = level;
+    l->lines.felt = 0;
+    l->lines.edges = kept;
+    let_it_feel(l);
+}
+
+static void a_burst_whose_last_edges_the_kernel_dropped_leaves_no_button_down(void **state)
+{
+    struct lonely *l = *state;
+    struct ttf_panel_event event;
+
+    edges_of_which_some_are_kept(l, 15, false);
+    assert_int_equal(ttf_panel_held(l->panel), 0);
+    for (unsigned n = 0; n < 80; n++) {
+        l->clock.now_ns += MS(50);
+        let_it_feel(l);
+    }
+    assert_int_equal(ttf_panel_poll(l->panel, &event), 0);
+}
+
+static void the_wire_is_asked_before_a_run_is_ended(void **state)
+{
+    struct lonely *l = *state;
+    struct ttf_panel_event event;
+
+    edges_of_which_some_are_kept(l, 1, true);
+    l->clock.now_ns += MS(40);
+    let_it_feel(l);
+    assert_int_equal(ttf_panel_held(l->panel), 1);
+    l->lines.level = false; /* and no edge tells */
+    l->clock.now_ns += MS(3000);
+    let_it_feel(l);
+    l->clock.now_ns += MS(100);
+    let_it_feel(l);
+    assert_int_equal(ttf_panel_poll(l->panel, &event), 0);
+    assert_int_equal(ttf_panel_held(l->panel), 0);
+    /* A finger that stays is one. */
+    edges_of_which_some_are_kept(l, 1, true);
+    l->clock.now_ns += MS(40);
+    let_it_feel(l);
+    l->clock.now_ns += MS(3000);
+    let_it_feel(l);
+    assert_int_equal(ttf_panel_poll(l->panel, &event), 1);
+    assert_int_equal(event.kind, TTF_PANEL_BUTTON_LONG);
+}
+
 /* ---- the suite ---- */
 
 static void destroy_box(struct ttf_box *box)
@@ -361,10 +554,12 @@ static int make(struct ttf_box *ret)
 int main(void)
 {
 #define ON_WIRES(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
+#define IN_TIME(test)  cmocka_unit_test_setup_teardown(test, lonely_setup, lonely_teardown)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_press_is_told_once_it_is_let_go),
         cmocka_unit_test(one_that_is_held_is_told_after_three_seconds_and_not_again),
         cmocka_unit_test(contacts_that_bounce_are_one_press),
+        cmocka_unit_test(a_press_whose_end_was_missed_is_none),
         cmocka_unit_test(a_button_that_is_jammed_at_the_start_is_no_press),
         cmocka_unit_test(each_state_of_the_box_looks_different),
         ON_WIRES(a_finger_on_the_button_is_felt),
@@ -372,6 +567,8 @@ int main(void)
         ON_WIRES(a_door_that_moved_unseen_is_told_with_its_instants),
         ON_WIRES(a_chip_that_vanishes_and_comes_back_is_found_again),
         ON_WIRES(a_panel_without_wires_has_the_door_alone),
+        IN_TIME(a_burst_whose_last_edges_the_kernel_dropped_leaves_no_button_down),
+        IN_TIME(the_wire_is_asked_before_a_run_is_ended),
     };
     const struct conformance_factory lines = {"lines", make};
 
