@@ -250,13 +250,19 @@ static int fix_flicker(struct v4l2_controls *c, enum ttf_v4l2_flicker flicker, s
                                     V4L2_CID_POWER_LINE_FREQUENCY_50HZ,
                                     V4L2_CID_POWER_LINE_FREQUENCY_60HZ};
     struct v4l2_query_ext_ctrl q;
+    int r;
 
     if (v4l2_control_query(c, V4L2_CID_POWER_LINE_FREQUENCY, &q) < 0)
         return flicker == TTF_V4L2_FLICKER_OFF
                    ? 0
                    : ttf_err_set(err, -EINVAL, "flicker", "the camera has no such control");
     c->has |= TTF_V4L2_FLICKER;
-    return v4l2_control_fix(c, q.name, q.id, CODES[flicker], err);
+    r = v4l2_control_fix(c, q.name, q.id, CODES[flicker], err);
+    /* Some have no "disabled": then the mains' own, whose half-periods exposures are to be whole ones of anyway. */
+    if ((r == -EINVAL || r == -ERANGE) && flicker == TTF_V4L2_FLICKER_OFF)
+        ttf_err_hint(err, "its anti-flicker cannot be off: write 'flicker: 50Hz' (or 60Hz, "
+                          "whichever the mains has) at the camera in the board's file");
+    return r;
 }
 
 int v4l2_controls_set_up(struct v4l2_controls *c, const struct ttf_v4l2_config *config,

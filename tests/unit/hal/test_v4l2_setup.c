@@ -396,6 +396,30 @@ static void flicker_and_temperature_are_fixed(void **state)
     assert_int_equal(bench->fake.controls[11].value, 5000);
 }
 
+static void anti_flicker_that_cannot_be_off_is_refused_with_what_to_write(void **state)
+{
+    struct bench *bench = *state;
+    const struct fake_control mains = {V4L2_CID_POWER_LINE_FREQUENCY,
+                                       V4L2_CTRL_TYPE_MENU,
+                                       "Power Line Frequency",
+                                       1,
+                                       2,
+                                       1,
+                                       2,
+                                       2,
+                                       false};
+
+    bench->fake.controls[10] = mains;
+    assert_true(bench_configure(bench) < 0);
+    assert_says(bench, "Power Line Frequency: the camera does not take 0 here");
+    assert_says(bench, "flicker: 50Hz");
+    bench->config.flicker = TTF_V4L2_FLICKER_50HZ;
+    ttf_camera_destroy(bench->camera);
+    bench->camera = NULL;
+    assert_int_equal(bench_configure(bench), 0);
+    assert_int_equal(bench->fake.controls[10].value, V4L2_CID_POWER_LINE_FREQUENCY_50HZ);
+}
+
 static void a_board_fixes_controls_by_the_drivers_names(void **state)
 {
     struct bench *bench = *state;
@@ -446,6 +470,7 @@ int main(void)
         ON_BENCH(a_sensor_that_exposes_in_lines_is_told_in_lines),
         ON_BENCH(balance_and_focus_with_units_are_capabilities),
         ON_BENCH(flicker_and_temperature_are_fixed),
+        ON_BENCH(anti_flicker_that_cannot_be_off_is_refused_with_what_to_write),
         ON_BENCH(a_board_fixes_controls_by_the_drivers_names),
     };
 
