@@ -53,8 +53,12 @@ static int count_until(const struct ttf_session *s, struct changed *to, int64_t 
     if (is_new && ttf_plan_end_passed(&to->plan, grid_of_last(s, index), index, &to->run))
         return ttf_err_set(err, -EINVAL, "until", "%lld slots have their records already",
                            (long long)index);
-    /* What another end, or another grid, came to is no count that a corrected clock would leave as it is. */
-    if (is_new || to->plan.interval_ns != s->plan.interval_ns)
+    /*
+     * What another end, or another grid, came to is no count that a corrected clock would leave as it is. It stays as
+     * long as nobody knows where the end is: the clock that tells counts anew.
+     */
+    if ((is_new || to->plan.interval_ns != s->plan.interval_ns) &&
+        ttf_plan_end_ns(&to->plan, &to->run) != TTF_NS_UNKNOWN)
         to->plan.count = -1;
     to->plan.count = ttf_plan_slots(&to->plan, &to->grid, &to->run);
     return 0;

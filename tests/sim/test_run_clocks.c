@@ -666,6 +666,32 @@ static void an_instant_by_a_clock_that_is_behind_is_refused(void **state)
     living_finish(&b.run);
 }
 
+/* What a PC said is not believed, as the end had passed by it, and the next boot knows nothing: of an instant that is to come. */
+static void another_interval_is_taken_where_nobody_knows_when_the_instant_comes(void **state)
+{
+    static const struct until_belief beliefs[] = {{0, TTF_TRUST_HOST, 0},
+                                                  {150 * S, TTF_TRUST_HOST, 2 * TTF_NS_PER_DAY},
+                                                  {3 * MIN + 41 * S, TTF_TRUST_NONE, 0},
+                                                  {10 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
+
+    (void)state;
+    for (unsigned n = 3; n <= 4; n++) {
+        struct until_clock b;
+        int64_t ask;
+
+        /* Slots at 0:12 to 3:12; at 4:07 and 5:07; at 6:37, 8:07 and so on; the end at 14:00, once that is known. */
+        until_clock_init(&b, TTF_END_UNTIL, 14, beliefs, n);
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 15;
+        ask = living_ask(
+            &b.run,
+            &(struct ttf_ask){.kind = TTF_ASK_INTERVAL, .from_index = 6, .interval_ns = 90 * S});
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        living_expect_done(&b.run, ask);
+        until_expect_end(&b.run, n == 3 ? "cccccccccccccc" : "ccccccccccc", "until");
+        living_finish(&b.run);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -680,6 +706,7 @@ int main(void)
         cmocka_unit_test(a_clock_that_stands_before_the_last_slot_labels_none),
         cmocka_unit_test(the_box_s_own_clock_set_back_in_a_boot_leaves_the_grid),
         cmocka_unit_test(an_instant_by_a_clock_that_is_behind_is_refused),
+        cmocka_unit_test(another_interval_is_taken_where_nobody_knows_when_the_instant_comes),
         cmocka_unit_test(power_that_flickers_while_lamps_settle_makes_no_clock_wrong),
         cmocka_unit_test(a_right_clock_that_is_merely_earlier_is_believed),
         cmocka_unit_test(a_clock_that_was_ahead_does_not_tell_a_right_one_the_end),
