@@ -282,6 +282,13 @@ static bool finds_grid(const struct ttf_resume_input *in, const struct ttf_utc *
            (early_ns < last->interval_ns && early_ns <= tolerance_ns(&in->past, utc));
 }
 
+/* What is left of the slots that were due before this boot. */
+static int64_t given_up_ns(const struct ttf_resume_input *in, const struct ttf_grid *grid)
+{
+    return ttf_timeline_given_up_ns(grid->origin_ns, grid->interval_ns,
+                                    ttf_grid_index_at(grid, in->now_ns) - grid->first_index);
+}
+
 static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resume *r)
 {
     const struct ttf_segment *last = &in->state->last_segment;
@@ -299,6 +306,9 @@ static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resu
         r->on_grid = true;
         r->gap_ns = 0;
         r->outage_ns = in->now_ns - ttf_grid_due_ns(&before, next - 1);
+        /* The run before this one in this boot came to an end before they had their records. */
+        if (in->past.behind_outage)
+            r->outage.given_up_ns = given_up_ns(in, &r->grid);
         return;
     }
     if (utc.trust != TTF_TRUST_NONE && vouched(last) && finds_grid(in, &utc, r)) {
@@ -307,9 +317,7 @@ static void resolve_continued(const struct ttf_resume_input *in, struct ttf_resu
         r->lost_reason = in->state->sealed ? TTF_REASON_HAD_ENDED : TTF_REASON_NO_POWER;
         r->on_grid = true;
         r->gap_ns = 0;
-        r->outage.given_up_ns =
-            ttf_timeline_given_up_ns(r->grid.origin_ns, r->grid.interval_ns,
-                                     ttf_grid_index_at(&r->grid, in->now_ns) - r->grid.first_index);
+        r->outage.given_up_ns = given_up_ns(in, &r->grid);
         return;
     }
     r->clock_implausible = in->utc.trust != TTF_TRUST_NONE && vouched(last);

@@ -297,8 +297,10 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
     struct known all = {.slot0_utc_ns = TTF_NS_UNKNOWN}, sure = all;
     struct ttf_run_past past = {0};
 
-    if (n > 0)
+    if (n > 0) {
+        past.behind_outage = strcmp(segments[0].boot_id, boot_id) != 0;
         go_on_from_before(&all, &sure, &past, &segments[0], boot_id);
+    }
     for (int i = 0; i < n; i++) {
         const struct ttf_segment *s = &segments[i];
         bool new_boot = i > 0 && strcmp(s->boot_id, segments[i - 1].boot_id) != 0;
@@ -307,7 +309,8 @@ struct ttf_run_past ttf_timeline_past(const struct ttf_segment *segments,
 
         if (s->origin_utc_ns != TTF_NS_UNKNOWN)
             slot0 = s->origin_utc_ns - ttf_timeline_elapsed_ns(segments, i + 1);
-        if (new_boot)
+        /* Whichever run of a boot recorded them. Of the first one's boot they are what a start had passed by. */
+        if (strcmp(s->boot_id, segments[0].boot_id) != 0)
             given_up =
                 ttf_timeline_given_up_ns(s->origin_ns, s->interval_ns, until - s->first_index);
         go_on_both(&all, &sure, s, new_boot, slot0, given_up);

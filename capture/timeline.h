@@ -62,6 +62,8 @@ struct ttf_run_past {
     /* UTC - boot clock by the clock trusted most in this boot so far, the last of such; NONE: no run in it knew. */
     enum ttf_trust boot_trust;
     int64_t boot_offset_ns, boot_uncertainty_ns;
+    bool
+        behind_outage; /* this boot is not the first segment's: slots due before it were lost to an outage */
     /* UTC of the last slot taken before this boot, as far as segments know, and who says so; a PC where nobody else does. */
     enum ttf_trust last_trust;
     int64_t last_utc_ns, last_uncertainty_ns;

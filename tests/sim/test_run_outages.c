@@ -2,6 +2,7 @@
 /* What clocks, and a PC's, tell of an outage: which of it a length counts, which grid it leaves, and what no waiting makes right. */
 #include "cmocka_includes.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -200,11 +201,57 @@ static void a_pc_that_contradicted_the_box_s_own_clock_is_no_better_later(void *
     living_finish(&b.run);
 }
 
+struct fills_up {
+    struct until_clock b; /* first */
+    bool full;
+    int left; /* pieces of records that it still takes when it is full */
+};
+
+static int no_room_for_records(struct sim_run *run, const char *op, const char *path)
+{
+    struct fills_up *f = (struct fills_up *)run;
+
+    if (!run->box || !f->full || strcmp(op, "append") != 0 || !strstr(path, "/records.jsonl"))
+        return 0;
+    return f->left-- > 0 ? 0 : ENOSPC;
+}
+
+/* By a PC alone. The run fails before all that are given up have their records, and is run again in the same boot. */
+static void
+slots_given_up_are_no_time_of_a_length_whichever_run_of_the_boot_records_them(void **state)
+{
+    static const struct until_belief pc = {0, TTF_TRUST_HOST, 0};
+    static const struct {
+        int left;
+        const char *letters;
+    } cases[] = {{1, "ccccmmmcccccccccc"}, {3, "ccccwmmcccccccccc"}, {5, "ccccwwmcccccccccc"}};
+
+    (void)state;
+    for (unsigned i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+        struct fills_up f = {.left = cases[i].left}; /* its segment, and some of the slots */
+        struct sim_run *run = &f.b.run;
+
+        until_clock_init(&f.b, TTF_END_LENGTH, 14, &pc, 1);
+        run->fault = no_room_for_records;
+        sim_run_fault(run, TTF_FAULT_POWER_CUT, POWER_FAILS)->amount = 180;
+        assert_int_equal(sim_run_boot(run), -ESHUTDOWN);
+        run->config.power_on_ns = run->back_ns;
+        f.full = true;
+        assert_int_equal(sim_run_boot(run), -ENOSPC);
+        f.full = false;
+        assert_int_equal(sim_run_boot(run), 0);
+        until_expect_end(run, cases[i].letters, "until");
+        living_finish(run);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_clock_that_was_corrected_ends_no_length),
         cmocka_unit_test(slots_that_a_clock_ahead_gave_up_are_no_time_of_a_length),
+        cmocka_unit_test(
+            slots_given_up_are_no_time_of_a_length_whichever_run_of_the_boot_records_them),
         cmocka_unit_test(an_outage_that_sure_clocks_tell_is_time_of_a_length),
         cmocka_unit_test(power_that_fails_again_before_a_slot_of_a_new_grid_leaves_that_grid),
         cmocka_unit_test(a_pc_that_contradicted_the_box_s_own_clock_is_no_better_later),
