@@ -333,7 +333,8 @@ said err 'does not answer'
 
 # --- a wrong token is said to be that, however many came before
 serve data --listen 0.0.0.0:0 --token-file token
-BOX=http://127.0.0.1:$(sed 's|.*:\([0-9]*\)/api/v1$|\1|' <<<"$URL")
+BOX=${URL%/api/v1}
+BOX=http://127.0.0.1:${BOX##*:}
 expect 1 "$TTFBOX" pull refused --box "$BOX"
 said err "give the box's token by --token-file"
 for _ in $(seq 15); do
