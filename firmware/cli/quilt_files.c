@@ -9,62 +9,8 @@
 
 #include "ttf/synth/map_file.h"
 
-#define TIME_ONE    65536u /* a frame, in a map's times */
-#define FACTORS_MAX (SIZE_MAX / 4)
-#define MAP_MAX     ((size_t)1 << 31)
-
-/* ---- factors ---- */
-
-static int keep(void *ctx, const struct ttf_quilt_factors *factors)
-{
-    struct quilt_factors *f = ctx;
-
-    free(f->grown);
-    f->grown = malloc(factors->size);
-    if (!f->grown)
-        return ttf_err_set(&f->err, -ENOMEM, "--factors", "no memory to keep them");
-    memcpy(f->grown, factors->bytes, factors->size);
-    f->grown_size = factors->size;
-    return 0;
-}
-
-int quilt_factors_save(const struct quilt_factors *factors)
-{
-    struct cli *cli = factors->cli;
-
-    return factors->grown ? ttf_io_write_file(cli->io, cli->opt.factors, factors->grown,
-                                              factors->grown_size, &cli->err)
-                          : 0;
-}
-
-int quilt_factors_open(struct cli *cli, struct quilt_factors *ret, struct ttf_quilt_config *config)
-{
-    const char *path = cli->opt.factors;
-    struct ttf_io_stat st;
-    size_t size = 0;
-    int r;
-
-    if (!path)
-        return 0;
-    ret->cli = cli;
-    config->keep_factors = keep;
-    config->keep_ctx = ret;
-    r = cli->io->ops->stat(cli->io, path, &st);
-    if (r == -ENOENT)
-        return 0;
-    r = ttf_io_slurp(cli->io, path, FACTORS_MAX, &ret->bytes, &size, &cli->err);
-    if (r < 0)
-        return cli_by_option(cli, r, "--factors", path);
-    config->known = (struct ttf_quilt_factors){ret->bytes, size};
-    return 0;
-}
-
-void quilt_factors_close(struct quilt_factors *factors)
-{
-    free(factors->bytes);
-    free(factors->grown);
-    factors->bytes = factors->grown = NULL;
-}
+#define TIME_ONE 65536u /* a frame, in a map's times */
+#define MAP_MAX  ((size_t)1 << 31)
 
 /* ---- maps ---- */
 

@@ -179,6 +179,7 @@ static int deflicker(struct cli *cli, struct quilt_input *input,
     if (r < 0)
         return cli_by_option(cli, r, "--deflicker", NULL);
     prepared->deflickered = true;
+    prepared->deflicker_window = window;
     push(input, over);
     return 0;
 }
@@ -206,6 +207,7 @@ int quilt_input_flatten(struct cli *cli, struct quilt_input *input, double sigma
         return cli_by_option(cli, r, "--flatten", NULL);
     ttf_gradient_range(&input->gradient, &prepared->gradient_least, &prepared->gradient_most);
     prepared->flattened = true;
+    prepared->gradient_sigma_px = sigma_px;
     push(input, over);
     return 0;
 }

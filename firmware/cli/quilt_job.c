@@ -49,6 +49,8 @@ static int reduce(struct quilt_job *job)
                                           .n_inputs = job->n_inputs,
                                           .config = &job->config,
                                           .timed = quilt_options_pace(cli),
+                                          .keep_shrink = job->factors.was.shrink,
+                                          .keep_step = job->factors.was.step,
                                           .fastest = job->fastest,
                                           .ctx = job};
     int r;
@@ -165,7 +167,8 @@ static int configure(struct quilt_job *job)
     if (r == 0)
         r = quilt_options_name(cli, ttf_quilt_validate(c, first(job), &cli->err));
     if (r == 0)
-        r = quilt_factors_open(cli, &job->factors, c);
+        r = quilt_options_name(cli,
+                               quilt_factors_suit(&job->factors, &job->prepared, first(job), c));
     return r < 0 ? r : make_gradient(job);
 }
 
@@ -292,6 +295,8 @@ int quilt_job_run(struct quilt_job *job)
     job->clock = ttf_clock_real_create();
     if (r == 0)
         r = open_inputs(job);
+    if (r == 0) /* what is kept takes memory, and previews go by it */
+        r = quilt_factors_open(cli, &job->factors, &job->config);
     if (r == 0)
         r = reduce(job);
     if (r == 0)

@@ -8,6 +8,7 @@
 #define CLI_QUILT_JOB_H
 
 #include "cli.h"
+#include "quilt_factors.h"
 #include "quilt_files.h"
 #include "quilt_input.h"
 #include "quilt_preview.h"

@@ -168,15 +168,34 @@ static bool is_better(const struct quilt_preview *a, const struct quilt_preview 
                 : a->total_ns < b->total_ns;
 }
 
+static struct quilt_preview estimated(const struct estimate *e, uint32_t shrink, uint32_t step)
+{
+    return (struct quilt_preview){shrink, step, bytes_of(e, shrink, step),
+                                  (int64_t)time_of(e, shrink, step), e->read_ns};
+}
+
+/* What was chosen once, and factors are kept of: if it still stays within memory and time. */
+static bool is_kept(struct cli *cli, const struct estimate *e, struct quilt_preview *ret)
+{
+    const struct quilt_preview_ask *ask = e->ask;
+
+    if (ask->keep_shrink == 0 || ask->keep_step == 0 || ask->keep_shrink > SHRINK_MAX ||
+        ask->keep_step > quilt_input_top(&ask->inputs[0])->n || !is_possible(e, ask->keep_shrink))
+        return false;
+    *ret = estimated(e, ask->keep_shrink, ask->keep_step);
+    return ret->bytes <= ask->config->memory_bytes && ret->total_ns <= cli->opt.time_ns;
+}
+
 static int choose(struct cli *cli, const struct estimate *e, struct quilt_preview *ret)
 {
     uint32_t n = quilt_input_top(&e->ask->inputs[0])->n, least = n < FRAMES_MIN ? n : FRAMES_MIN;
     struct quilt_preview best = {0};
 
+    if (is_kept(cli, e, ret))
+        return 0;
     for (uint32_t shrink = 1; shrink <= SHRINK_MAX && is_possible(e, shrink); shrink++) {
         for (uint32_t step = 1; (n - 1) / step + 1 >= least && step <= n; step++) {
-            struct quilt_preview one = {shrink, step, bytes_of(e, shrink, step),
-                                        (int64_t)time_of(e, shrink, step), e->read_ns};
+            struct quilt_preview one = estimated(e, shrink, step);
 
             if (one.bytes <= e->ask->config->memory_bytes &&
                 is_better(&one, &best, cli->opt.time_ns))

@@ -20,6 +20,7 @@ struct quilt_preview_ask {
     unsigned n_inputs;
     const struct ttf_quilt_config *config; /* for inputs as they are; width 0: twice the first */
     bool timed;                            /* pixels will be of different times */
+    uint32_t keep_shrink, keep_step;       /* taken if they stay within all; 0: none */
     /* The pace of the fastest pixel of an output of this size, by which it gets longer; NULL: 1. */
     int (*fastest)(void *ctx, uint32_t width, uint32_t height, float *ret);
     void *ctx;

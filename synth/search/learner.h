@@ -63,4 +63,9 @@ TTF_MUST_USE int ttf_learner_unpack(const struct ttf_quilt_factors *bytes,
                                     bool per_channel, enum ttf_metric metric, const uint8_t *table,
                                     struct ttf_learner *ret, struct ttf_err *err);
 
+/* Of bytes that were refused: are they sound, of this kind and of no more frames, so that the input is another? */
+bool ttf_learner_is_of_other(const struct ttf_quilt_factors *bytes,
+                             const struct ttf_sources *sources, unsigned room, bool per_channel,
+                             enum ttf_metric metric);
+
 #endif

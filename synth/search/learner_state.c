@@ -164,3 +164,16 @@ int ttf_learner_unpack(const struct ttf_quilt_factors *bytes, const struct ttf_s
     *ret = learner;
     return 0;
 }
+
+bool ttf_learner_is_of_other(const struct ttf_quilt_factors *bytes,
+                             const struct ttf_sources *sources, unsigned room, bool per_channel,
+                             enum ttf_metric metric)
+{
+    struct header header = {0};
+
+    memcpy(&header, bytes->bytes, bytes->size < sizeof(header) ? bytes->size : sizeof(header));
+    header.pixels = sources->pixels; /* may be others */
+    return check_header(&header, bytes, sources, room, per_channel ? 3 : 1, metric, NULL) == 0 &&
+           digest_of((const uint8_t *)bytes->bytes + sizeof(header),
+                     bytes->size - sizeof(header)) == header.digest;
+}

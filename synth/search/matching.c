@@ -239,6 +239,30 @@ static int learn(const struct ttf_quilt_config *config, const struct ttf_sources
     return r;
 }
 
+int ttf_quilt_factors_check(const struct ttf_quilt_config *config, struct ttf_sequence *input,
+                            bool *ret_other, struct ttf_err *err)
+{
+    struct ttf_sources sources;
+    struct ttf_learner learner = {0};
+    uint8_t *table;
+    int r = ttf_sources_of(config, input, &sources, err);
+
+    *ret_other = false;
+    if (r < 0 || !config->known.bytes || config->per_frame)
+        return r;
+    table = malloc(65536);
+    if (!table)
+        return ttf_err_set(err, -ENOMEM, NULL, "no memory");
+    ttf_metric_table(config->metric, &sources.list[0]->encoding, table);
+    r = ttf_learner_unpack(&config->known, &sources, room_of(config), config->per_channel,
+                           config->metric, table, &learner, err);
+    *ret_other = r == -EINVAL && ttf_learner_is_of_other(&config->known, &sources, room_of(config),
+                                                         config->per_channel, config->metric);
+    ttf_learner_free(&learner);
+    free(table);
+    return r;
+}
+
 static int keep(const struct ttf_quilt_config *config, const struct ttf_learner *learner,
                 struct ttf_err *err)
 {

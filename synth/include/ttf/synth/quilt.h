@@ -238,6 +238,15 @@ TTF_MUST_USE int ttf_quilt_output_frames(const struct ttf_quilt_config *config, 
 size_t ttf_quilt_matching_bytes(const struct ttf_quilt_config *config, uint32_t pixels, uint32_t n);
 
 /*
+ * May what is known (config->known) be gone on with for this input? As ttf_quilt_run will find it, before anything is begun. 0 also
+ * where nothing is known. -EINVAL with words, *ret_other then: they are sound and made by such a configuration, but not of this
+ * input. -ENOMEM, the sequences'.
+ */
+TTF_MUST_USE int ttf_quilt_factors_check(const struct ttf_quilt_config *config,
+                                         struct ttf_sequence *input, bool *ret_other,
+                                         struct ttf_err *err);
+
+/*
  * Finds the map. Memory: bounded by the input's own matching data (see above),
  * not by the output's length. -EINVAL naming what is out of range, -EFBIG if
  * the matching data pass config->memory_bytes, -ECANCELED, -ENOMEM.

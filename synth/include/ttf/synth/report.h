@@ -25,6 +25,8 @@
 struct ttf_report_prepared {
     bool flattened, gradient_reapplied, deflickered, stabilised, reduced, auto_block;
     float gradient_least, gradient_most;
+    double gradient_sigma_px;  /* if flattened */
+    uint32_t deflicker_window; /* frames, if deflickered */
     struct ttf_deflicker_figures deflicker;
     struct ttf_stabilise_figures stabilise;
     struct ttf_feature_size feature;
