@@ -66,6 +66,12 @@ static int reduce(struct quilt_job *job)
     job->prepared.reduced = p->shrink > 1 || p->step > 1;
     job->prepared.shrink = p->shrink;
     job->prepared.step = p->step;
+    job->prepared.estimated_ns = p->total_ns;
+    job->prepared.allowed_ns = cli->opt.time_ns;
+    if (p->total_ns > cli->opt.time_ns)
+        cli_warn(
+            "--time: no preview is estimated to take %.1f s at most; this, the fastest, %.1f s",
+            (double)cli->opt.time_ns / 1e9, (double)p->total_ns / 1e9);
     return 0;
 }
 

@@ -149,9 +149,20 @@ static void put_json(struct quilt_job *job)
     ttf_quilt_report_json(&job->report, j);
 }
 
+static void warn_of_rank(const struct ttf_quilt_report *report)
+{
+    double wanted = ttf_quilt_report_wanted_error(report);
+
+    if (wanted > 0 && report->rank.error > wanted)
+        cli_warn("--rank-error: rank %u, the most there is, misses %.2f %%, not %.4g %%",
+                 report->rank.rank, 100 * report->rank.error, 100 * wanted);
+}
+
 void quilt_say(struct quilt_job *job)
 {
     const struct cli *cli = job->cli;
+
+    warn_of_rank(&job->report);
 
     cli_say(cli, "%s%-17s %s", job->report.simulated ? "SIMULATED\n" : "",
             quilt_sink_name(job->sink), cli->opt.output ? cli->opt.output : "(nothing kept)");

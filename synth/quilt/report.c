@@ -161,6 +161,11 @@ static void put_compression_kind(const struct ttf_quilt_report *report, struct t
     ttf_json_kint(json, "numbers_per_pixel", rank->numbers);
 }
 
+double ttf_quilt_report_wanted_error(const struct ttf_quilt_report *report)
+{
+    return report->config.replay ? 0.0 : report->config.rank_error;
+}
+
 static void put_rank(const struct ttf_quilt_report *report, struct ttf_json *json)
 {
     const struct ttf_quilt_rank_figures *rank = &report->rank;
@@ -171,6 +176,10 @@ static void put_rank(const struct ttf_quilt_report *report, struct ttf_json *jso
     put_compression_kind(report, json);
     put_figure(json, "error", !report->config.replay, rank->error);
     put_figure(json, "rms_over_full_scale", !report->config.replay, rank->rms);
+    if (ttf_quilt_report_wanted_error(report) > 0.0) {
+        ttf_json_kdouble(json, "error_wanted", report->config.rank_error);
+        ttf_json_kbool(json, "error_reached", rank->error <= report->config.rank_error);
+    }
     ttf_json_kint(json, "frames_known_before", rank->known_frames);
     ttf_json_key(json, "errors_by_rank");
     ttf_json_array(json);
@@ -252,6 +261,11 @@ static void put_prepared(const struct ttf_quilt_report *report, struct ttf_json 
     if (p->reduced) {
         ttf_json_kint(json, "shrunk_by", p->shrink);
         ttf_json_kint(json, "frame_step", p->step);
+    }
+    if (p->allowed_ns > 0) {
+        ttf_json_kint(json, "preview_estimated_ns", p->estimated_ns);
+        ttf_json_kint(json, "preview_allowed_ns", p->allowed_ns);
+        ttf_json_kbool(json, "preview_within_time", p->estimated_ns <= p->allowed_ns);
     }
     ttf_json_kbool(json, "block_from_features", p->auto_block);
     if (p->auto_block) {

@@ -4,6 +4,7 @@
 frames.py picture KIND OUT W H    halves (left black, right white), hill (heights), tilt (normals),
                                   photo (a red object and its shadow on a grey ground), plain
 frames.py nudged FOLDER N W H      a still texture whose frames are moved and lit unevenly
+frames.py noise FOLDER N W H       noise, another in each frame
 frames.py pngs FOLDER OUT         exported PNGs, one behind another
 frames.py edges RAW W H           step across the edges over the mean step inside, last frame
 frames.py slope RAW W H           mean red of the right quarter less that of the left, frame 0
@@ -11,6 +12,7 @@ frames.py moved RAW W H X0 X1     mean difference of the first and last frame, c
 frames.py mean RAW W H X Y R T    "R G B" around a place in frame T (negative: from the end)
 """
 import glob
+import random
 import sys
 
 import pictures
@@ -42,6 +44,13 @@ def nudged(folder, n, w, h):
     for t in range(n):
         dx, gain = (2 if t % 5 == 3 else 0), (1.1 if t % 4 == 1 else 1.0)
         rows = [bytes(int(level(x + dx, y) * gain) for x in range(w) for _ in range(3)) for y in range(h)]
+        pictures.write_png(f"{folder}/n{t}.png", w, h, rows)
+
+
+def noise(folder, n, w, h):
+    for t in range(n):
+        draw = random.Random(t)
+        rows = [draw.randbytes(3 * w) for _ in range(h)]
         pictures.write_png(f"{folder}/n{t}.png", w, h, rows)
 
 
@@ -98,6 +107,8 @@ if command == "picture":
     picture(args[0], args[1], int(args[2]), int(args[3]))
 elif command == "nudged":
     nudged(args[0], *map(int, args[1:]))
+elif command == "noise":
+    noise(args[0], *map(int, args[1:]))
 elif command == "pngs":
     pngs(*args)
 else:

@@ -85,6 +85,28 @@ expect 0 "$TTFBOX" synth composite photo.png g --block $((16 / shrunk))x$((16 / 
     --sink raw -o same.rgb --soften "$(awk "BEGIN { print 6 / $shrunk }")"
 cmp small.rgb same.rgb || fail "a shrunk object's edge is as wide as the whole one's"
 
+# ---- a time that cannot be kept is gone beyond, not in silence ----
+preview --size 96x64 --time 1h
+[ -s "$WORK/err" ] && fail "a warning for an hour"
+is report.prepared.preview_within_time true
+preview --size 2000x1500 --memory 1GiB --time 100ms
+said err "--time: no preview is estimated to take 0.1 s"
+is report.prepared.preview_within_time false
+is report.prepared.preview_allowed_ns 100000000
+
+# ---- so is an error that no rank reaches ----
+expect 0 "$TTFBOX" synth quilt d --block 16x16 --sink null --rank-error 20 --json
+[ -s "$WORK/err" ] && fail "a warning for an error that is reached"
+is report.compression.error_reached true
+mkdir noisy && frames noise noisy 40 48 40
+expect 0 "$TTFBOX" import noisy/*.png --interval 1min -o noise
+expect 0 "$TTFBOX" synth quilt noise --block 16x16 --sink null --rank-error 0.1 --json
+said err "--rank-error: rank 64"
+is report.compression.error_reached false
+is report.compression.error_wanted 0.001
+expect 0 "$TTFBOX" synth quilt d --block 16x16 --sink null --json
+grep -q error_wanted "$WORK/out" && fail "no error was wanted"
+
 for left in never never.csv never.svg; do
     [ -e $left ] && fail "a refused synthesis left something"
 done

@@ -31,6 +31,8 @@ struct ttf_report_prepared {
     struct ttf_stabilise_figures stabilise;
     struct ttf_feature_size feature;
     uint32_t shrink, step;
+    int64_t estimated_ns,
+        allowed_ns; /* of a preview: what it was thought to take, and may; 0: none */
 };
 
 /* A dataset that was an input; empty: none, or not sealed. For the report, filled in by who knows. */
@@ -93,6 +95,9 @@ struct ttf_quilt_report {
     int64_t render_ns, sink_ns, metrics_ns, total_ns;
     size_t frame_bytes; /* memory for frames in flight */
 };
+
+/* The error that a rank was chosen for, 0: none. Reached or not: rank.error. */
+double ttf_quilt_report_wanted_error(const struct ttf_quilt_report *report);
 
 /* Writes the report as one JSON object. Errors stick in *json. */
 void ttf_quilt_report_json(const struct ttf_quilt_report *report, struct ttf_json *json);
