@@ -18,7 +18,7 @@ static struct quilt_factors_how how_of(const struct ttf_report_prepared *p)
 {
     struct quilt_factors_how how;
 
-    memset(&how, 0, sizeof how); /* it is compared and written as bytes */
+    memset(&how, 0, sizeof how); /* it is written as bytes */
     memcpy(how.magic, MAGIC, sizeof MAGIC);
     how.byte_order = 1;
     how.shrink = p->reduced ? p->shrink : 1;
@@ -28,6 +28,13 @@ static struct quilt_factors_how how_of(const struct ttf_report_prepared *p)
     how.flattened = p->flattened;
     how.sigma_px = p->flattened ? p->gradient_sigma_px : 0;
     return how;
+}
+
+static bool is_same(const struct quilt_factors_how *a, const struct quilt_factors_how *b)
+{
+    return a->shrink == b->shrink && a->step == b->step && a->stabilised == b->stabilised &&
+           a->deflicker_window == b->deflicker_window && a->flattened == b->flattened &&
+           a->sigma_px == b->sigma_px;
 }
 
 /* Does preparation look at all frames, so that more of them change the others? */
@@ -130,7 +137,7 @@ int quilt_factors_suit(struct quilt_factors *factors, const struct ttf_report_pr
         return 0;
     say_how(&factors->was, was, sizeof was);
     say_how(&factors->is, is, sizeof is);
-    if (factors->told && memcmp(&factors->was, &factors->is, sizeof factors->is) != 0) {
+    if (factors->told && !is_same(&factors->was, &factors->is)) {
         cli_warn("--factors: %s knows the input%s; now it is taken%s: begun anew", cli->opt.factors,
                  was, is);
         return begin_anew(factors, config);

@@ -3,6 +3,7 @@
 #include "quilt_job.h"
 
 #include <errno.h>
+#include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -292,6 +293,9 @@ int quilt_job_run(struct quilt_job *job)
     struct cli *cli = job->cli;
     int r = quilt_options_check(cli, &job->kind);
 
+    /* What one frame's map or one stage took goes back to the system, instead of into the heap. */
+    if (cli->opt.preview)
+        (void)mallopt(M_MMAP_THRESHOLD, 128 * 1024); /* NOLINT(concurrency-mt-unsafe): one thread */
     if (r == 0)
         r = quilt_options_config(cli, job->kind, &job->config);
     if (r == 0 && job->config.width == 0) {

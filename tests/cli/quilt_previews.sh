@@ -51,6 +51,7 @@ within() {
 }
 within 32 --source l --source l --source l --source l
 within 40 --source l --source l --source l
+within 33 --size 96x96 --per-frame # what one frame took is there for the next
 within 60
 plain=$(json preview.estimated_bytes)
 within 60 --agreement 2
