@@ -2,7 +2,7 @@
 /* plan.js: from a sample to a run: what, how often, under which light; checked by the box as one types. */
 import { h, fill, renew, say, ask } from "./dom.js";
 import { get, getText, post, postYaml, putPlan, remove } from "./api.js";
-import { PRESETS, UNITS, nameOf, planText, presetChoice } from "./presets.js";
+import { PRESETS, UNITS, nameOf, planText, presetChoice, startText } from "./presets.js";
 import { picked, withinRegion } from "./picker.js";
 import { forget, keep as keepDraft, kept, putValues, valuesOf } from "./draft.js";
 import { figures, judgement, startOf } from "./verdict.js";
@@ -41,7 +41,7 @@ export function plan(main, box) {
   const name = h("input", { required: true, pattern: "[A-Za-z0-9_\\-][A-Za-z0-9._\\-]{0,63}", maxlength: 64, size: 22, oninput: () => { named_by_hand = true; changed(); } });
   const interval = quantity("A picture every", [10, "min"], ["ms", "s", "min", "h"], changed);
   const duration = quantity("For", [7, "d"], ["s", "min", "h", "d"], changed);
-  const start = h("input", { type: "datetime-local", onchange: changed });
+  const start = h("input", { type: "datetime-local", max: "9999-12-31T23:59", onchange: changed });
   const mode = select("Lamps burn", [["capture-only", "only for the pictures"], ["continuous", "all the time"], ["photoperiod", "as day and night"], ["none", "not at all"]], () => { shown(); changed(); });
   const settle = quantity("Settle before a picture", [20, "s"], ["s", "min"], changed);
   const day = quantity("Day of", [11.5, "h"], ["min", "h"], changed), period = quantity("in every", [24, "h"], ["min", "h", "d"], changed);
@@ -130,7 +130,7 @@ export function plan(main, box) {
   }
 
   function choice() {
-    return { title: title.value, interval: interval.get(), duration: duration.get(), start: start.value ? new Date(start.value).toISOString().replace(/\.\d+Z/, "Z") : null,
+    return { title: title.value, interval: interval.get(), duration: duration.get(), start: startText(start.value),
       mode: mode.e.value, settle: settle.element.hidden ? null : settle.get(), day: day.get(), period: period.get(),
       day_start: dawn.value || null, zone: ZONE, channel: chosen_preset()?.channel,
       camera: camera?.value, lamps: Object.fromEntries(lamps.map(({ lamp, input }) => [lamp.name, Number(input.value)])),

@@ -35,6 +35,14 @@ export function presetChoice(p, lamps) {
     exposure_ms: 20, gain: 1, mains: p.mains || "50Hz", keep: p.keep || "default", region: null, reference: null };
 }
 
+/* When a plan begins, of what a field of day and time holds; null: at once. What is no date goes as it was typed: the box says that it is none. */
+export function startText(typed) {
+  const at = new Date(typed);
+  if (!typed)
+    return null;
+  return Number.isNaN(at.getTime()) ? typed : at.toISOString().replace(/\.\d+Z/, "Z");
+}
+
 /* A plan (firmware/config/README.md) of what the form holds. */
 export function planText(c) {
   const lit = c.mode === "none" ? [] : Object.entries(c.lamps).filter(([, level]) => level > 0);

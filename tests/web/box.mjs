@@ -33,7 +33,7 @@ const { span, today } = await import("./words.js");
 const { stateWords } = await import("./state.js");
 const { startOf } = await import("./verdict.js");
 const { advice, histogram, marked, sharpness, spoiled } = await import("./aids.js");
-const { planText, presetChoice, PRESETS } = await import("./presets.js");
+const { planText, presetChoice, startText, PRESETS } = await import("./presets.js");
 const { lastSlot, pictured, slotOf, spread } = await import("./timeline.js");
 await import("./plot.js");
 answers.set("session", [200, { box: true, read: true, change: true }]);
@@ -220,6 +220,9 @@ async function states_and_days_read_well() {
   assert.equal(startOf("start: 2026-03-29T06:00:00+02:00 # summer\n"), Date.UTC(2026, 2, 29, 4));
   assert.equal(startOf("start: 2026-03-29T06:00:00Z\n"), Date.UTC(2026, 2, 29, 6));
   assert.equal(startOf('start: "06:00"\n'), null, "of a zone that the box knows");
+  assert.equal(startText(""), null);
+  assert.equal(startText("2026-11-27T08:00"), "2026-11-27T07:00:00Z");
+  assert.match(planText({ ...presetChoice(PRESETS[0], ["left"]), start: startText("202608-11-27T08:00") }), /^start: 202608-11-27T08:00$/m, "what is no date is not lost: the box is to refuse it");
   const text = planText({ ...presetChoice(PRESETS[0], ["left"]), title: 'a "b" \\ c\u0085d\u2028e\u0007f\nstart: now' });
   assert.match(text, /^title: "a \\"b\\" \\\\ c d e f start: now"\n/, "a title is one line, whatever was pasted into it");
 }
