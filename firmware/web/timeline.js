@@ -96,8 +96,11 @@ export function timeline(parent, name, moved) {
     if (!img.complete)
       return;
     const all = pictured(columns), at = Number(slider.value);
-    if (all.length)
-      pick(all.find((slot) => slot > at) ?? all[0], true);
+    if (!all.length)
+      return;
+    const next = all.find((slot) => slot > at) ?? all[0];
+    following = next === Number(slider.max);
+    pick(next, false); /* nobody chose it */
   }
 
   /* Buttons stay: somebody may be at one of them. */

@@ -125,6 +125,12 @@ async function a_dataset_grows_under_ones_eyes() {
   assert.equal(await noted(), `slot ${slot}, chosen above`, "a note is of the slot that it was begun for");
   await slider.fill("5");
   assert.equal(await noted(), "slot 5, chosen above");
+  const shown_slot = async () => Number((await caption.textContent()).match(/^Slot (\d+)/)[1]);
+  await page.getByRole("button", { name: "Play", exact: true }).first().click();
+  await until("pictures go by", async () => await shown_slot() !== 5);
+  await page.getByRole("button", { name: "Pause", exact: true }).first().click();
+  assert.equal(await noted(), "slot 5, chosen above", "what goes by while it plays is nobody's choice");
+  await slider.fill("5");
   await grow(2);
   await page.waitForTimeout(300);
   assert.match(await caption.textContent(), /^Slot 5,/, "who looks at one slot goes on looking at it");
