@@ -12,11 +12,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "ttf/dataset/json_parse.h"
+#include "previews.h"
 
 #define FRAMES_MAX  256
 #define FRAME_MAX   ((int64_t)16 << 20) /* bytes of one */
-#define STATE_MAX   ((size_t)256 << 10)
 #define PER_SECOND  8
 #define HEAD        224 /* bytes before the first frame's chunk */
 #define CHUNK       8   /* bytes of a chunk's head */
@@ -57,23 +56,6 @@ static void video_free(void *ctx)
 
 /* ---- what is in it ---- */
 
-static int read_state(struct video *v, json_t **ret)
-{
-    char *text = malloc(STATE_MAX);
-    struct stat st;
-    int fd = text ? folder_preview(v->folder, v->dataset, "state.json", &st) : -ENOMEM;
-    ssize_t n = 0;
-    int r = fd;
-
-    if (fd >= 0) {
-        n = pread(fd, text, STATE_MAX, 0);
-        (void)close(fd);
-        r = n < 0 ? -errno : ttf_json_parse(text, (size_t)n, ret, NULL);
-    }
-    free(text);
-    return r;
-}
-
 static int add_frame(struct video *v, json_t *frame)
 {
     const char *path = json_string_value(json_object_get(frame, "path"));
@@ -102,11 +84,14 @@ static int add_frame(struct video *v, json_t *frame)
 static int find_frames(struct video *v)
 {
     json_t *state = NULL, *frames, *frame;
-    int r = read_state(v, &state);
+    struct stat st;
+    int fd = previews_open(v->folder, v->dataset, &st, &state);
+    int r;
     size_t i;
 
-    if (r < 0)
-        return r;
+    if (fd < 0)
+        return fd;
+    (void)close(fd);
     frames = json_object_get(state, "frames");
     v->width = (uint32_t)json_integer_value(json_object_get(state, "width"));
     v->height = (uint32_t)json_integer_value(json_object_get(state, "height"));

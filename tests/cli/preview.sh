@@ -220,9 +220,14 @@ refresh --room 1000TB
 [ "$(state images)" = 120 ] || fail "it works where there is no room"
 
 # ---- another dataset of the same name has no preview yet ----
+frame=$(state frames.0.path)
+get "$URL/datasets/grass/preview/$frame" 200
 rm -rf data/grass
 "$TTFBOX" capture grass.yaml "${SMALL[@]}" -o whole2 -q >/dev/null || fail "no second capture"
 "$PYTHON" "$HERE/grow.py" whole2 data/grass 12 || fail "it does not grow"
+[ "$(state state)" = none ] || fail "the preview of the dataset before is shown as this one's"
+get "$URL/datasets/grass/preview/$frame" 404
+get "$URL/datasets/grass/preview.avi" 404
 refresh
 [ "$(state images)" = 12 ] || fail "the preview is of the dataset before"
 is generation 1
