@@ -78,13 +78,13 @@ static void on_power_back(void *ctx, int64_t back_ns)
              (double)back_ns / (double)TTF_NS_PER_H);
 }
 
-static void on_armed_box(void *ctx, const struct ttf_box *box,
+static void on_armed_box(void *ctx, const struct ttf_box *box, const struct ttf_plan *plan,
                          const struct ttf_plan_figures *figures)
 {
     struct daemon *d = ctx;
 
     shadow_take(d->shadow, box);
-    situation_slot_bytes(d->situation, figures->slot_bytes);
+    situation_storage(d->situation, figures->slot_bytes, plan->reserve_bytes);
 }
 
 void runs_prepare(struct daemon *d)

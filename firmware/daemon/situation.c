@@ -18,7 +18,7 @@ struct situation {
     bool has_run, by_request, sealed;
     int64_t run; /* its number */
     char dataset[65], plan[65], second[512];
-    int64_t slot_bytes; /* 0: not known */
+    int64_t slot_bytes, reserve_bytes; /* 0: not known */
     struct course course;
     struct alarms alarms;
 };
@@ -101,7 +101,7 @@ int64_t situation_run(struct situation *s, const struct order *order, const char
         s->run += s->has_run;
         course_forget(&s->course);
         s->sealed = false;
-        s->slot_bytes = 0;
+        s->slot_bytes = s->reserve_bytes = 0;
         s->second[0] = '\0';
     }
     if (second && strcmp(s->second, second) != 0) {
@@ -118,10 +118,11 @@ int64_t situation_run(struct situation *s, const struct order *order, const char
     return run;
 }
 
-void situation_slot_bytes(struct situation *s, int64_t bytes)
+void situation_storage(struct situation *s, int64_t slot_bytes, int64_t reserve_bytes)
 {
     lock(s);
-    s->slot_bytes = bytes;
+    s->slot_bytes = slot_bytes;
+    s->reserve_bytes = reserve_bytes;
     unlock(s);
 }
 
@@ -272,6 +273,8 @@ static void put_run(const struct situation *s, struct ttf_json *json)
     course_put(&s->course, moving(s), ttf_clock_now_ns(s->clock), json);
     if (s->slot_bytes > 0)
         ttf_json_kint(json, "slot_bytes", s->slot_bytes);
+    if (s->reserve_bytes > 0)
+        ttf_json_kint(json, "reserve_bytes", s->reserve_bytes);
     ttf_json_kbool(json, "sealed", s->sealed);
     ttf_json_object_end(json);
 }

@@ -39,7 +39,8 @@ void situation_destroy(struct situation *situation);         /* NULL allowed */
  * none; NULL: that is not known, and what was known of this run holds. Returns its number, another one for each dataset.
  */
 int64_t situation_run(struct situation *situation, const struct order *order, const char *second);
-void situation_slot_bytes(struct situation *situation, int64_t bytes);
+/* What a slot takes, and what the plan leaves free: with less than both a slot is missed. */
+void situation_storage(struct situation *situation, int64_t slot_bytes, int64_t reserve_bytes);
 void situation_sealed(struct situation *situation);
 
 /* why: NULL or empty: nothing to be said. retry_ns: until it is tried again, TTF_NS_UNKNOWN: it is not. true: it is another than before. */

@@ -92,7 +92,7 @@ static int prepare_plan(struct run *run, const struct ttf_box *box, struct ttf_e
     if (r < 0)
         ttf_plan_file_place(run->file, err);
     else if (run->box_ready)
-        run->box_ready(run->box_ready_ctx, box, &figures);
+        run->box_ready(run->box_ready_ctx, box, ttf_plan_file_plan(run->file), &figures);
     return r;
 }
 

@@ -33,7 +33,8 @@ struct run {
     void (*power_back)(void *ctx, int64_t back_ns);
     void *power_back_ctx;
     /* The box of a run is made, and the plan fits it. NULL allowed. */
-    void (*box_ready)(void *ctx, const struct ttf_box *box, const struct ttf_plan_figures *figures);
+    void (*box_ready)(void *ctx, const struct ttf_box *box, const struct ttf_plan *plan,
+                      const struct ttf_plan_figures *figures);
     void *box_ready_ctx;
 
     /* found by run_look */

@@ -67,8 +67,7 @@ export function now(main, box) {
     ]));
     fill(disk, facts([
       status.disk && ["Disk", `${bytes(status.disk.free_bytes)} free of ${bytes(status.disk.total_bytes)}`],
-      status.disk && run?.slot_bytes && ["Room for", count(Math.floor(status.disk.free_bytes / run.slot_bytes), "more slot") +
-        (run.slots && (run.slots - (run.done || 0)) * run.slot_bytes > status.disk.free_bytes ? ": not enough for this run" : "")],
+      status.disk && run?.slot_bytes && ["Room for", room_words(status.disk, run)],
       status.board && ["Board", status.board],
       status.time && ["Clock", clock_words(status.time)],
       ["Software", status.version],
@@ -81,6 +80,12 @@ export function now(main, box) {
     renew(alarms, list, () => (list.length ? [h("h2", { class: "bad" }, "A person is needed"), h("ul", { class: "alarms" }, list.map((text) => h("li", {}, text)))] : []));
     draw_buttons(status);
     tick();
+  }
+
+  /* Beyond the plan's reserve: slots that would take of it are missed. */
+  function room_words({ free_bytes }, { slot_bytes, reserve_bytes = 0, slots, done = 0 }) {
+    const fit = Math.max(0, Math.floor((free_bytes - reserve_bytes) / slot_bytes));
+    return count(fit, "more slot") + (slots && slots - done > fit ? ": not enough for this run" : "");
   }
 
   function signed(ns) {

@@ -310,6 +310,14 @@ async function slots_arrive_and_the_countdown_runs() {
   const known = (await page.locator(".now dl.facts").allTextContents()).join(" ");
   for (const what of [/Time left[\d.]+ seconds?, until /, /Disk[\d.]+ [kMGT]?B free of [\d.]+ [kMGT]?B/, /Room for[\d,]+ more slots?/, /Interval1 second/])
     assert.match(known, what);
+  const { slot_bytes, reserve_bytes } = await run();
+  assert.equal(reserve_bytes, 256 << 20, "what a plan leaves free unless it says otherwise");
+  await page.route("**/api/v1/status", async (route) => {
+    const status = await (await route.fetch()).json();
+    await route.fulfill({ json: { ...status, disk: { ...status.disk, free_bytes: reserve_bytes + 3 * slot_bytes - 1 } } });
+  });
+  await page.getByText(/^2 more slots/).waitFor(); /* beyond the reserve: others would be missed */
+  await page.unroute("**/api/v1/status");
   await go("Datasets");
   const counted = page.locator(".card", { hasText: NAME }).getByText(/^\d+ slots?: /), before = await counted.textContent();
   await page.getByRole("link", { name: NAME }).focus();

@@ -104,7 +104,9 @@ static void a_run_is_followed_from_arming_to_its_end(void **state)
     status = status_of(s);
     assert_string_equal(word(status, "state"), "arming");
     assert_int_equal(number(status, "run.next.index"), -1);
+    assert_int_equal(number(status, "run.reserve_bytes"), -1);
     json_decref(status);
+    situation_storage(s, 1000, 5000);
     situation_segment(s, "grass", COURSE_FIRST, &segment);
     assert_true(situation_letter(s, &letter));
     situation_record(s, "grass", COURSE_FIRST, &record,
@@ -115,6 +117,8 @@ static void a_run_is_followed_from_arming_to_its_end(void **state)
     status = status_of(s);
     assert_string_equal(word(status, "state"), "capturing");
     assert_int_equal(number(status, "run.slots"), 10);
+    assert_int_equal(number(status, "run.slot_bytes"), 1000);
+    assert_int_equal(number(status, "run.reserve_bytes"), 5000);
     assert_int_equal(number(status, "run.done"), 1);
     assert_int_equal(number(status, "run.results.captured"), 1);
     assert_int_equal(number(status, "run.next.index"), 1);
