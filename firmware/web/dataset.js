@@ -23,7 +23,7 @@ async function columns(name, unwanted) {
 }
 
 export function dataset(main, box, name) {
-  let ended = false, timer = 0, last = "", uuid, busy = false, wanted = false;
+  let ended = false, timer = 0, last = "", uuid, busy = false, wanted = false, news = false; /* something happened: with or without a slot */
   const head = h("div"), wrong = h("p", { class: "bad", role: "alert" }), time = h("section", { class: "card wide timeline" }), drawn = h("section", { class: "card wide" });
   const happenings = h("ul", { class: "notes" }, h("li", {}, "…"));
   const events = h("section", { class: "card" }, h("h2", {}, "Events"), h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Events, newest first" }, happenings)), people = h("section", { class: "card" }), home = h("section", { class: "card" }), deep = h("section", { class: "card wide" });
@@ -61,13 +61,15 @@ export function dataset(main, box, name) {
         scrubber.show(got);
         chart.show(got);
         looked.show(got, about);
-        await happened();
-        last = key; /* what failed is asked for again */
       }
+      if (key !== last || news)
+        await happened();
+      last = key; /* what failed is asked for again */
       say(wrong, "");
     } catch (error) {
       if (!ended)
         say(wrong, error.text || error.message);
+      news = true;
       wanted = error.status !== 404 && error.status !== 401;
     }
     busy = false;
@@ -95,6 +97,7 @@ export function dataset(main, box, name) {
   }
 
   async function happened() {
+    news = false; /* what happens from here on is asked for by itself */
     const lines = (await getLines(name, "events", EVENTS_BYTES)).slice(-200).reverse();
     if (ended)
       return;
@@ -111,7 +114,13 @@ export function dataset(main, box, name) {
     }, REFRESH_MS);
   }
 
-  const off = box.on({ slot: ({ detail }) => detail.dataset === name && soon(), state: soon, stale: soon });
+  /* A stop, a door that opens: its line may be the last one, or come an hour before the next slot. */
+  function soon_with_news() {
+    news = true;
+    soon();
+  }
+
+  const off = box.on({ slot: ({ detail }) => detail.dataset === name && soon(), event: ({ detail }) => detail.dataset === name && soon_with_news(), state: soon_with_news, stale: soon_with_news });
   refresh();
   return () => {
     ended = true;

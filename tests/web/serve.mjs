@@ -117,6 +117,8 @@ async function a_dataset_grows_under_ones_eyes() {
     assert.ok(await place.evaluate((e) => e === document.activeElement), `${what} stays where it is`);
   }
   await until("its rows", async () => await table.locator("tbody tr").count() === has);
+  appendFileSync("data/growing/events.jsonl", `${JSON.stringify({ boot: 0, at_boot_ns: 1, kind: "door", text: "opened between two slots" })}\n`);
+  await page.getByText("opened between two slots").waitFor();
   const about = page.getByLabel("About"), noted = () => about.evaluate((e) => e.selectedOptions[0].textContent);
   await about.selectOption("slot");
   const slot = has - 1;
