@@ -8,6 +8,11 @@ import { count, when } from "./words.js";
 
 const STRIP = 10, PLAY_MS = 160;
 
+/* Which of the frames is of this slot, or of the one next to it. */
+export function nearest(frames, slot) {
+  return frames.reduce((best, frame, i) => (Math.abs(frame.slot - slot) < Math.abs(frames[best].slot - slot) ? i : best), 0);
+}
+
 export function preview(parent, box, name) {
   let ended = false, frames = [];
   const captured = h("img", { alt: "" }), grown = h("img", { alt: "" }), caption = h("p", { class: "quiet" }), about = h("p", { class: "quiet" });
@@ -57,6 +62,7 @@ export function preview(parent, box, name) {
     }
     if (ended)
       return;
+    const seen = frames[Number(slider.value)], newest = seen === frames.at(-1); /* at first: both none */
     frames = state.frames || [];
     parent.hidden = frames.length === 0 && state.state !== "failed";
     if (state.state === "failed")
@@ -66,10 +72,8 @@ export function preview(parent, box, name) {
     pictures.hidden = !frames.length;
     if (!frames.length)
       return;
-    const was = Number(slider.max);
     slider.max = frames.length - 1;
-    if (was === 0)
-      slider.value = frames.length - 1;
+    slider.value = newest ? frames.length - 1 : nearest(frames, seen.slot); /* who looks at one moment goes on looking at it */
     draw_strip();
     show();
   }

@@ -34,6 +34,7 @@ const { stateWords } = await import("./state.js");
 const { startOf } = await import("./verdict.js");
 const { advice, histogram, marked, sharpness, spoiled } = await import("./aids.js");
 const { planText, presetChoice, startText, PRESETS } = await import("./presets.js");
+const { nearest } = await import("./preview.js");
 const { lastSlot, pictured, slotOf, spread } = await import("./timeline.js");
 await import("./plot.js");
 answers.set("session", [200, { box: true, read: true, change: true }]);
@@ -207,6 +208,11 @@ async function a_slot_is_found_among_points() {
   assert.deepEqual(spread([], 10), []);
 }
 
+function a_previews_frame_is_found_by_its_slot() {
+  const frames = [0, 4, 10, 12].map((slot) => ({ slot }));
+  assert.deepEqual([0, 4, 7, 8, 11, 99].map((slot) => nearest(frames, slot)), [0, 1, 1, 2, 2, 3]);
+}
+
 async function states_and_days_read_well() {
   const capturing = stateWords({ state: "capturing", run: { done: 3, slots: 9 } }, false);
   assert.deepEqual([capturing.text, capturing.said], ["Capturing 3/9", "Capturing"], "what is read out does not change with each slot");
@@ -264,7 +270,7 @@ async function exposure_and_focus_are_judged_by_pixels() {
 
 for (const part of [an_error_is_no_news_of_the_box, an_order_ends_when_the_box_was_started_again, an_order_that_nobody_answers_ends,
   the_time_left_goes_on_when_a_slot_comes, of_two_pages_that_listen_one_gives_way_at_once, where_there_are_locks_its_holder_listens, times_and_axes_read_well, a_slot_of_another_run_is_not_counted_to_this_one,
-  what_may_be_old_is_said_to_be, a_token_given_on_one_page_is_known_on_the_others, a_slot_is_found_among_points, states_and_days_read_well, exposure_and_focus_are_judged_by_pixels]) {
+  what_may_be_old_is_said_to_be, a_token_given_on_one_page_is_known_on_the_others, a_slot_is_found_among_points, a_previews_frame_is_found_by_its_slot, states_and_days_read_well, exposure_and_focus_are_judged_by_pixels]) {
   await part();
   console.log(part.name.replaceAll("_", " "));
 }

@@ -455,7 +455,7 @@ async function the_preview_is_beside_what_was_captured() {
   await card.waitFor({ state: "hidden" });
   execFileSync(previewer, ["--folder", "data", "--ttfbox", ttfbox, "--room", "1MB", "--time", "5s", "--eager", "--once"], { stdio: "pipe" });
   await card.waitFor({ state: "visible" });
-  const { frames, width } = await daemon.ask(`datasets/${NAME}/preview`), strip = card.getByRole("group", { name: /captured above, synthesized below/ });
+  const made = await daemon.ask(`datasets/${NAME}/preview`), { frames, width } = made, strip = card.getByRole("group", { name: /captured above, synthesized below/ });
   assert.equal(await strip.getByRole("button").count(), Math.min(10, frames.length));
   for (const [at, frame] of [[0, frames[0]], [-1, frames.at(-1)]]) {
     const moment = strip.getByRole("button").nth(at), [captured, grown] = await moment.locator("img").evaluateAll((all) => all.map((e) => e.getAttribute("src")));
@@ -466,6 +466,15 @@ async function the_preview_is_beside_what_was_captured() {
       await until(`${name} of slot ${frame.slot}`, () => card.getByRole("img", { name }).evaluate((e, src) => e.complete && e.naturalWidth > 0 && e.src.endsWith(src), end));
   }
   await until("every picture of the strip", () => strip.locator("img").evaluateAll((all) => all.every((e) => e.complete && e.naturalWidth > 0)));
+  await strip.getByRole("button").nth(1).click();
+  const moment = await card.getByText(/^Slot \d+$/).textContent(), { slot } = frames.find((frame) => `Slot ${frame.slot}` === moment), at = frames.findIndex((frame) => frame.slot === slot);
+  await page.route("**/preview", (route) => route.fulfill({ json: { ...made, frames: frames.slice(1) } }));
+  await come_back();
+  await until("another preview is there", async () => await card.getByRole("slider").getAttribute("max") === String(frames.length - 2));
+  assert.equal(await card.getByText(/^Slot \d+$/).textContent(), moment, `who looks at one moment goes on looking at it: it was frame ${at}`);
+  await page.unroute("**/preview");
+  await come_back();
+  await until("the preview is there again", async () => await card.getByRole("slider").getAttribute("max") === String(frames.length - 1));
   const [download] = await Promise.all([page.waitForEvent("download"), card.getByRole("link", { name: "Download the preview as a video" }).click()]);
   assert.equal(download.suggestedFilename(), `${NAME}-preview.avi`);
   await download.saveAs("preview.avi");
