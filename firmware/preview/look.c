@@ -11,6 +11,17 @@
 
 #define NEWEST_LOOKED_AT 8
 
+static bool has(const struct ttf_slot_record *record, const char *role)
+{
+    for (unsigned i = 0; i < record->n_images; i++) {
+        for (unsigned k = 0; k < record->images[i].n_files; k++) {
+            if (strcmp(record->images[i].files[k].role, role) == 0)
+                return true;
+        }
+    }
+    return false;
+}
+
 static int take_line(void *ctx, const struct ttf_growth_line *line, struct ttf_err *err)
 {
     struct preview_subject *subject = ctx;
@@ -25,12 +36,11 @@ static int take_line(void *ctx, const struct ttf_growth_line *line, struct ttf_e
     r = ttf_growth_slot(line, &record, err);
     if (r < 0)
         return r == -ENOMEM ? r : 0;
-    for (unsigned i = 0; i < record.n_images; i++) {
-        if (record.images[i].n_files == 0)
-            continue;
+    if (has(&record, "developed")) {
         subject->images++;
         subject->last_index = record.index;
-        break;
+    } else if (has(&record, "raw")) {
+        subject->raw++;
     }
     ttf_slot_record_free(&record);
     return 0;

@@ -215,6 +215,21 @@ static void rest(struct ttf_clock *clock, int64_t for_ns)
         (void)ttf_clock_wait_until(clock, ttf_clock_now_ns(clock) + STOP_NS);
 }
 
+/* Nothing is synthesized of raw frames: that is said once, and not tried. */
+static int say_raw(const struct preview_options *o, struct ttf_io *io, struct ttf_clock *clock,
+                   struct preview_subject *subject, struct ttf_err *err)
+{
+    struct preview_cache cache;
+    int r = preview_cache_open(io, o->folder, subject, &cache, err);
+
+    if (r == 0 && (!cache.kept || cache.tried_images > 0))
+        r = preview_cache_fail(io, &cache, subject, "only raw frames: develop the dataset first",
+                               utc_ns(clock), err);
+    subject->raw_said = r == 0;
+    preview_cache_close(&cache);
+    return r;
+}
+
 /* One look; 0 also where there is nothing to do. */
 static int look(const struct preview_options *o, struct ttf_io *io, struct ttf_clock *clock,
                 struct preview_subject *subject, int64_t *last_ns, struct ttf_err *err)
@@ -224,6 +239,8 @@ static int look(const struct preview_options *o, struct ttf_io *io, struct ttf_c
 
     if (r < 0)
         return r == -ENOENT || r == -ESTALE ? 0 : r;
+    if (subject->images == 0 && subject->raw >= IMAGES_MIN && !subject->raw_said)
+        return say_raw(o, io, clock, subject, err);
     if (subject->images < IMAGES_MIN ||
         (*last_ns != TTF_NS_UNKNOWN && ttf_clock_now_ns(clock) - *last_ns < o->every_ns))
         return 0;

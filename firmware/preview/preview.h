@@ -41,7 +41,9 @@ struct preview_subject {
     char uuid[37];
     bool ended;
     struct ttf_growth growth;
-    int64_t images; /* slots with an image */
+    int64_t images; /* slots with a developed image */
+    int64_t raw;    /* slots with raw frames alone */
+    bool raw_said;
     int64_t last_index;
     char passed_over[65]; /* the newest folder, if its manifest cannot be read; empty: none */
 };

@@ -66,7 +66,7 @@ export function preview(parent, box, name) {
     frames = state.frames || [];
     parent.hidden = frames.length === 0 && state.state !== "failed";
     if (state.state === "failed")
-      say(about, `The last try failed: ${state.why}. It is tried again when there are more pictures.`);
+      say(about, state.tried_images === 0 ? `There is none: ${state.why}.` : `The last try failed: ${state.why}. It is tried again when there are more pictures.`);
     else if (frames.length)
       say(about, `From ${count(state.images, "picture")}, ${state.width} x ${state.height} pixels, each standing for ${state.shrunk_by} x ${state.shrunk_by} of the captured ones; made ${when(state.made_utc_ns)}.`);
     pictures.hidden = !frames.length;

@@ -232,4 +232,14 @@ refresh
 [ "$(state images)" = 12 ] || fail "the preview is of the dataset before"
 is generation 1
 expect 0 "$TTFBOX" verify data/grass
+
+# ---- of raw frames alone there can be none: that is said, and not tried ----
+plan raw.yaml 'interval: 10s' 'count: 12' 'shot: {exposure: 10ms}' 'keep: raw'
+"$TTFBOX" capture raw.yaml "${SMALL[@]}" -o data/raw -q >/dev/null || fail "no capture of raw frames"
+touch -d tomorrow data/raw/records.jsonl
+refresh --ttfbox "$PWD/none-such"
+get "$URL/datasets/raw/preview" 200
+is state failed
+is why "only raw frames: develop the dataset first"
+is tried_images 0
 unserve

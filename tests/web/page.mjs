@@ -451,6 +451,10 @@ async function the_preview_is_beside_what_was_captured() {
   await card.getByText("The last try failed: there was no room.").waitFor();
   assert.equal(await card.getByRole("button").count(), 0, "of a preview that failed there is nothing to play");
   await page.unroute("**/preview");
+  await page.route("**/preview", (route) => route.fulfill({ json: { state: "failed", why: "only raw frames: develop the dataset first", tried_images: 0, frames: [] } }));
+  await come_back();
+  await card.getByText("There is none: only raw frames: develop the dataset first.", { exact: true }).waitFor();
+  await page.unroute("**/preview");
   await come_back();
   await card.waitFor({ state: "hidden" });
   execFileSync(previewer, ["--folder", "data", "--ttfbox", ttfbox, "--room", "1MB", "--time", "5s", "--eager", "--once"], { stdio: "pipe" });
