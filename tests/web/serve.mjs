@@ -100,16 +100,27 @@ async function each_of_ten_thousand_slots_can_be_reached() {
 /* Nothing is taken from under somebody's fingers because a slot came. */
 async function a_dataset_grows_under_ones_eyes() {
   let has = HAS;
-  const grow = async (slots) => {
+  const add = (slots) => {
     appendFileSync("data/growing/records.jsonl", lines.slice(before + has, before + has + slots).map((line) => `${line}\n`).join(""));
     has += slots;
+  };
+  const grow = async (slots) => {
+    add(slots);
     await page.getByText(`${has}: ${has} captured`).waitFor();
   };
+  await page.goto(`${url}/#/data`);
+  for (const name of ["grass", "growing"]) {
+    const link = page.getByRole("link", { name, exact: true });
+    await link.focus();
+    add(1);
+    await page.getByText(`${has} slots: ${has} captured`, { exact: true }).waitFor();
+    assert.ok(await link.evaluate((e) => e === document.activeElement), `in the list the link of ${name} stays where it is`);
+  }
   await open("growing");
-  await until("the newest slot", async () => (await caption.textContent()).startsWith(`Slot ${HAS - 1},`));
+  await until("the newest slot", async () => (await caption.textContent()).startsWith(`Slot ${has - 1},`));
   const chart = page.locator(".plot", { hasText: "Mean level" }), table = page.getByRole("region", { name: "Mean level as a table" });
   await chart.getByText("As a table").click();
-  await until("its rows", async () => await table.locator("tbody tr").count() === HAS);
+  await until("its rows", async () => await table.locator("tbody tr").count() === has);
   for (const [what, place] of [["the download", page.getByRole("link", { name: "Download as a tar" })], ["the table", table], ["a picture of the strip", page.locator(".strip button").nth(4)]]) {
     await place.focus();
     await grow(1);
