@@ -9,30 +9,34 @@ import { exposureWords } from "./words.js";
 const LOUPE = 160; /* pixels of the camera, shown as they are */
 const PAUSE_MS = 150, AGAIN_MS = 2000; /* until the next picture; where that failed, or would be that of a slot */
 
+/* A slider of a lamp's own levels: its last stop is full light, into however many they are parted. */
+const stopsOf = ({ steps }) => Math.min(1000, Math.max(1, steps || 1000));
+
 function settings_form(about, again) {
   const camera = h("select", { onchange: again }, (about.cameras || []).map((c) => h("option", { value: c.name }, `${c.name} (${c.width} x ${c.height})`)));
   const exposure = h("input", { type: "number", min: 0.001, step: "any", placeholder: "by itself", value: picked().exposure_ms || "", onchange: again });
   const gain = h("input", { type: "number", min: 0.1, step: "any", placeholder: "1", value: picked().gain || "", onchange: again });
   const lamps = (about.lamps || []).map((lamp) => {
-    const input = h("input", { type: "range", min: 0, max: 1000, step: lamp.steps > 1 ? Math.max(1, Math.round(1000 / lamp.steps)) : 1000, value: 0, onchange: again, oninput: tell, "aria-label": `Lamp ${lamp.name}` }), level = h("output");
+    const input = h("input", { type: "range", min: 0, max: stopsOf(lamp), step: 1, value: 0, onchange: again, oninput: tell, "aria-label": `Lamp ${lamp.name}` }), level = h("output");
+    const permille = () => Math.round(1000 * input.value / stopsOf(lamp));
     function tell() {
-      level.textContent = `${input.value / 10} %`;
+      level.textContent = `${permille() / 10} %`;
       input.setAttribute("aria-valuetext", level.textContent);
     }
     tell();
-    return { lamp, input, label: h("label", {}, `Lamp ${lamp.name}`, input, level) };
+    return { lamp, permille, label: h("label", {}, `Lamp ${lamp.name}`, input, level) };
   });
   const form = h("div", { class: "stack" },
     (about.cameras || []).length > 1 && h("label", { class: "field" }, "Camera", camera),
     h("div", { class: "fields" }, h("label", { class: "field" }, "Exposure, ms", exposure), h("label", { class: "field" }, "Gain", gain)),
     lamps.map(({ label }) => label));
-  const lit = () => lamps.filter(({ input }) => input.value > 0);
+  const lit = () => lamps.filter(({ permille }) => permille() > 0);
   return { form, chosen: () => ({ exposure_ms: Number(exposure.value) || 0, gain: Number(gain.value) || 0 }),
     choose(seen) {
       exposure.value = seen.exposure_ms;
       gain.value = seen.gain || "";
     },
-    lamps: () => Object.fromEntries(lit().map(({ lamp, input }) => [lamp.name, input.value / 10])), camera: () => (about.cameras || []).find((c) => c.name === camera.value) || about.cameras?.[0],
+    lamps: () => Object.fromEntries(lit().map(({ lamp, permille }) => [lamp.name, permille() / 10])), camera: () => (about.cameras || []).find((c) => c.name === camera.value) || about.cameras?.[0],
     query() {
       const q = new URLSearchParams();
       if (camera.value)
@@ -42,7 +46,7 @@ function settings_form(about, again) {
       if (gain.value > 0)
         q.set("gain_milli", Math.round(gain.value * 1000));
       if (lit().length)
-        q.set("lamps", lit().map(({ lamp, input }) => `${lamp.name}:${input.value}`).join(","));
+        q.set("lamps", lit().map(({ lamp, permille }) => `${lamp.name}:${permille()}`).join(","));
       return q;
     } };
 }

@@ -136,7 +136,7 @@ async function focus_is_measured_in_the_cameras_own_pixels() {
     return canvas.toDataURL("image/jpeg");
   })).split(",")[1], "base64");
   const about = await daemon.ask("box"), regions = [];
-  await page.route("**/api/v1/box", (route) => route.fulfill({ json: { ...about, cameras: about.cameras.map((c) => ({ ...c, width: 4 * c.width, height: 4 * c.height })) } }));
+  await page.route("**/api/v1/box", (route) => route.fulfill({ json: { ...about, cameras: about.cameras.map((c) => ({ ...c, width: 4 * c.width, height: 4 * c.height })), lamps: about.lamps.map((lamp) => ({ ...lamp, steps: 7 })) } }));
   await page.route("**/live?*", async (route) => {
     const region = new URL(route.request().url()).searchParams.get("region");
     if (!region)
@@ -153,6 +153,11 @@ async function focus_is_measured_in_the_cameras_own_pixels() {
   await page.keyboard.press("ArrowRight");
   await until("another place is looked at", () => regions.at(-1) === `${2 * width - 80 + 32},${2 * height - 80},160,160`);
   await page.getByText("of the best so far, 0.0").waitFor();
+  const lamp = page.getByRole("slider", { name: "Lamp left", exact: true });
+  await lamp.press("ArrowRight");
+  assert.equal(await lamp.getAttribute("aria-valuetext"), "14.3 %", "of a lamp of seven levels, one");
+  await lamp.press("End");
+  assert.equal(await lamp.getAttribute("aria-valuetext"), "100 %", "and all");
   await page.unroute("**/live?*");
   await page.unroute("**/api/v1/box");
   await page.reload();
