@@ -210,6 +210,16 @@ static int64_t gaps_of(const struct known *known)
     return without(known->gaps_ns, known->doubted_ns);
 }
 
+/* A dataset of before these were said lets slots be taken back as many as there were. */
+static void know_sums(struct known *sure, const struct ttf_segment *first)
+{
+    sure->gaps_ns = first->run_gaps_ns;
+    sure->doubted_ns = first->run_doubted_ns;
+    sure->given_up_ns = first->run_given_up_ns;
+    if (sure->slot0_utc_ns != TTF_NS_UNKNOWN)
+        sure->slot0_utc_ns += first->run_gaps_ns;
+}
+
 /*
  * What the dataset that a run moved on from knew: outages up to the first segment are what UTC of slot 0 is later by.
  * Where a clock of the present boot says it, it says nothing of the last slot of one before.
@@ -227,6 +237,8 @@ static void go_on_from_before(struct known *all, struct known *sure, struct ttf_
                           .given_up_ns = ttf_timeline_elapsed_ns(first, 1)};
     if (trust != TTF_TRUST_HOST)
         *sure = *all;
+    if (first->run_gaps_ns != TTF_NS_UNKNOWN)
+        know_sums(sure, first);
     if (first->origin_utc_ns != TTF_NS_UNKNOWN && strcmp(first->boot_id, boot_id) == 0)
         return;
     past->last_trust = trust;
@@ -271,13 +283,16 @@ void ttf_timeline_run_utc(struct ttf_segment *segment, const struct ttf_run_past
     go_on_now(&all, &sure, segment, outage, slot0);
     segment->run_utc_ns = 0;
     segment->run_trust[0] = '\0';
+    segment->run_gaps_ns = sure.gaps_ns;
+    segment->run_doubted_ns = sure.doubted_ns;
+    segment->run_given_up_ns = sure.given_up_ns;
     if (all.slot0_utc_ns == TTF_NS_UNKNOWN)
         return;
     if (sure.slot0_utc_ns != TTF_NS_UNKNOWN)
         all = sure;
     else
         all.trust = TTF_TRUST_HOST;
-    segment->run_utc_ns = all.slot0_utc_ns - gaps_of(&all);
+    segment->run_utc_ns = all.slot0_utc_ns - all.gaps_ns;
     snprintf(segment->run_trust, sizeof(segment->run_trust), "%s", ttf_trust_name(all.trust));
 }
 
@@ -362,6 +377,9 @@ static void forget_beyond_reach(struct ttf_segment *s)
         s->gap_ns = TTF_NS_UNKNOWN;
     if (s->run_utc_ns >= TIME_MAX_NS)
         s->run_utc_ns = 0;
+    if (s->run_gaps_ns < -GAPS_MAX_NS || s->run_gaps_ns > GAPS_MAX_NS ||
+        s->run_doubted_ns > GAPS_MAX_NS || s->run_given_up_ns > GAPS_MAX_NS)
+        s->run_gaps_ns = TTF_NS_UNKNOWN;
 }
 
 /* Its slots before `until`, and where it lies on its clock: the run's time is added up of such. */

@@ -249,6 +249,9 @@ int ttf_segment_get(const struct ttf_line *line, struct ttf_segment *ret, struct
     s.run_ns = ttf_in_int(&in, o, "run_ns", 0, INT64_MAX, 0, TTF_JSON_OPTIONAL);
     s.run_utc_ns = ttf_in_int(&in, o, "run_utc_ns", 0, INT64_MAX, 0, TTF_JSON_OPTIONAL);
     ttf_in_text(&in, o, "run_trust", s.run_trust, sizeof(s.run_trust), TTF_JSON_CUT);
+    s.run_gaps_ns = get_instant(&in, o, "run_gaps_ns");
+    s.run_doubted_ns = ttf_in_int(&in, o, "run_doubted_ns", 0, INT64_MAX, 0, TTF_JSON_OPTIONAL);
+    s.run_given_up_ns = ttf_in_int(&in, o, "run_given_up_ns", 0, INT64_MAX, 0, TTF_JSON_OPTIONAL);
     ttf_in_text(&in, o, "box", s.box, sizeof(s.box), TTF_JSON_CUT);
     if (in.code == 0)
         *ret = s;

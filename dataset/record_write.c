@@ -230,6 +230,11 @@ void ttf_segment_put(struct ttf_json *json, const struct ttf_segment *s)
     if (s->run_utc_ns > 0) {
         ttf_json_kint(json, "run_utc_ns", s->run_utc_ns);
         ttf_json_kstring(json, "run_trust", s->run_trust);
+        put_instant(json, "run_gaps_ns", s->run_gaps_ns);
+        if (s->run_doubted_ns > 0)
+            ttf_json_kint(json, "run_doubted_ns", s->run_doubted_ns);
+        if (s->run_given_up_ns > 0)
+            ttf_json_kint(json, "run_given_up_ns", s->run_given_up_ns);
     }
     put_text(json, "box", s->box);
 }

@@ -231,6 +231,11 @@ SPOILED = [  # of which dataset, name, what is done to a copy of it
         edit_line("segment", 1, plan=1), added(kind="plan", plan=1, files=[]))),
     ("gone-on-with", "run-of-no-instant", edit_line("segment", 0, run_utc_ns="noon")),
     ("gone-on-with", "run-before-1970", edit_line("segment", 0, run_utc_ns=-1)),
+    ("gone-on-with", "run-lost-slots", edit_line(
+        "segment", 0, run_gaps_ns=-20 * 10 ** 9, run_doubted_ns=None, run_given_up_ns=10 ** 10)),
+    ("gone-on-with", "run-of-no-gaps", edit_line("segment", 0, run_gaps_ns="some")),
+    ("gone-on-with", "run-of-negative-doubt", edit_line("segment", 0, run_doubted_ns=-1)),
+    ("gone-on-with", "run-that-gave-up-less-than-none", edit_line("segment", 0, run_given_up_ns=-1)),
     ("gone-on-with", "run-of-no-trust", edit_line("segment", 0, run_trust=7)),
     ("three-segments", "trust-unknown", edit_line("segment", 1, trust="me")),
     ("three-segments", "no-trust", edit_line("segment", 1, trust=None)),

@@ -176,6 +176,9 @@ static json_t *segment_of(const struct ttf_segment *s)
     not_0(o, "run_ns", s->run_ns);
     not_0(o, "run_utc_ns", s->run_utc_ns);
     text(o, "run_trust", s->run_trust);
+    instant(o, "run_gaps_ns", s->run_gaps_ns);
+    not_0(o, "run_doubted_ns", s->run_doubted_ns);
+    not_0(o, "run_given_up_ns", s->run_given_up_ns);
     text(o, "box", s->box);
     return o;
 }

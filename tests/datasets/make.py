@@ -296,7 +296,7 @@ def gone_on_with(folder):
                 group={"uuid": "f00dcafe-0000-4000-8000-000000000098", "member": "second"})
     d.plan(0, "interval: 10s\ncount: 5\n")
     d.segment(0, first=3, utc=UTC0 + 50 * SECOND, trust="ntp", plan=0, run_ns=30 * SECOND,
-              run_utc_ns=UTC0, run_trust="host")
+              run_utc_ns=UTC0, run_trust="host", run_gaps_ns=0, run_doubted_ns=10 * SECOND)
     for i in (3, 4):
         d.slot(i, [d.image("main", i)], first=3)
     d.end()

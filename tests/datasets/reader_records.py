@@ -56,6 +56,9 @@ class Records:
             zone=text_of(o, "zone", 63), zone_offset_s=get(o, "zone_offset_s", "int"),
             corrects=get(o, "corrects", "bool") or None, run_ns=get(o, "run_ns", "int", False, 0) or None,
             run_utc_ns=get(o, "run_utc_ns", "int", False, 0) or None, run_trust=text_of(o, "run_trust", 7),
+            run_gaps_ns=get(o, "run_gaps_ns", "int"),
+            run_doubted_ns=get(o, "run_doubted_ns", "int", False, 0) or None,
+            run_given_up_ns=get(o, "run_given_up_ns", "int", False, 0) or None,
             dataset_sha256=get(o, "dataset_sha256", "text"), box=text_of(o, "box", 255))
         sha = get(o, "dataset_sha256", "text")
         if sha is not None:

@@ -529,6 +529,52 @@ static void a_length_counts_the_outages_of_before_the_run_moved(void **state)
     }
 }
 
+/*
+ * By a PC alone: no time of the run. By a clock ahead that was so from the beginning: none were given up. So it is with
+ * a second storage, and without.
+ */
+static void a_length_knows_after_a_move_what_was_given_up_before(void **state)
+{
+    static const struct {
+        double dark_s;
+        unsigned n;
+        struct until_belief beliefs[2];
+        const char *letters;
+    } cases[] = {
+        {180, 1, {{0, TTF_TRUST_HOST, 0}}, "ccccwwwccccwcccccc"},
+        {180, 2, {{0, TTF_TRUST_NTP, 0}, {4 * MIN, TTF_TRUST_HOST, 0}}, "ccccwwwccccwcccccc"},
+        {15,
+         2,
+         {{0, TTF_TRUST_RTC, 4 * MIN}, {10 * MIN + 30 * S, TTF_TRUST_NTP, 0}},
+         "cccccccccccccc"},
+        {15,
+         2,
+         {{0, TTF_TRUST_RTC, 60 * MIN}, {10 * MIN + 30 * S, TTF_TRUST_NTP, 0}},
+         "cccccccccccccc"}};
+
+    (void)state;
+    for (unsigned i = 0; i < 2 * sizeof(cases) / sizeof(cases[0]); i++) {
+        const bool moves = i % 2 != 0;
+        struct until_clock b;
+
+        until_clock_init(&b, TTF_END_LENGTH, 14, cases[i / 2].beliefs, cases[i / 2].n);
+        if (moves) {
+            second_run_make(&b.run);
+            b.run.fault = first_can_only_be_read;
+        }
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = cases[i / 2].dark_s;
+        sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 10 * MIN + 20 * S)->amount = 60;
+        assert_int_equal(sim_run_through_cuts(&b.run), 0);
+        assert_true(b.run.result.sealed);
+        assert_int_equal(b.run.result.second_storage, moves);
+        if (moves)
+            second_run_expect_both(&b.run, cases[i / 2].letters);
+        else
+            until_expect_end(&b.run, cases[i / 2].letters, "until");
+        living_finish(&b.run);
+    }
+}
+
 /* By when the second boot is over: at the beginning of the third. */
 static int first_can_only_be_read_later(struct sim_run *run, const char *op, const char *path)
 {
@@ -714,6 +760,7 @@ int main(void)
         cmocka_unit_test(what_a_clock_ahead_gave_up_is_not_waited_for),
         cmocka_unit_test(slots_given_up_before_the_run_moved_make_no_clock_wrong),
         cmocka_unit_test(a_length_counts_the_outages_of_before_the_run_moved),
+        cmocka_unit_test(a_length_knows_after_a_move_what_was_given_up_before),
         cmocka_unit_test(what_a_clock_was_corrected_by_before_the_run_moved_is_no_outage),
     };
 

@@ -533,7 +533,7 @@ static void times_beyond_all_clocks_are_not_reckoned_with(void **state)
     snprintf(s[0].trust, sizeof(s[0].trust), "ntp");
     snprintf(s[1].trust, sizeof(s[1].trust), "ntp");
     s[0].origin_utc_ns = huge;
-    s[0].uncertainty_ns = s[0].gap_ns = s[0].run_utc_ns = huge;
+    s[0].uncertainty_ns = s[0].gap_ns = s[0].run_utc_ns = s[0].run_given_up_ns = huge;
     s[1].origin_utc_ns = -huge;
     got = read_again(s, 2);
     assert_non_null(got);
@@ -541,6 +541,7 @@ static void times_beyond_all_clocks_are_not_reckoned_with(void **state)
     assert_int_equal(got[0].uncertainty_ns, TTF_NS_UNKNOWN);
     assert_int_equal(got[0].gap_ns, TTF_NS_UNKNOWN);
     assert_int_equal(got[0].run_utc_ns, 0);
+    assert_int_equal(got[0].run_gaps_ns, TTF_NS_UNKNOWN);
     assert_int_equal(got[1].origin_utc_ns, TTF_NS_UNKNOWN);
     free(got);
     /* A hundred years of slots, which a plan may ask for, are not. */

@@ -119,6 +119,11 @@ struct ttf_segment {
     /* of a first segment with which a run is gone on with: UTC of its slot 0, and who says so; 0: not known */
     int64_t run_utc_ns;
     char run_trust[8];
+    /*
+     * likewise, of what a length counts: outages that no slot stands for, less slots that were taken back
+     * (TTF_NS_UNKNOWN: not said, none of the three); slots given up that no clock has borne out; those that one has
+     */
+    int64_t run_gaps_ns, run_doubted_ns, run_given_up_ns;
     char box[256]; /* how the box was described to whoever captured; empty: not said */
 };
 
