@@ -171,6 +171,8 @@ static int try_file(struct ttf_committer *c, struct ttf_darkroom *room, const ch
 
     if (!c->writer)
         return c->away < 0 ? c->away : -EIO;
+    if (ttf_committer_place(c) == TTF_PLACE_GONE)
+        return -EIO; /* its folders would be made anew, and be in the way of the next run */
     r = ttf_darkroom_print(room, c->writer, role, print, &err);
     if (r == 0 || full(r) || r == -EROFS || ttf_committer_power_lost(c))
         return r;

@@ -26,8 +26,12 @@ enum ttf_place ttf_committer_place(const struct ttf_committer *c)
     struct ttf_io_stat st;
     int r;
 
-    if (c->inode == 0 || c->io->ops->stat(c->io, c->path, &st) < 0 || st.inode == 0 ||
-        (st.device == c->device && st.inode == c->inode))
+    if (c->inode == 0)
+        return TTF_PLACE_SAME;
+    r = c->io->ops->stat(c->io, c->path, &st);
+    if (r == -ENOENT)
+        return TTF_PLACE_GONE;
+    if (r < 0 || st.inode == 0 || (st.device == c->device && st.inode == c->inode))
         return TTF_PLACE_SAME;
     r = ttf_manifest_load(c->io, c->path, &there, NULL);
     if (r == 0)
@@ -42,6 +46,8 @@ int ttf_committer_come_back(struct ttf_committer *c, struct ttf_err *err)
 
     if (place == TTF_PLACE_SAME)
         return 0;
+    if (place == TTF_PLACE_GONE)
+        return ttf_err_set(err, -EIO, c->path, "the dataset's folder is gone");
     if (place == TTF_PLACE_OTHER) {
         ttf_err_set(err, -ESTALE, c->path, "another folder lies here than the run began in");
         ttf_err_hint(err, "a disk was mounted over it, or taken away: run again");

@@ -14,7 +14,8 @@
     "another folder lies where the run began: the run ends, and what it captured lies beneath it"
 
 enum ttf_place {
-    TTF_PLACE_SAME, /* or nothing is there, or nobody knows: whatever is written next will say so */
+    TTF_PLACE_SAME, /* or nobody knows */
+    TTF_PLACE_GONE, /* nothing: its disk was taken away, or one without it lies over it. As a storage that fails */
     TTF_PLACE_BACK, /* another folder, and the same dataset: its disk went and came back. To be opened anew */
     TTF_PLACE_OTHER /* another dataset, or none: nothing of the run may be written there any more */
 };
@@ -24,7 +25,7 @@ void ttf_committer_note_place(struct ttf_committer *c);
 
 enum ttf_place ttf_committer_place(const struct ttf_committer *c);
 
-/* Where its disk came back, opens it anew. -ESTALE: another one lies there; negative errno of opening. */
+/* Where its disk came back, opens it anew. -ESTALE: another one lies there; -EIO: none; negative errno of opening. */
 TTF_MUST_USE int ttf_committer_come_back(struct ttf_committer *c, struct ttf_err *err);
 
 #endif

@@ -59,6 +59,7 @@ int ttf_committer_reopen(struct ttf_committer *c)
         return -ESTALE; /* this run's records are none of it */
     c->writer = NULL;
     r = ttf_writer_open_anew(c->io, c->path, old, &c->doubt, &c->writer, &err);
+    r = r == -ESTALE ? -EIO : r; /* as of a commit */
     if (r == 0)
         r = ttf_writer_reserve(c->writer, c->line_bytes, &err);
     c->away = r;
@@ -103,11 +104,14 @@ static void acknowledge(struct ttf_committer *c, const struct ttf_slot_work *wor
 static int commit(struct ttf_committer *c, struct ttf_slot_record *record, struct ttf_err *err)
 {
     struct ttf_slot_record numbered;
+    int r;
 
     ttf_ledger_judge(record);
     numbered = *record;
     numbered.segment = ttf_committer_segment_number(c, record->segment);
-    return c->writer ? ttf_writer_commit(c->writer, &numbered, err) : -EIO;
+    r = c->writer ? ttf_writer_commit(c->writer, &numbered, err) : -EIO;
+    return r == -ESTALE ? -EIO
+                        : r; /* a network's file system may say so, and means its own handles */
 }
 
 /* Writes one record. 0 once it is on the disk. */
@@ -116,9 +120,11 @@ static int write_record(struct ttf_committer *c, struct ttf_slot_record *record,
 {
     int r = ttf_committer_come_back(c, err);
 
+    if (r == -ESTALE)
+        return r;
     if (r == 0)
         r = commit(c, record, err);
-    if (r == 0 || r == -ESTALE || ttf_committer_power_lost(c))
+    if (r == 0 || ttf_committer_power_lost(c))
         return r;
     /* Two tries have failed by now; opening it anew would clear away the slot's files, which can still be fetched. */
     if (c->second_path[0] && !c->moved && !c->second_failed)

@@ -31,6 +31,20 @@ static const struct ttf_grid *grid_of_last(const struct ttf_session *s, int64_t 
     return s->grid.first_index == index ? &s->grid_before : &s->grid;
 }
 
+/*
+ * Slots of an end that nobody knows when it comes, of a shorter interval: as many as take the time that those left were to take. Not fewer: in doubt
+ * a run goes on too long, and the clock that tells counts anew.
+ */
+static int64_t count_in_doubt(const struct ttf_session *s, const struct ttf_plan *to, int64_t index)
+{
+    int64_t left = s->plan.count - index, time_ns;
+
+    if (left <= 0 || to->interval_ns >= s->plan.interval_ns ||
+        __builtin_mul_overflow(left, s->plan.interval_ns, &time_ns))
+        return s->plan.count;
+    return index + (time_ns + to->interval_ns - 1) / to->interval_ns;
+}
+
 /* An instant that is new means what the clock says now, or a better one said before in this boot. */
 static int count_until(const struct ttf_session *s, struct changed *to, int64_t index,
                        struct ttf_err *err)
@@ -53,12 +67,10 @@ static int count_until(const struct ttf_session *s, struct changed *to, int64_t 
     if (is_new && ttf_plan_end_passed(&to->plan, grid_of_last(s, index), index, &to->run))
         return ttf_err_set(err, -EINVAL, "until", "%lld slots have their records already",
                            (long long)index);
-    /*
-     * What another end, or another grid, came to is no count that a corrected clock would leave as it is. It stays as
-     * long as nobody knows where the end is: the clock that tells counts anew.
-     */
-    if ((is_new || to->plan.interval_ns != s->plan.interval_ns) &&
-        ttf_plan_end_ns(&to->plan, &to->run) != TTF_NS_UNKNOWN)
+    /* What another end, or another grid, came to is no count that a corrected clock would leave as it is. */
+    if (ttf_plan_end_ns(&to->plan, &to->run) == TTF_NS_UNKNOWN)
+        to->plan.count = count_in_doubt(s, &to->plan, index);
+    else if (is_new || to->plan.interval_ns != s->plan.interval_ns)
         to->plan.count = -1;
     to->plan.count = ttf_plan_slots(&to->plan, &to->grid, &to->run);
     return 0;

@@ -136,6 +136,7 @@ static int on_warning(TIFF *tiff, void *user_data, const char *module, const cha
         "Adobe color transform",       /* how colours are told apart from a comment */
         "JFIF revision",
         "Invalid SOS parameters", /* zeros, as some encoders write */
+        "extraneous bytes",       /* filled up behind the picture */
     };
     struct tiff_client *client = user_data;
     char text[sizeof(client->message)];

@@ -10,7 +10,7 @@
 
 #define FACTORS_MAX (SIZE_MAX / 4)
 
-static const char MAGIC[8] = "ttfFP\0\0\1";
+static const char MAGIC[8] = "ttfFP\0\0\2";
 
 /* ---- how an input was prepared ---- */
 
@@ -82,9 +82,10 @@ int quilt_factors_save(const struct quilt_factors *factors)
 {
     struct cli *cli = factors->cli;
 
-    return factors->grown ? ttf_io_write_file(cli->io, cli->opt.factors, factors->grown,
-                                              factors->grown_size, &cli->err)
-                          : 0;
+    return factors->grown && !factors->stays
+               ? ttf_io_write_file(cli->io, cli->opt.factors, factors->grown, factors->grown_size,
+                                   &cli->err)
+               : 0;
 }
 
 int quilt_factors_open(struct cli *cli, struct quilt_factors *ret, struct ttf_quilt_config *config)
@@ -116,8 +117,9 @@ int quilt_factors_open(struct cli *cli, struct quilt_factors *ret, struct ttf_qu
     return 0;
 }
 
-static int begin_anew(struct quilt_factors *factors, struct ttf_quilt_config *config)
+static int begin_anew(struct quilt_factors *factors, bool replaces, struct ttf_quilt_config *config)
 {
+    factors->stays = !replaces;
     config->known = (struct ttf_quilt_factors){0};
     free(factors->bytes);
     factors->bytes = NULL;
@@ -125,30 +127,35 @@ static int begin_anew(struct quilt_factors *factors, struct ttf_quilt_config *co
 }
 
 int quilt_factors_suit(struct quilt_factors *factors, const struct ttf_report_prepared *prepared,
-                       struct ttf_sequence *input, struct ttf_quilt_config *config)
+                       const char *uuid, struct ttf_sequence *input,
+                       struct ttf_quilt_config *config)
 {
     struct cli *cli = factors->cli;
-    bool other = false;
+    bool other = false, previews;
     char was[160], is[160];
     int r;
 
     factors->is = how_of(prepared);
+    (void)snprintf(factors->is.uuid, sizeof factors->is.uuid, "%s", uuid);
+    factors->is.preview = cli && cli->opt.preview; /* no --factors: nothing is kept */
     if (!config->known.bytes)
         return 0;
+    previews = factors->was.preview && factors->is.preview;
     say_how(&factors->was, was, sizeof was);
     say_how(&factors->is, is, sizeof is);
     if (factors->told && !is_same(&factors->was, &factors->is)) {
-        cli_warn("--factors: %s knows the input%s; now it is taken%s: begun anew", cli->opt.factors,
-                 was, is);
-        return begin_anew(factors, config);
+        cli_warn("--factors: %s knows the input%s; now it is taken%s: begun anew%s",
+                 cli->opt.factors, was, is, previews ? "" : ", and the file is left as it is");
+        return begin_anew(factors, previews, config);
     }
     r = ttf_quilt_factors_check(config, input, &other, &cli->err);
-    if (r == -EINVAL && other && factors->told && looks_at_all(&factors->is)) {
+    if (r == -EINVAL && other && factors->told && looks_at_all(&factors->is) && *uuid &&
+        strcmp(factors->was.uuid, uuid) == 0) {
         cli_warn("--factors: the input of %s is another by now%s, which depends on all of its "
                  "frames: begun anew",
                  cli->opt.factors, is);
         memset(&cli->err, 0, sizeof cli->err);
-        return begin_anew(factors, config);
+        return begin_anew(factors, true, config);
     }
     return r;
 }

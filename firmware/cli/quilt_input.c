@@ -109,7 +109,7 @@ static struct meaning meaning_of(const struct cli *cli, const struct quilt_input
         stream =
             cli->opt.stream ? ttf_manifest_stream(m, cli->opt.stream) : ttf_manifest_primary(m);
     if (!stream)
-        return (struct meaning){"reflectance", "1", "linear-srgb"};
+        return (struct meaning){"radiance", "1", "linear-srgb"}; /* as of an import */
     return (struct meaning){stream->quantity, stream->unit, stream->colour_space};
 }
 

@@ -23,6 +23,11 @@ static void on_progress(void *ctx, double done)
     cli_progress_at(&job->bar, (int64_t)(done * 1000), 1000, NULL);
 }
 
+static const char *uuid_of(const struct quilt_input *input)
+{
+    return input->reader ? ttf_reader_manifest(input->reader)->uuid : "";
+}
+
 /* ---- inputs ---- */
 
 static int open_inputs(struct quilt_job *job)
@@ -174,8 +179,8 @@ static int configure(struct quilt_job *job)
     if (r == 0)
         r = quilt_options_name(cli, ttf_quilt_validate(c, first(job), &cli->err));
     if (r == 0)
-        r = quilt_options_name(cli,
-                               quilt_factors_suit(&job->factors, &job->prepared, first(job), c));
+        r = quilt_options_name(cli, quilt_factors_suit(&job->factors, &job->prepared,
+                                                       uuid_of(&job->inputs[0]), first(job), c));
     return r < 0 ? r : make_gradient(job);
 }
 

@@ -62,7 +62,7 @@ static void describe_stream(const struct quilt_sink *s, struct ttf_reader *paren
     m->n_streams = 1;
     memset(out, 0, sizeof *out);
     (void)snprintf(out->id, sizeof out->id, "main");
-    (void)snprintf(out->quantity, sizeof out->quantity, "%s", in ? in->quantity : "reflectance");
+    (void)snprintf(out->quantity, sizeof out->quantity, "%s", in ? in->quantity : "radiance");
     (void)snprintf(out->unit, sizeof out->unit, "%s", in ? in->unit : "1");
     (void)snprintf(out->colour_space, sizeof out->colour_space, "%s",
                    in ? in->colour_space : "linear-srgb");

@@ -208,10 +208,21 @@ static int read_one(struct sysfs_sensors *s, unsigned i, double *ret, int64_t *r
     return read_driver(spec, s->folder[i], ret);
 }
 
-/* It is not where it was. A bus that hangs or fails is another thing: asked twice, it takes its driver's patience twice. */
-static bool is_away(int r)
+static bool is_its(const struct sysfs_sensors *s, unsigned i)
 {
-    return r == -ENOENT || r == -ENODEV || r == -ENXIO;
+    char path[PATH_BYTES * 2 + 32], name[64];
+
+    (void)snprintf(path, sizeof(path), "%s/name", s->folder[i]);
+    return read_line(path, name, sizeof(name)) >= 0 && strcmp(name, s->spec[i].device) == 0;
+}
+
+/*
+ * It is not where it was: nothing is, or another one has its number now, whatever that one says. A bus that hangs or fails is another thing: asked
+ * twice, it takes its driver's patience twice.
+ */
+static bool is_away(const struct sysfs_sensors *s, unsigned i, int r)
+{
+    return r == -ENOENT || r == -ENODEV || r == -ENXIO || (r < 0 && !is_its(s, i));
 }
 
 /* Why a reading is not ok. The first reason stays. */
@@ -244,7 +255,7 @@ static int sysfs_read(struct ttf_sensors *base, struct ttf_reading ret[TTF_SENSO
         int64_t at_ns;
         int r = read_one(s, i, &value, &at_ns);
 
-        if (is_away(r)) {
+        if (is_away(s, i, r)) {
             look_for(s, i); /* numbers change when a module is loaded anew */
             r = read_one(s, i, &value, &at_ns);
         }

@@ -23,6 +23,17 @@ expect 0 "$TTFBOX" import in/p[0-9].png --interval 1min -o d10 # its first ten
 mkdir nudged && "$PYTHON" "$HERE/frames.py" nudged nudged 12 64 48
 expect 0 "$TTFBOX" import nudged/*.png --interval 1min -o n
 expect 0 "$TTFBOX" import nudged/n[0-2].png --interval 1min -o n3 # before the first nudge
+# A dataset that grows keeps its uuid.
+for pair in d:d10 n:n3; do
+    "$PYTHON" - "${pair%:*}" "${pair#*:}" <<'END' || fail "no common uuid"
+import json, sys
+grown, young = (json.load(open(f"{name}/dataset.json"))["uuid"] for name in sys.argv[1:])
+path = sys.argv[2] + "/dataset.json"
+text = open(path).read()
+assert young in text
+open(path, "w").write(text.replace(young, grown))
+END
+done
 
 # ---- as it is: gone on with ----
 quilt d10 plain
@@ -45,13 +56,17 @@ quilt n3 steady --stabilise
 quilt n steady --stabilise
 known 0 "stabilised"
 
-# ---- prepared otherwise ----
+# ---- prepared otherwise: what was learnt of the input as it is stays ----
+cp plain kept
 quilt d plain --flatten
-known 0 "knows the input, as it is; now it is taken, flattened by 8 px: begun anew"
-quilt d plain --flatten --flatten-sigma 4
+known 0 "knows the input, as it is; now it is taken, flattened by 8 px: begun anew, and the file is left as it is"
+quilt d flat --flatten --flatten-sigma 4
 known 0 "flattened by 8 px; now it is taken, flattened by 4 px"
+quilt d plain --preview --size 720x576 --memory 24MiB
+known 0 "left as it is"
+cmp plain kept || fail "a preview took what a whole run had learnt"
 quilt d plain
-known 0 "begun anew"
+known 16 ""
 
 # ---- previews keep to what is known, where that is within what they may take ----
 quilt d10 look --preview --size 720x576 --memory 24MiB
@@ -64,7 +79,7 @@ quilt d look --preview --size 1440x1152 --memory 24MiB --time 1h
 [ "$(json preview.shrunk_by)" -gt "$shrunk" ] || fail "a preview takes more than it may"
 known 0 "shrunk by $shrunk, one frame of 1"
 quilt d look
-known 0 "begun anew"
+known 0 "left as it is"
 
 # ---- what is no such thing is refused as ever ----
 expect 2 "$TTFBOX" synth quilt d10 --block 16x16 --sink null --flatten --factors flat
@@ -73,4 +88,8 @@ mkdir other && "$PYTHON" "$HERE/frames.py" nudged other 16 60 48
 expect 0 "$TTFBOX" import other/*.png --interval 1min -o o
 expect 2 "$TTFBOX" synth quilt o --block 16x16 --sink null --factors plain
 said err "they belong to another dataset"
+cp flat kept
+expect 2 "$TTFBOX" synth quilt o --block 16x16 --sink null --flatten --factors flat
+said err "they belong to another dataset"
+cmp flat kept || fail "another dataset took them"
 echo "quilt factors: each gone on with, begun anew or refused"

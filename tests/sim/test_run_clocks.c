@@ -738,6 +738,28 @@ static void another_interval_is_taken_where_nobody_knows_when_the_instant_comes(
     }
 }
 
+/* More pictures are asked for: the old number of slots would be over before anybody knows that the end has not come. */
+static void a_shorter_one_ends_no_run_before_a_clock_tells_its_instant(void **state)
+{
+    static const struct until_belief beliefs[] = {{0, TTF_TRUST_HOST, 0},
+                                                  {150 * S, TTF_TRUST_HOST, 2 * TTF_NS_PER_DAY},
+                                                  {3 * MIN + 41 * S, TTF_TRUST_NONE, 0},
+                                                  {10 * MIN + 30 * S, TTF_TRUST_NTP, 0}};
+    struct until_clock b;
+    int64_t ask;
+
+    (void)state;
+    /* Slots at 0:12 to 3:12; at 4:07 and 5:07; at 5:27, 5:47 and so on, to the end at 14:00. */
+    until_clock_init(&b, TTF_END_UNTIL, 14, beliefs, 4);
+    sim_run_fault(&b.run, TTF_FAULT_POWER_CUT, 3 * MIN + 40 * S)->amount = 15;
+    ask = living_ask(&b.run, &(struct ttf_ask){
+                                 .kind = TTF_ASK_INTERVAL, .from_index = 6, .interval_ns = 20 * S});
+    assert_int_equal(sim_run_through_cuts(&b.run), 0);
+    living_expect_done(&b.run, ask);
+    until_expect_end(&b.run, "cccccccccccccccccccccccccccccccc", "until");
+    living_finish(&b.run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -753,6 +775,7 @@ int main(void)
         cmocka_unit_test(the_box_s_own_clock_set_back_in_a_boot_leaves_the_grid),
         cmocka_unit_test(an_instant_by_a_clock_that_is_behind_is_refused),
         cmocka_unit_test(another_interval_is_taken_where_nobody_knows_when_the_instant_comes),
+        cmocka_unit_test(a_shorter_one_ends_no_run_before_a_clock_tells_its_instant),
         cmocka_unit_test(power_that_flickers_while_lamps_settle_makes_no_clock_wrong),
         cmocka_unit_test(a_right_clock_that_is_merely_earlier_is_believed),
         cmocka_unit_test(a_clock_that_was_ahead_does_not_tell_a_right_one_the_end),

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "second_run.h"
 
@@ -161,6 +162,56 @@ static void one_that_is_mounted_before_the_seal_is_not_sealed_by_it(void **state
     sim_run_finish(&run);
 }
 
+static void take_away(struct sim_run *run, const struct ttf_progress *progress)
+{
+    if (progress->kind != TTF_PROGRESS_SLOT || run->committed != mounted_at)
+        return;
+    mounted_at = -1;
+    move(run->path, hidden);
+}
+
+/* A new disk, say: nothing of this run is made on it that the next one would stumble over. */
+static void where_nothing_lies_any_more_the_run_is_begun_anew(void **state)
+{
+    struct sim_run run, other;
+
+    (void)state;
+    sim_run_init(&run);
+    snprintf(hidden, sizeof(hidden), "%s.hidden", run.path);
+    run.on_progress = take_away;
+    mounted_at = 2;
+    assert_true(sim_run_boot(&run) < 0);
+    assert_true(access(run.path, F_OK) < 0);
+    other = beneath(&run);
+    sim_run_expect_undamaged(&other, false);
+    run.config.power_on_ns = run.ended_ns;
+    run.on_progress = NULL;
+    assert_int_equal(sim_run_boot(&run), 0);
+    sim_run_expect(&run, "cccccc");
+    sim_run_expect_whole(&run, true);
+    sim_run_finish(&run);
+}
+
+/* A disk that was taken away is a storage that has failed. */
+static void where_nothing_lies_any_more_the_second_storage_takes_over(void **state)
+{
+    struct sim_run run, second;
+    char results[32];
+
+    (void)state;
+    second_run_init(&run);
+    snprintf(hidden, sizeof(hidden), "%s.hidden", run.path);
+    run.on_progress = take_away;
+    mounted_at = 2;
+    assert_int_equal(sim_run_boot(&run), 0);
+    assert_true(run.result.second_storage);
+    assert_true(access(run.path, F_OK) < 0);
+    second = second_run_of(&run);
+    second_run_results(&second, results);
+    assert_memory_equal(results, "--cccc-", 7);
+    sim_run_finish(&run);
+}
+
 static void a_disk_that_went_and_came_back_costs_nothing(void **state)
 {
     static const int64_t AT[] = {2, 6}; /* under way; before the seal */
@@ -188,6 +239,8 @@ int main(void)
         cmocka_unit_test(a_disk_that_is_mounted_late_over_a_run_is_gone_on_with_instead),
         cmocka_unit_test(one_that_is_mounted_while_an_image_is_written_leaves_no_record_there),
         cmocka_unit_test(one_that_is_mounted_before_the_seal_is_not_sealed_by_it),
+        cmocka_unit_test(where_nothing_lies_any_more_the_run_is_begun_anew),
+        cmocka_unit_test(where_nothing_lies_any_more_the_second_storage_takes_over),
         cmocka_unit_test(a_disk_that_went_and_came_back_costs_nothing),
     };
 

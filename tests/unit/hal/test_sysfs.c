@@ -380,6 +380,21 @@ static void a_sensor_whose_bus_fails_is_asked_once(void **state)
     ttf_sensors_destroy(sensors);
 }
 
+/* Drivers were loaded anew, and its old number is another's, which gives no reading either. */
+static void a_sensor_whose_number_is_another_s_now_is_found_again(void **state)
+{
+    struct sys *sys = *state;
+    struct ttf_sensors *sensors = sensors_of(sys);
+
+    look(sensors, 1, true, 23450);
+    put(sys, "bus/iio/devices/iio:device0/name", "adc\n");
+    put(sys, "bus/iio/devices/iio:device0/in_temp_input", NULL);
+    put(sys, "bus/iio/devices/iio:device0/in_temp_raw", "25000\n"); /* of no scale */
+    a_weather_sensor(sys, "iio:device7");
+    look(sensors, 1, true, 23450);
+    ttf_sensors_destroy(sensors);
+}
+
 static void of_two_of_one_name_the_first_is_taken(void **state)
 {
     struct sys *sys = *state;
@@ -470,6 +485,7 @@ int main(void)
         IN_SYS(what_does_not_answer_or_cannot_be_is_not_ok),
         IN_SYS(a_driver_that_comes_later_or_moves_is_found),
         IN_SYS(a_sensor_whose_bus_fails_is_asked_once),
+        IN_SYS(a_sensor_whose_number_is_another_s_now_is_found_again),
         IN_SYS(of_two_of_one_name_the_first_is_taken),
         IN_SYS(reading_what_is_there_allocates_nothing),
         IN_SYS(descriptions_that_mean_nothing_are_refused),
