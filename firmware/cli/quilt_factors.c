@@ -137,7 +137,9 @@ int quilt_factors_suit(struct quilt_factors *factors, const struct ttf_report_pr
 
     factors->is = how_of(prepared);
     (void)snprintf(factors->is.uuid, sizeof factors->is.uuid, "%s", uuid);
-    factors->is.preview = cli && cli->opt.preview; /* no --factors: nothing is kept */
+    if (!cli) /* no --factors: nothing is kept */
+        return 0;
+    factors->is.preview = cli->opt.preview;
     if (!config->known.bytes)
         return 0;
     previews = factors->was.preview && factors->is.preview;
