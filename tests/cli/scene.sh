@@ -11,7 +11,7 @@ match() {
         --set sim.optics.perspective=0 --set sim.optics.blur=0px --set sim.optics.margin=0)
     plan p.yaml "interval: 1h" "count: $n" "lamps: {mode: continuous}" \
         "shots: [{lamps: {left: 100%, right: 100%}, exposure: 20ms, average: 4}]" "keep: developed"
-    rm -rf cal cap ref cap.npy ref.npy
+    rm -rf cal cap ref cap.npy* ref.npy*
     expect 0 "$TTFBOX" calibrate dark "${box[@]}" --plan p.yaml -o cal
     expect 0 "$TTFBOX" calibrate flat "${box[@]}" --plan p.yaml --scene white -o cal
     # Slot k looks at picture k: it comes minutes after k hours (the lamps warm up first), and
