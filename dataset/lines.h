@@ -60,11 +60,17 @@ struct ttf_line {
     int64_t offset;
     int64_t number;
     const char *type;
-    json_t *json; /* borrowed */
+    json_t *json; /* borrowed; NULL: known by its text */
 };
 
 /* Non-zero stops the scan and is returned. */
 typedef int ttf_line_fn(void *ctx, const struct ttf_line *line, struct ttf_err *err);
+/*
+ * Knows a line whose crc holds by its text alone, so that it need not be parsed, and keeps in ctx what the ttf_line_fn that gets it next
+ * goes by. false: parse it.
+ */
+typedef bool ttf_known_line_fn(void *ctx, const char *text, size_t bytes, int64_t *ret_seq,
+                               const char **ret_type);
 /* A damaged line (its bytes: line, n), where a scan is to go on behind it. line may be NULL. */
 typedef void ttf_bad_line_fn(void *ctx, const char *where, const char *text, const char *line,
                              size_t n);
@@ -84,5 +90,10 @@ struct ttf_lines_tail {
 TTF_MUST_USE int ttf_lines_scan(struct ttf_io *io, const char *path, ttf_line_fn *fn,
                                 ttf_bad_line_fn *bad, void *ctx, struct ttf_lines_tail *ret,
                                 struct ttf_err *err);
+
+/* The same without `bad`, for who looks at each line of those that `known` knows again before what it holds counts: its JSON is not looked at. */
+TTF_MUST_USE int ttf_lines_scan_known(struct ttf_io *io, const char *path, ttf_known_line_fn *known,
+                                      ttf_line_fn *fn, void *ctx, struct ttf_lines_tail *ret,
+                                      struct ttf_err *err);
 
 #endif

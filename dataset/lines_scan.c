@@ -12,6 +12,7 @@
 
 struct scan {
     const char *path;
+    ttf_known_line_fn *known; /* NULL: none is */
     ttf_line_fn *fn;
     ttf_bad_line_fn *bad;
     void *ctx;
@@ -38,8 +39,24 @@ static int damage(struct scan *s, const char *where, const struct ttf_line *line
     return ttf_err_set(s->err, -TTF_EDAMAGED, where, "damaged line: %s", text);
 }
 
-/* A line whose crc holds. */
-static int good_line(struct scan *s, struct ttf_line *line)
+/* A line of which type and seq are known. */
+static int take_line(struct scan *s, const struct ttf_line *line, int64_t seq)
+{
+    int r;
+
+    if (seq != s->tail.next_seq) {
+        r = damage(s, line->where, NULL,
+                   "its seq is %lld where %lld is due: lines are lost or doubled", (long long)seq,
+                   (long long)s->tail.next_seq);
+        if (r)
+            return r;
+    }
+    s->tail.next_seq = seq + 1;
+    s->tail.lines++;
+    return s->fn ? s->fn(s->ctx, line, s->err) : 0;
+}
+
+static int parse_line(struct scan *s, struct ttf_line *line)
 {
     json_error_t parse;
     const json_t *seq;
@@ -54,24 +71,22 @@ static int good_line(struct scan *s, struct ttf_line *line)
     line->json = json;
     line->type = json_string_value(json_object_get(json, "type"));
     seq = json_object_get(json, "seq");
-    if (!line->type || !json_is_integer(seq)) {
+    if (!line->type || !json_is_integer(seq))
         r = damage(s, line->where, line, "it has no type or no seq");
-        goto out;
-    }
-    if (json_integer_value(seq) != s->tail.next_seq) {
-        r = damage(s, line->where, NULL,
-                   "its seq is %lld where %lld is due: lines are lost or doubled",
-                   (long long)json_integer_value(seq), (long long)s->tail.next_seq);
-        if (r)
-            goto out;
-    }
-    s->tail.next_seq = json_integer_value(seq) + 1;
-    s->tail.lines++;
-    if (s->fn)
-        r = s->fn(s->ctx, line, s->err);
-out:
+    else
+        r = take_line(s, line, json_integer_value(seq));
     json_decref(json);
     return r;
+}
+
+/* A line whose crc holds. */
+static int good_line(struct scan *s, struct ttf_line *line)
+{
+    int64_t seq;
+
+    if (s->known && s->known(s->ctx, line->text, line->bytes, &seq, &line->type))
+        return take_line(s, line, seq);
+    return parse_line(s, line);
 }
 
 /*
@@ -120,10 +135,10 @@ static int one_line(struct scan *s, const char *text, size_t n, int64_t offset, 
     return good_line(s, &line);
 }
 
-int ttf_lines_scan(struct ttf_io *io, const char *path, ttf_line_fn *fn, ttf_bad_line_fn *bad,
-                   void *ctx, struct ttf_lines_tail *ret, struct ttf_err *err)
+static int scan_file(struct scan *s, struct ttf_io *io, struct ttf_lines_tail *ret)
 {
-    struct scan s = {.path = path, .fn = fn, .bad = bad, .ctx = ctx, .err = err};
+    const char *path = s->path;
+    struct ttf_err *err = s->err;
     struct ttf_lines lines;
     const char *text;
     bool terminated;
@@ -136,17 +151,34 @@ int ttf_lines_scan(struct ttf_io *io, const char *path, ttf_line_fn *fn, ttf_bad
         return ttf_err_set(err, file, path, "cannot be opened: %s", strerrordesc_np(-file));
     ttf_lines_init(&lines, io, file);
     while ((r = ttf_lines_next(&lines, &text, &n, &offset, &terminated)) > 0) {
-        r = one_line(&s, text, n, offset, lines.number, terminated);
+        r = one_line(s, text, n, offset, lines.number, terminated);
         if (r)
             break;
     }
     if (r == -EFBIG)
-        r = damage(&s, path, NULL, "a line is longer than any line may be");
+        r = damage(s, path, NULL, "a line is longer than any line may be");
     else if (r < 0 && (!err || err->code != r)) /* not told yet: err may be of a call before */
         ttf_err_set(err, r, path, "cannot be read: %s", strerrordesc_np(-r));
     ttf_lines_free(&lines);
     io->ops->close(io, file);
     if (r == 0 && ret)
-        *ret = s.tail;
+        *ret = s->tail;
     return r;
+}
+
+int ttf_lines_scan(struct ttf_io *io, const char *path, ttf_line_fn *fn, ttf_bad_line_fn *bad,
+                   void *ctx, struct ttf_lines_tail *ret, struct ttf_err *err)
+{
+    struct scan s = {.path = path, .fn = fn, .bad = bad, .ctx = ctx, .err = err};
+
+    return scan_file(&s, io, ret);
+}
+
+int ttf_lines_scan_known(struct ttf_io *io, const char *path, ttf_known_line_fn *known,
+                         ttf_line_fn *fn, void *ctx, struct ttf_lines_tail *ret,
+                         struct ttf_err *err)
+{
+    struct scan s = {.path = path, .known = known, .fn = fn, .ctx = ctx, .err = err};
+
+    return scan_file(&s, io, ret);
 }

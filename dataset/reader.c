@@ -33,6 +33,7 @@ struct ttf_reader {
     size_t slots_room;
     struct ttf_segment *segments;
     size_t segments_room;
+    struct ttf_slot_brief head; /* while it opens: of the line that is known by it */
 };
 
 /* Makes room for one more element of an array that doubles. */
@@ -54,10 +55,9 @@ static int grow(void *array_at, size_t *room, size_t used, size_t element)
 static int take_slot(struct ttf_reader *reader, const struct ttf_line *line, struct ttf_err *err)
 {
     struct ttf_reader_summary *sum = &reader->summary;
-    struct ttf_slot_brief brief;
-    int r;
+    struct ttf_slot_brief brief = reader->head;
+    int r = line->json ? ttf_slot_get_brief(line, &brief, err) : 0;
 
-    r = ttf_slot_get_brief(line, &brief, err);
     if (r)
         return r;
     if (sum->slots > 0 && brief.index <= sum->last_index)
@@ -125,6 +125,16 @@ static int take_plan(struct ttf_reader *reader, const struct ttf_line *line, str
     return r;
 }
 
+/* A slot is parsed when it is asked for. */
+static bool know_line(void *ctx, const char *text, size_t bytes, int64_t *ret_seq,
+                      const char **ret_type)
+{
+    struct ttf_reader *reader = ctx;
+
+    *ret_type = "slot";
+    return ttf_slot_head(text, bytes, ret_seq, &reader->head);
+}
+
 static int take_line(void *ctx, const struct ttf_line *line, struct ttf_err *err)
 {
     struct ttf_reader *reader = ctx;
@@ -176,7 +186,8 @@ static int load(struct ttf_reader *reader, struct ttf_err *err)
     r = ttf_manifest_load(reader->io, reader->path, &reader->manifest, err);
     if (r)
         return r;
-    r = ttf_lines_scan(reader->io, reader->records_path, take_line, NULL, reader, &tail, err);
+    r = ttf_lines_scan_known(reader->io, reader->records_path, know_line, take_line, reader, &tail,
+                             err);
     if (r == -ENOENT)
         return ttf_err_set(err, -TTF_EDAMAGED, reader->records_path, "is missing");
     if (r)
@@ -289,6 +300,7 @@ int ttf_reader_slot(struct ttf_reader *reader, int64_t i, struct ttf_slot_record
     struct ttf_line line = {0};
     const struct slot_at *at;
     char where[300], *text;
+    json_error_t parse;
     json_t *json = NULL;
     int64_t got;
     int r;
@@ -305,15 +317,15 @@ int ttf_reader_slot(struct ttf_reader *reader, int64_t i, struct ttf_slot_record
         r = ttf_err_set(err, (int)got, where, "cannot be read: %s", strerrordesc_np((int)-got));
         goto out;
     }
-    r = -EINVAL;
-    if (got == at->bytes && ttf_line_holds(text, at->bytes))
-        r = ttf_json_parse(text, at->bytes, &json, NULL);
-    if (r == -ENOMEM) {
-        ttf_err_set(err, r, where, "no memory");
+    if (got != at->bytes || !ttf_line_holds(text, at->bytes)) {
+        r = ttf_err_set(err, -TTF_EDAMAGED, where, "damaged line: it changed since it was opened");
         goto out;
     }
+    r = ttf_json_parse(text, at->bytes, &json, &parse);
     if (r) {
-        r = ttf_err_set(err, -TTF_EDAMAGED, where, "damaged line: it changed since it was opened");
+        r = r == -ENOMEM ? ttf_err_set(err, r, where, "no memory")
+                         : ttf_err_set(err, -TTF_EDAMAGED, where,
+                                       "damaged line: it is not JSON: %s", parse.text);
         goto out;
     }
     line.where = where;

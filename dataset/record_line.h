@@ -38,6 +38,12 @@ struct ttf_slot_brief {
 TTF_MUST_USE int ttf_slot_get_brief(const struct ttf_line *line, struct ttf_slot_brief *ret,
                                     struct ttf_err *err);
 
+/*
+ * The same, and the seq, by the first bytes of a line that a writer of this house wrote: some fifty times as fast as parsing it.
+ * false: it is no slot line, or of another hand, and is to be parsed. What stands behind is not looked at.
+ */
+bool ttf_slot_head(const char *line, size_t bytes, int64_t *ret_seq, struct ttf_slot_brief *ret);
+
 /* A file that a line names, of whatever role. */
 struct ttf_named_file {
     const char *path, *sha256; /* valid during the call */

@@ -56,6 +56,22 @@ static void again(const struct ttf_slot_record *slot, const struct ttf_segment *
     ttf_json_free(&first);
 }
 
+/* What a slot's head says is what its JSON says. */
+static void head_agrees(const struct ttf_line *line)
+{
+    struct ttf_slot_brief head, brief;
+    struct ttf_err err = {0};
+    int64_t seq;
+
+    if (!ttf_slot_head(line->text, line->bytes, &seq, &head))
+        return;
+    if (strcmp(line->type, "slot") != 0 || ttf_slot_get_brief(line, &brief, &err) < 0 ||
+        seq != json_integer_value(json_object_get(line->json, "seq")) ||
+        head.index != brief.index || head.segment != brief.segment || head.due_ns != brief.due_ns ||
+        head.result != brief.result)
+        abort();
+}
+
 /* Each reader is given each line, also one of another type: none may trust it. */
 static int take_line(void *ctx, const struct ttf_line *line, struct ttf_err *err)
 {
@@ -64,6 +80,7 @@ static int take_line(void *ctx, const struct ttf_line *line, struct ttf_err *err
     struct ttf_segment segment;
     struct ttf_end_record end;
 
+    head_agrees(line);
     ttf_slot_record_init(&slot);
     if (ttf_slot_get(line, &slot, err) == 0 && ttf_slot_check(&slot, err) == 0)
         again(&slot, NULL);

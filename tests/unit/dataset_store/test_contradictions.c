@@ -96,6 +96,69 @@ static int opened_for_reading(const char *path)
     return r;
 }
 
+/* Opening knows slots by their heads. */
+static void a_slot_that_another_program_wrote_is_read_like_ours(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_reader *reader = NULL;
+    struct ttf_slot_record record;
+    enum ttf_result result;
+    int64_t index;
+
+    change_line(path, 3, "\"index\":1,\"segment\":0", "\"segment\":0,\"index\":1");
+    assert_int_equal(ttf_reader_open(quick_io(), path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_summary(reader)->slots, 3);
+    assert_int_equal(ttf_reader_brief(reader, 1, &index, &result), 0);
+    assert_int_equal(index, 1);
+    assert_int_equal(result, TTF_RESULT_CAPTURED);
+    assert_int_equal(ttf_reader_slot(reader, 1, &record, NULL), 0);
+    assert_int_equal(record.index, 1);
+    ttf_slot_record_free(&record);
+    ttf_reader_close(reader);
+}
+
+static void a_slot_in_the_wrong_place_is_damage_whoever_wrote_it(void **state)
+{
+    static const char *const wrong[][2] = {
+        {"\"seq\":3", "\"seq\":4"},
+        {"\"seq\":3", "\"seq\": 4"},
+        {"\"index\":1", "\"index\":0"},
+        {"\"index\":1", "\"index\":-1"},
+        {"\"index\":1,\"segment\":0", "\"segment\":0,\"index\":0"},
+        {"\"segment\":0", "\"segment\":1"},
+        {"\"result\":\"captured\"", "\"result\":\"taken\""},
+    };
+
+    for (size_t i = 0; i < TTF_COUNT_OF(wrong); i++) {
+        const char *path = three_slots(state);
+
+        change_line(path, 3, wrong[i][0], wrong[i][1]);
+        if (opened_for_reading(path) != -TTF_EDAMAGED)
+            fail_msg("%s", wrong[i][1]);
+        assert_int_equal(run("rm -r '%s'", path), 0);
+    }
+}
+
+/* What stands behind a slot's head is looked at when the slot is. */
+static void a_slot_that_is_no_json_behind_its_head_is_damage_when_it_is_read(void **state)
+{
+    const char *path = three_slots(state);
+    struct ttf_slot_record record;
+    struct ttf_reader *reader;
+    struct ttf_err err = {0};
+
+    change_line(path, 3, "\"images\":[", "\"images\":[[");
+    assert_int_equal(ttf_reader_open(quick_io(), path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_slot(reader, 1, &record, &err), -TTF_EDAMAGED);
+    assert_non_null(strstr(err.what, "not JSON"));
+    assert_non_null(strstr(err.where, "records.jsonl:4"));
+    assert_int_equal(ttf_reader_slot(reader, 2, &record, NULL), 0);
+    ttf_slot_record_free(&record);
+    ttf_reader_close(reader);
+    assert_true(verify_says(path, "not JSON"));
+    assert_int_equal(opened_for_writing(path), -TTF_EDAMAGED);
+}
+
 /* Flags are words of whoever wrote them: what is none is passed over, and what finds no room. */
 static void flags_are_read_as_far_as_they_are_words(void **state)
 {
@@ -537,6 +600,9 @@ int main(void)
         T(rot_in_the_events_is_refused_too),
         T(a_line_without_end_is_damage),
         T(a_record_that_changes_while_it_is_read_is_not_passed_on),
+        T(a_slot_that_another_program_wrote_is_read_like_ours),
+        T(a_slot_in_the_wrong_place_is_damage_whoever_wrote_it),
+        T(a_slot_that_is_no_json_behind_its_head_is_damage_when_it_is_read),
         T(flags_are_read_as_far_as_they_are_words),
         T(a_sequence_never_leaves_its_dataset),
         T(a_fragment_is_told_by_the_reader),

@@ -26,7 +26,10 @@ struct ttf_reader_summary {
     int64_t first_index, last_index;
 };
 
-/* -ENOENT, -ENOTSUP (another major or an unknown required name), -TTF_EDAMAGED naming the line. */
+/*
+ * Looks at every line's crc, seq and order; a slot's line is parsed when it is asked for, and again each time.
+ * -ENOENT, -ENOTSUP (another major or an unknown required name), -TTF_EDAMAGED naming the line.
+ */
 TTF_MUST_USE int ttf_reader_open(struct ttf_io *io, const char *path, struct ttf_reader **ret,
                                  struct ttf_err *err);
 void ttf_reader_close(struct ttf_reader *reader); /* NULL allowed */
