@@ -26,8 +26,9 @@ struct ttf_tiff_reader {
     size_t chunk_bytes;     /* of a strip or a tile, decoded */
     size_t chunk_row_bytes; /* of one row in it */
     unsigned char *chunk;   /* one of them; NULL: decoded into the band at once */
-    unsigned char *band;    /* band_rows x band_stride, unpacked */
-    size_t band_stride;
+    unsigned char
+        *band; /* band_rows x band_stride, unpacked; NULL until rows of a part are asked for */
+    size_t band_bytes, band_stride;
     uint32_t band_index; /* UINT32_MAX: none */
 
     uint32_t *folder; /* in which each page lies; NULL: in that of its number */
@@ -182,9 +183,7 @@ static int read_chunks(struct ttf_tiff_reader *reader, struct ttf_err *err)
         if (!reader->chunk)
             return ttf_err_set(err, -ENOMEM, reader->client.where, "no memory for a strip");
     }
-    reader->band = malloc(band);
-    if (!reader->band)
-        return ttf_err_set(err, -ENOMEM, reader->client.where, "no memory for a strip");
+    reader->band_bytes = band;
     return 0;
 }
 
@@ -368,16 +367,16 @@ static void unpack_chunk(struct ttf_tiff_reader *reader, uint32_t x, uint32_t n,
     }
 }
 
+/* Strips that lie as rows are handed out go to `band`, others through the chunk to the reader's own. */
 static int decode_strip(struct ttf_tiff_reader *reader, uint32_t index, unsigned plane,
-                        uint32_t rows, struct ttf_err *err)
+                        uint32_t rows, unsigned char *band, struct ttf_err *err)
 {
     TIFF *tiff = reader->client.tiff;
     uint32_t strip = TIFFComputeStrip(tiff, index * reader->band_rows, (uint16_t)plane);
     tmsize_t need = (tmsize_t)(rows * reader->chunk_row_bytes);
-    unsigned char *to = reader->chunk ? reader->chunk : reader->band;
-    tmsize_t got = TIFFReadEncodedStrip(tiff, strip, to, (tmsize_t)reader->chunk_bytes);
+    tmsize_t room = !reader->chunk && band != reader->band ? need : (tmsize_t)reader->chunk_bytes;
 
-    if (got < need)
+    if (TIFFReadEncodedStrip(tiff, strip, reader->chunk ? reader->chunk : band, room) < need)
         return fail(reader, err, -TTF_EDAMAGED, "decoding a strip");
     if (reader->chunk)
         unpack_chunk(reader, 0, reader->info.width, rows, plane);
@@ -402,27 +401,55 @@ static int decode_tiles(struct ttf_tiff_reader *reader, uint32_t index, unsigned
     return 0;
 }
 
-static int decode_band(struct ttf_tiff_reader *reader, uint32_t index, struct ttf_err *err)
+static uint32_t rows_of_band(const struct ttf_tiff_reader *reader, uint32_t index)
 {
     uint32_t rows = reader->info.height - index * reader->band_rows;
+
+    return rows < reader->band_rows ? rows : reader->band_rows;
+}
+
+static int decode_band(struct ttf_tiff_reader *reader, uint32_t index, unsigned char *band,
+                       struct ttf_err *err)
+{
+    uint32_t rows = rows_of_band(reader, index);
     unsigned planes = reader->planar ? reader->layout.kept : 1;
     int r = 0;
 
-    if (rows > reader->band_rows)
-        rows = reader->band_rows;
-    reader->band_index = UINT32_MAX;
     tiff_decode_begin(&reader->client);
     for (unsigned plane = 0; plane < planes && r == 0; plane++)
         r = reader->tiled ? decode_tiles(reader, index, plane, rows, err)
-                          : decode_strip(reader, index, plane, rows, err);
+                          : decode_strip(reader, index, plane, rows, band, err);
     if (r < 0) {
         reader->client.decoding = false;
         return r;
     }
-    r = tiff_decode_end(&reader->client, err, "decoding an image");
+    return tiff_decode_end(&reader->client, err, "decoding an image");
+}
+
+/* Into the reader's own band, of which rows may be asked for again. */
+static int hold_band(struct ttf_tiff_reader *reader, uint32_t index, struct ttf_err *err)
+{
+    int r;
+
+    if (!reader->band)
+        reader->band = malloc(reader->band_bytes);
+    if (!reader->band)
+        return ttf_err_set(err, -ENOMEM, reader->client.where, "no memory for a strip");
+    reader->band_index = UINT32_MAX;
+    r = decode_band(reader, index, reader->band, err);
     if (r == 0)
         reader->band_index = index;
     return r;
+}
+
+/* Is all of the band at row y asked for, and in the form that it is decoded in? Then it need not be held and copied. */
+static bool goes_straight(const struct ttf_tiff_reader *reader, uint32_t y, uint32_t n,
+                          size_t stride)
+{
+    uint32_t index = y / reader->band_rows;
+
+    return !reader->chunk && stride == reader->band_stride && y % reader->band_rows == 0 &&
+           n >= rows_of_band(reader, index) && index != reader->band_index;
 }
 
 int ttf_tiff_reader_rows(struct ttf_tiff_reader *reader, uint32_t y0, uint32_t n, void *dst,
@@ -430,15 +457,25 @@ int ttf_tiff_reader_rows(struct ttf_tiff_reader *reader, uint32_t y0, uint32_t n
 {
     if (y0 > reader->info.height || n > reader->info.height - y0)
         return ttf_err_set(err, -EINVAL, reader->client.where, "rows %u and on are outside", y0);
-    for (uint32_t y = 0; y < n; y++) {
+    for (uint32_t y = 0, done; y < n; y += done) {
         uint32_t index = (y0 + y) / reader->band_rows;
-        int r = index == reader->band_index ? 0 : decode_band(reader, index, err);
+        unsigned char *to = (unsigned char *)dst + (size_t)y * stride;
+        int r = 0;
 
+        if (goes_straight(reader, y0 + y, n - y, stride)) {
+            done = rows_of_band(reader, index);
+            r = decode_band(reader, index, to, err);
+        } else {
+            done = 1;
+            if (index != reader->band_index)
+                r = hold_band(reader, index, err);
+            if (r == 0)
+                memcpy(to,
+                       reader->band + (size_t)((y0 + y) % reader->band_rows) * reader->band_stride,
+                       reader->band_stride);
+        }
         if (r < 0)
             return r;
-        memcpy((char *)dst + (size_t)y * stride,
-               reader->band + (size_t)((y0 + y) % reader->band_rows) * reader->band_stride,
-               reader->band_stride);
     }
     return 0;
 }

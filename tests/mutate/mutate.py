@@ -21,7 +21,6 @@ import subprocess
 import sys
 import threading
 import time
-import tomllib
 from collections import Counter
 from pathlib import Path
 
@@ -255,7 +254,8 @@ def main():
     options = arguments()
     try:
         mutations = mutation_list.load(HERE / "list")
-        wrong = mutation_list.check(mutations, ROOT)
+        entries = mutation_list.judges(HERE / "judges.toml")
+        wrong = mutation_list.check(mutations, ROOT) + mutation_list.unjudged(mutations, entries)
         if wrong:
             raise mutation_list.ListError("\n".join(wrong))
         names = options.names + options.only
@@ -268,7 +268,7 @@ def main():
             for mutation in mutations:
                 print(f"{mutation.name:44} {mutation.file}\n    {mutation.breaks}")
             return 0
-        judges = [Judge(entry) for entry in tomllib.loads((HERE / "judges.toml").read_text())["judge"]]
+        judges = [Judge(entry) for entry in entries]
         rooms = {mutation.file.split("/")[0] for mutation in mutations}
         judges = [judge for judge in judges if rooms & set(judge.rooms)]
         listed = subprocess.run(["git", "ls-files", "-z", "-co", "--exclude-standard"], cwd=ROOT, check=True,

@@ -93,3 +93,15 @@ def check(mutations, root):
         except ListError as error:
             wrong.append(str(error))
     return wrong
+
+
+def judges(path):
+    """Entries of judges.toml."""
+    return tomllib.loads(Path(path).read_text())["judge"]
+
+
+def unjudged(mutations, entries):
+    """Mutations of which no program is asked, as texts: each would survive."""
+    rooms = {room for entry in entries for room in entry["rooms"]}
+    return [f"{mutation.name}: no judge looks at {mutation.file.split('/')[0]} (judges.toml)"
+            for mutation in mutations if mutation.file.split("/")[0] not in rooms]

@@ -18,6 +18,7 @@ def main():
         print(error)
         return 1
     wrong = mutation_list.check(mutations, root)
+    wrong += mutation_list.unjudged(mutations, mutation_list.judges(root / "tests/mutate/judges.toml"))
     if wrong:
         wrong.append("Whoever changes the store changes tests/mutate/list too (tests/mutate/README.md).")
     print("\n".join(wrong + [f"{len(mutations)} mutations, {len(wrong)} that do not fit"]))

@@ -45,6 +45,11 @@ def main():
         if said:
             print(f"a good list was refused: {said}")
             bad += 1
+        mutations = mutation_list.load(Path(folder) / "list")
+        for rooms, unjudged in ([["a.c"], 0], [["b.c"], 1]):
+            if len(mutation_list.unjudged(mutations, [{"program": "x", "rooms": rooms}])) != unjudged:
+                print(f"judges of {rooms} should leave {unjudged} without one")
+                bad += 1
         for text, expected in WRONG:
             said = complaints(folder, text)
             if expected not in said:

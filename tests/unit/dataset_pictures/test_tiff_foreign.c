@@ -288,6 +288,44 @@ static void pages_and_rows_are_read_in_any_order(void **state)
     assert_non_null(strstr(err.what, "there is no page 5: the file has 5"));
 }
 
+/* Whole strips go straight to where they are asked for, parts and other strides by way of the reader's own. */
+static void rows_are_the_same_however_many_are_asked_for(void **state)
+{
+    enum {
+        PAD = 3
+    };
+    static uint16_t rows[H * (W + PAD) * 3];
+
+    for (unsigned i = 0; i < TTF_COUNT_OF(all); i++) {
+        const struct foreign *f = &all[i];
+        struct ttf_tiff_reader *reader = NULL;
+        struct ttf_pixbuf whole = {0};
+        const char *path = scratch_path(state, f->name);
+        size_t row;
+
+        write_foreign(state, f, 1);
+        assert_int_equal(ttf_tiff_read(ttf_io_posix(), path, 0, &whole, NULL), 0);
+        row = (size_t)W * whole.samples * ttf_sample_bytes(whole.format);
+        assert_int_equal(ttf_tiff_reader_open(ttf_io_posix(), path, &reader, NULL), 0);
+        for (unsigned k = 0; row <= (size_t)W * 6 && k < H * H * 2; k++) {
+            uint32_t y0 = k * 7 % H, n = k / H % H + 1;
+            size_t stride = row + (k % 2 ? PAD : 0);
+
+            n = n < H - y0 ? n : H - y0;
+            memset(rows, 0xa5, sizeof(rows));
+            assert_int_equal(ttf_tiff_reader_rows(reader, y0, n, rows, stride, NULL), 0);
+            for (uint32_t y = 0; y < n; y++) {
+                if (memcmp((char *)rows + y * stride,
+                           (char *)whole.data + (size_t)(y0 + y) * whole.stride, row) != 0)
+                    fail_msg("%s: row %u of %u from %u on", f->name, y, n, y0);
+            }
+            assert_int_equal(((unsigned char *)rows)[(n - 1) * stride + row], 0xa5);
+        }
+        ttf_tiff_reader_close(reader);
+        ttf_pixbuf_free(&whole);
+    }
+}
+
 static void a_jpeg_inside_comes_out_as_rgb(void **state)
 {
     TIFF *tiff = TIFFOpen(scratch_path(state, "j.tif"), "w");
@@ -645,6 +683,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(every_common_layout_is_read, scratch_make, scratch_remove),
         cmocka_unit_test_setup_teardown(pages_and_rows_are_read_in_any_order, scratch_make,
+                                        scratch_remove),
+        cmocka_unit_test_setup_teardown(rows_are_the_same_however_many_are_asked_for, scratch_make,
                                         scratch_remove),
         cmocka_unit_test_setup_teardown(a_jpeg_inside_comes_out_as_rgb, scratch_make,
                                         scratch_remove),

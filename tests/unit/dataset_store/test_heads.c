@@ -71,18 +71,30 @@ static void what_is_cut_or_of_another_hand_is_parsed(void **state)
         "\"result\":\"failed\",\"reason\":\"x\",\"crc\":\"01234567\"}";
     static const char *const others[] = {
         "",
-        "{\"seq\":4,\"type\":\"slot\",\"index\":2,\"segment\":0,\"due_ns\":1,\"result\":\"failed\",",
-        "{\"type\":\"slot\",\"seq\": 4,\"index\":2,\"segment\":0,\"due_ns\":1,\"result\":\"failed\",",
-        "{\"type\":\"slot\",\"seq\":04,\"index\":2,\"segment\":0,\"due_ns\":1,\"result\":\"failed\",",
-        "{\"type\":\"slot\",\"seq\":4,\"index\":-2,\"segment\":0,\"due_ns\":1,\"result\":\"failed\",",
-        "{\"type\":\"slot\",\"seq\":4,\"index\":2.5,\"segment\":0,\"due_ns\":1,\"result\":\"failed\",",
-        "{\"type\":\"slot\",\"seq\":4,\"index\":2e5,\"segment\":0,\"due_ns\":1,\"result\":\"failed\",",
-        "{\"type\":\"slot\",\"seq\":4,\"index\":2,\"segment\":-0,\"due_ns\":1,\"result\":\"failed\",",
-        "{\"type\":\"slot\",\"seq\":4,\"index\":2,\"segment\":2147483648,\"due_ns\":1,\"result\":\"failed\",",
-        "{\"type\":\"slot\",\"seq\":4,\"index\":2,\"segment\":0,\"due_ns\":9223372036854775808,\"result\":\"failed\",",
-        "{\"type\":\"slot\",\"seq\":4,\"index\":2,\"segment\":0,\"due_ns\":1,\"result\":\"failedly\",",
-        "{\"type\":\"slot\",\"seq\":4,\"index\":2,\"segment\":0,\"due_ns\":1,\"middle_ns\":null,\"result\":\"failed\",",
-        "{\"type\":\"slots\",\"seq\":4,\"index\":2,\"segment\":0,\"due_ns\":1,\"result\":\"failed\",",
+        "{\"seq\":4,\"type\":\"slot\",\"index\":2,\"segment\":0,\"due_ns\":1,\"result\":"
+        "\"failed\",",
+        "{\"type\":\"slot\",\"seq\": "
+        "4,\"index\":2,\"segment\":0,\"due_ns\":1,\"result\":\"failed\",",
+        "{\"type\":\"slot\",\"seq\":04,\"index\":2,\"segment\":0,\"due_ns\":1,\"result\":"
+        "\"failed\",",
+        "{\"type\":\"slot\",\"seq\":4,\"index\":-2,\"segment\":0,\"due_ns\":1,\"result\":"
+        "\"failed\",",
+        "{\"type\":\"slot\",\"seq\":4,\"index\":2.5,\"segment\":0,\"due_ns\":1,\"result\":"
+        "\"failed\",",
+        "{\"type\":\"slot\",\"seq\":4,\"index\":2e5,\"segment\":0,\"due_ns\":1,\"result\":"
+        "\"failed\",",
+        "{\"type\":\"slot\",\"seq\":4,\"index\":2,\"segment\":-0,\"due_ns\":1,\"result\":"
+        "\"failed\",",
+        "{\"type\":\"slot\",\"seq\":4,\"index\":2,\"segment\":2147483648,\"due_ns\":1,\"result\":"
+        "\"failed\",",
+        "{\"type\":\"slot\",\"seq\":4,\"index\":2,\"segment\":0,\"due_ns\":9223372036854775808,"
+        "\"result\":\"failed\",",
+        "{\"type\":\"slot\",\"seq\":4,\"index\":2,\"segment\":0,\"due_ns\":1,\"result\":"
+        "\"failedly\",",
+        "{\"type\":\"slot\",\"seq\":4,\"index\":2,\"segment\":0,\"due_ns\":1,\"middle_ns\":null,"
+        "\"result\":\"failed\",",
+        "{\"type\":\"slots\",\"seq\":4,\"index\":2,\"segment\":0,\"due_ns\":1,\"result\":"
+        "\"failed\",",
     };
     const size_t needed = (size_t)(strstr(whole, "\"reason\"") - whole);
     struct ttf_slot_brief brief;
