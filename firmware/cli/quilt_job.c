@@ -46,6 +46,11 @@ static int open_inputs(struct quilt_job *job)
     return r;
 }
 
+static struct ttf_report_prepared *prepared_of(struct quilt_job *job, unsigned input)
+{
+    return input ? &job->more_prepared[input - 1] : &job->prepared;
+}
+
 /* Smaller and rarer, if so asked. */
 static int reduce(struct quilt_job *job)
 {
@@ -69,9 +74,13 @@ static int reduce(struct quilt_job *job)
     if (r < 0)
         return r;
     quilt_config_reduce(&job->config, p->shrink, p->step);
-    job->prepared.reduced = p->shrink > 1 || p->step > 1;
-    job->prepared.shrink = p->shrink;
-    job->prepared.step = p->step;
+    for (unsigned i = 0; i < job->n_inputs; i++) {
+        struct ttf_report_prepared *prepared = prepared_of(job, i);
+
+        prepared->reduced = p->shrink > 1 || p->step > 1;
+        prepared->shrink = p->shrink;
+        prepared->step = p->step;
+    }
     job->prepared.estimated_ns = p->total_ns;
     job->prepared.allowed_ns = cli->opt.time_ns;
     if (p->total_ns > cli->opt.time_ns)
@@ -106,11 +115,6 @@ static double sigma_px(const struct quilt_job *job)
     if (cli_given(&job->cli->opt, OPT_FLATTEN_SIGMA))
         return job->cli->opt.flatten_sigma / (job->prepared.reduced ? job->prepared.shrink : 1);
     return (c->block_width > c->block_height ? c->block_width : c->block_height) / 2.0;
-}
-
-static struct ttf_report_prepared *prepared_of(struct quilt_job *job, unsigned input)
-{
-    return input ? &job->more_prepared[input - 1] : &job->prepared;
 }
 
 static int prepare_inputs(struct quilt_job *job)
