@@ -13,6 +13,7 @@
 #include "search/rank_search.h"
 #include "search/sources.h"
 #include "search/views.h"
+#include "ttf/synth/cancel.h"
 
 struct agreement {
     const struct ttf_quilt_config *config;
@@ -268,7 +269,7 @@ static int compare_searches(const struct ttf_quilt_config *config, struct ttf_se
         return r;
     r = start(&a, input, most, err);
     for (unsigned i = 0; i < map->n_blocks && r == 0; i++) {
-        if (config->cancel && *config->cancel)
+        if (ttf_cancelled(config->cancel))
             r = ttf_err_set(err, -ECANCELED, NULL, "cancelled");
         else if (i > 0 && hash_of(&a, i) <= a.last_asked &&
                  (map->blocks[i].left > 0 || map->blocks[i].top > 0)) {

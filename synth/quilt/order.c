@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "quilt/avoid.h"
+#include "ttf/synth/cancel.h"
 
 struct row {
     uint32_t placed; /* blocks, from the left */
@@ -80,7 +81,7 @@ static void check_cancel(struct order *order)
 {
     const struct ttf_quilt_config *config = order->plan->config;
 
-    if (config->cancel && *config->cancel && order->code == 0)
+    if (ttf_cancelled(config->cancel) && order->code == 0)
         order->code = ttf_err_set(&order->err, -ECANCELED, NULL, "cancelled");
 }
 
@@ -200,7 +201,7 @@ int ttf_order_raster(struct ttf_plan *plan, struct ttf_err *err)
     for (unsigned i = 0; i < plan->map.n_blocks; i++) {
         int r;
 
-        if (config->cancel && *config->cancel)
+        if (ttf_cancelled(config->cancel))
             return ttf_err_set(err, -ECANCELED, NULL, "cancelled");
         r = ttf_place_block(plan, &plan->rooms[0], i);
         if (r < 0)

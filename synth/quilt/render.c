@@ -7,6 +7,7 @@
 
 #include "quilt/compose.h"
 #include "quilt/timed.h"
+#include "ttf/synth/cancel.h"
 
 /* Source frames held where pixels are of different times: the smallest board still has room. */
 #define WINDOW_BYTES ((size_t)64 << 20)
@@ -256,7 +257,7 @@ int ttf_render_all(struct ttf_render *r, struct ttf_err *err)
 
     for (r->hand = (int64_t)r->job.first - (r->timed ? 0 : 2); r->hand < frames && code == 0;
          r->hand++) {
-        if (config->cancel && *config->cancel)
+        if (ttf_cancelled(config->cancel))
             return ttf_err_set(err, -ECANCELED, NULL, "cancelled");
         code = r->timed ? ttf_render_one(r, (uint32_t)r->hand, err) : one_round(r, err);
         if (r->hand >= r->job.first)

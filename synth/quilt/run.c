@@ -10,6 +10,7 @@
 #include "quilt/map_of_sources.h"
 #include "quilt/render.h"
 #include "search/hash.h"
+#include "ttf/synth/cancel.h"
 
 /* Share of the progress bar that finding the map gets. */
 #define PLAN_SHARE 0.6
@@ -122,8 +123,8 @@ static int all_alone(struct run *run, struct ttf_render *render, struct ttf_quil
     const struct ttf_quilt_config *config = run->config;
 
     for (uint32_t t = 0; t < run->frames; t++) {
-        int r = config->cancel && *config->cancel ? ttf_err_set(err, -ECANCELED, NULL, "cancelled")
-                                                  : one_alone(run, render, t, err);
+        int r = ttf_cancelled(config->cancel) ? ttf_err_set(err, -ECANCELED, NULL, "cancelled")
+                                              : one_alone(run, render, t, err);
 
         if (r < 0)
             return r;

@@ -11,6 +11,7 @@
 #include "quilt/map_of_sources.h"
 #include "search/hash.h"
 #include "search/sources.h"
+#include "ttf/synth/cancel.h"
 #include "ttf/synth/run.h"
 
 #define NOBODY UINT32_MAX
@@ -35,7 +36,7 @@ static int read_frames(struct verify *v, uint32_t t, struct ttf_err *err)
 {
     int r;
 
-    if (v->cancel && *v->cancel) {
+    if (ttf_cancelled(v->cancel)) {
         ttf_err_set(err, -ECANCELED, NULL, "cancelled");
         return -ECANCELED;
     }

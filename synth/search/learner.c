@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ttf/synth/cancel.h"
+
 /* Two batches of 8-bit frames together take at most about this much. */
 #define BATCHES_BYTES ((size_t)48 << 20)
 
@@ -82,8 +84,7 @@ static void do_besides(struct work *work)
 
     if (!work->aside || !work->aside->part)
         return;
-    while (result->code == 0 && work->part < work->aside->parts &&
-           !(work->cancel && *work->cancel) &&
+    while (result->code == 0 && work->part < work->aside->parts && !ttf_cancelled(work->cancel) &&
            atomic_load_explicit(&work->own_tiles, memory_order_relaxed) > 0)
         result->code = work->aside->part(work->aside->ctx, work->part++, &result->err);
 }
@@ -111,7 +112,7 @@ static void read_tile(void *ctx, unsigned tile, unsigned worker)
     }
     tile -= READ;
     result = &work->results[tile];
-    result->code = work->cancel && *work->cancel
+    result->code = ttf_cancelled(work->cancel)
                        ? ttf_err_set(&result->err, -ECANCELED, NULL, "cancelled")
                        : ttf_sources_read_codes(work->sources, work->read_from + tile, work->table,
                                                 work->scratch + worker * TTF_SOURCES_PIECE,

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ttf/base/checked.h"
+#include "ttf/synth/cancel.h"
 
 /* Frames of one tile: 63 bytes per pixel, about a cache line, written together. */
 #define TILE_FRAMES 21
@@ -53,7 +54,7 @@ static void load_tile(void *ctx, unsigned tile, unsigned worker)
         uint32_t rows = height - y < load->piece_rows ? height - y : load->piece_rows;
 
         for (uint32_t t = t0; t < t1; t++) {
-            if (load->cancel && *load->cancel) {
+            if (ttf_cancelled(load->cancel)) {
                 result->code = -ECANCELED;
                 return;
             }

@@ -96,7 +96,7 @@ struct ttf_quilt_config {
         void *ctx,
         double done); /* 0..1, from any of the pool's threads, one at a time; NULL allowed */
     void *progress_ctx;
-    const volatile int *cancel; /* non-zero: -ECANCELED; NULL allowed */
+    const volatile int *cancel; /* non-zero (cancel.h): -ECANCELED; NULL allowed */
 };
 
 void ttf_quilt_defaults(struct ttf_quilt_config *config);
