@@ -125,7 +125,7 @@ static int take_plan(struct ttf_reader *reader, const struct ttf_line *line, str
     return r;
 }
 
-/* A slot is parsed when it is asked for. */
+/* A slot that is known is parsed when it is asked for. */
 static bool know_line(void *ctx, const char *text, size_t bytes, int64_t *ret_seq,
                       const char **ret_type)
 {
@@ -178,7 +178,7 @@ int ttf_manifest_load(struct ttf_io *io, const char *dataset, struct ttf_manifes
     return r;
 }
 
-static int load(struct ttf_reader *reader, struct ttf_err *err)
+static int load(struct ttf_reader *reader, ttf_known_line_fn *known, struct ttf_err *err)
 {
     struct ttf_lines_tail tail;
     int r;
@@ -186,7 +186,7 @@ static int load(struct ttf_reader *reader, struct ttf_err *err)
     r = ttf_manifest_load(reader->io, reader->path, &reader->manifest, err);
     if (r)
         return r;
-    r = ttf_lines_scan_known(reader->io, reader->records_path, know_line, take_line, reader, &tail,
+    r = ttf_lines_scan_known(reader->io, reader->records_path, known, take_line, reader, &tail,
                              err);
     if (r == -ENOENT)
         return ttf_err_set(err, -TTF_EDAMAGED, reader->records_path, "is missing");
@@ -204,8 +204,8 @@ static int load(struct ttf_reader *reader, struct ttf_err *err)
     return 0;
 }
 
-int ttf_reader_open(struct ttf_io *io, const char *path, struct ttf_reader **ret,
-                    struct ttf_err *err)
+static int open_by(struct ttf_io *io, const char *path, ttf_known_line_fn *known,
+                   struct ttf_reader **ret, struct ttf_err *err)
 {
     struct ttf_reader *reader = calloc(1, sizeof(*reader));
     int r;
@@ -220,13 +220,25 @@ int ttf_reader_open(struct ttf_io *io, const char *path, struct ttf_reader **ret
     if (!reader->path || !reader->records_path)
         r = ttf_err_set(err, -ENOMEM, path, "no memory");
     else
-        r = load(reader, err);
+        r = load(reader, known, err);
     if (r) {
         ttf_reader_close(reader);
         return r;
     }
     *ret = reader;
     return 0;
+}
+
+int ttf_reader_open(struct ttf_io *io, const char *path, struct ttf_reader **ret,
+                    struct ttf_err *err)
+{
+    return open_by(io, path, NULL, ret, err);
+}
+
+int ttf_reader_open_by_heads(struct ttf_io *io, const char *path, struct ttf_reader **ret,
+                             struct ttf_err *err)
+{
+    return open_by(io, path, know_line, ret, err);
 }
 
 void ttf_reader_close(struct ttf_reader *reader)

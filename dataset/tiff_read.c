@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Reads by bands: a strip, or a row of tiles, is decoded whole and kept, so that
- * rows asked for downwards decode each once.
+ * rows asked for downwards decode each once. A strip all of which is asked for is
+ * decoded where it is wanted, and not kept.
  */
 #include <errno.h>
 #include <stdlib.h>
@@ -93,6 +94,16 @@ static int read_layout(struct ttf_tiff_reader *reader, struct ttf_err *err)
     return 0;
 }
 
+/*
+ * libtiff's faster way to inflate (libdeflate) takes a strip that holds more than is asked for as whole, also a damaged one, and leaves
+ * what did not fit into its last piece unwritten (4.5). zlib writes every byte, and finds the damage.
+ */
+static bool inflate_by_zlib(TIFF *tiff)
+{
+    return !TIFFFindField(tiff, TIFFTAG_DEFLATE_SUBCODEC, TIFF_ANY) ||
+           TIFFSetField(tiff, TIFFTAG_DEFLATE_SUBCODEC, DEFLATE_SUBCODEC_ZLIB) == 1;
+}
+
 static int read_photometric(struct ttf_tiff_reader *reader, struct ttf_err *err)
 {
     TIFF *tiff = reader->client.tiff;
@@ -101,7 +112,7 @@ static int read_photometric(struct ttf_tiff_reader *reader, struct ttf_err *err)
 
     TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
     TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
-    if (!TIFFIsCODECConfigured(compression))
+    if (!TIFFIsCODECConfigured(compression) || !inflate_by_zlib(tiff))
         return unsupported(reader, err, "compression", compression);
     switch (photometric) {
     case PHOTOMETRIC_MINISWHITE:

@@ -67,7 +67,7 @@ int quilt_input_open(struct cli *cli, const char *path, struct quilt_input *ret)
     if (r < 0)
         return ttf_err_set(&cli->err, r, path, "%s", strerrordesc_np(-r));
     if (st.is_dir) {
-        r = ttf_reader_open(cli->io, path, &ret->reader, &cli->err);
+        r = ttf_reader_open_by_heads(cli->io, path, &ret->reader, &cli->err);
         if (r == 0)
             r = ttf_sequence_of_dataset(ret->reader, &choice, &whole, &cli->err);
     } else {

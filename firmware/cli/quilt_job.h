@@ -37,7 +37,7 @@ struct quilt_job {
     struct ttf_sequence *more[CLI_SOURCES_MAX];
     struct ttf_quilt_config config;
     struct ttf_report_prepared prepared;                       /* the first input */
-    struct ttf_report_prepared more_prepared[CLI_SOURCES_MAX]; /* the others, but for reduced */
+    struct ttf_report_prepared more_prepared[CLI_SOURCES_MAX]; /* the others */
     struct quilt_preview preview;
     struct ttf_gradient gradient; /* of the output's size, to be laid over it again */
     struct ttf_rate_map rate;

@@ -96,7 +96,17 @@ static int opened_for_reading(const char *path)
     return r;
 }
 
-/* Opening knows slots by their heads. */
+static int opened_by_heads(const char *path)
+{
+    struct ttf_reader *reader;
+    int r = ttf_reader_open_by_heads(quick_io(), path, &reader, NULL);
+
+    if (r == 0)
+        ttf_reader_close(reader);
+    return r;
+}
+
+/* By their heads, or as a line of another hand. */
 static void a_slot_that_another_program_wrote_is_read_like_ours(void **state)
 {
     const char *path = three_slots(state);
@@ -106,7 +116,7 @@ static void a_slot_that_another_program_wrote_is_read_like_ours(void **state)
     int64_t index;
 
     change_line(path, 3, "\"index\":1,\"segment\":0", "\"segment\":0,\"index\":1");
-    assert_int_equal(ttf_reader_open(quick_io(), path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_open_by_heads(quick_io(), path, &reader, NULL), 0);
     assert_int_equal(ttf_reader_summary(reader)->slots, 3);
     assert_int_equal(ttf_reader_brief(reader, 1, &index, &result), 0);
     assert_int_equal(index, 1);
@@ -133,14 +143,14 @@ static void a_slot_in_the_wrong_place_is_damage_whoever_wrote_it(void **state)
         const char *path = three_slots(state);
 
         change_line(path, 3, wrong[i][0], wrong[i][1]);
-        if (opened_for_reading(path) != -TTF_EDAMAGED)
+        if (opened_for_reading(path) != -TTF_EDAMAGED || opened_by_heads(path) != -TTF_EDAMAGED)
             fail_msg("%s", wrong[i][1]);
         assert_int_equal(run("rm -r '%s'", path), 0);
     }
 }
 
-/* What stands behind a slot's head is looked at when the slot is. */
-static void a_slot_that_is_no_json_behind_its_head_is_damage_when_it_is_read(void **state)
+/* Whoever opens by the heads is told when it asks for the slot, everybody else at once. */
+static void a_slot_that_is_no_json_behind_its_head_is_damage(void **state)
 {
     const char *path = three_slots(state);
     struct ttf_slot_record record;
@@ -148,13 +158,14 @@ static void a_slot_that_is_no_json_behind_its_head_is_damage_when_it_is_read(voi
     struct ttf_err err = {0};
 
     change_line(path, 3, "\"images\":[", "\"images\":[[");
-    assert_int_equal(ttf_reader_open(quick_io(), path, &reader, NULL), 0);
+    assert_int_equal(ttf_reader_open_by_heads(quick_io(), path, &reader, NULL), 0);
     assert_int_equal(ttf_reader_slot(reader, 1, &record, &err), -TTF_EDAMAGED);
     assert_non_null(strstr(err.what, "not JSON"));
     assert_non_null(strstr(err.where, "records.jsonl:4"));
     assert_int_equal(ttf_reader_slot(reader, 2, &record, NULL), 0);
     ttf_slot_record_free(&record);
     ttf_reader_close(reader);
+    assert_int_equal(opened_for_reading(path), -TTF_EDAMAGED);
     assert_true(verify_says(path, "not JSON"));
     assert_int_equal(opened_for_writing(path), -TTF_EDAMAGED);
 }
@@ -602,7 +613,7 @@ int main(void)
         T(a_record_that_changes_while_it_is_read_is_not_passed_on),
         T(a_slot_that_another_program_wrote_is_read_like_ours),
         T(a_slot_in_the_wrong_place_is_damage_whoever_wrote_it),
-        T(a_slot_that_is_no_json_behind_its_head_is_damage_when_it_is_read),
+        T(a_slot_that_is_no_json_behind_its_head_is_damage),
         T(flags_are_read_as_far_as_they_are_words),
         T(a_sequence_never_leaves_its_dataset),
         T(a_fragment_is_told_by_the_reader),

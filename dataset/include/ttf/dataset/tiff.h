@@ -123,7 +123,7 @@ const void *ttf_tiff_reader_profile(const struct ttf_tiff_reader *reader, size_t
 /*
  * Rows y0..y0+n-1 as info says, into dst with stride bytes from row to row; in any
  * order, cheapest downwards and where whole strips are asked for, with stride as the rows are long: those are decoded
- * in place. Holds at most one strip or row of tiles. -EINVAL outside the image; after any error dst holds nothing of use.
+ * in place and not held. Holds at most one strip or row of tiles. -EINVAL outside the image; after any error dst holds nothing of use.
  */
 TTF_MUST_USE int ttf_tiff_reader_rows(struct ttf_tiff_reader *reader, uint32_t y0, uint32_t n,
                                       void *dst, size_t stride, struct ttf_err *err);

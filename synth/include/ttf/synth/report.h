@@ -43,7 +43,7 @@ struct ttf_report_source {
 struct ttf_quilt_report {
     struct ttf_quilt_config config; /* as given; its pointers are not for the reader */
     struct ttf_report_prepared
-        prepared; /* the first input; of the others what steadied and flattened them: */
+        prepared; /* the first input; of the others what reduced, steadied and flattened them: */
     struct ttf_report_prepared more_prepared[TTF_QUILT_INPUTS_MAX - 1];
     struct ttf_report_source sources[TTF_QUILT_INPUTS_MAX];
     bool measured;     /* the figures from `input` to `repetition` were taken */
