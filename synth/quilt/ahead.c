@@ -13,9 +13,11 @@
 
 /*
  * Each strip reads the kept frames anew, from memory: while blocks are looked for, one waits until it is of so many times their pixels, or
- * of half of the rows that are left (else the last strip would be long, when nothing else is left to do).
+ * of half of the rows that are left (else the last strip would be long, when nothing else is left to do). The first waits less: until it
+ * comes nobody writes, and only one thread at a time can.
  */
-#define STRIP_SOURCES 3u
+#define STRIP_SOURCES 2u
+#define FIRST_SOURCES 1u
 
 /* That the room for all rows is asked for in: each is short beside a frame's reading. */
 #define PARTS 4096u
@@ -43,7 +45,6 @@ struct ttf_ahead {
     struct ttf_quilt_sink sink;
     struct ttf_aside aside;
     uint32_t rows_step, rows_max; /* of a band */
-    uint32_t rows_least;          /* of a strip that is not among the last */
     /* the strip */
     uint32_t y0, y1;
     uint32_t next; /* frame */
@@ -76,11 +77,14 @@ static uint32_t rows_of_pages(size_t row)
     return rows * row <= BAND_BYTES ? rows : 1;
 }
 
+/* Of the next strip, but if it is among the last. */
 static uint32_t least_rows(const struct ttf_ahead *ahead)
 {
-    uint64_t rows = STRIP_SOURCES * (uint64_t)ahead->kept->frame / row_bytes(ahead);
+    uint64_t sources = ahead->y1 == 0 ? FIRST_SOURCES : STRIP_SOURCES;
+    uint64_t rows = sources * ahead->kept->frame / row_bytes(ahead);
+    uint32_t half = (ahead->config->height - ahead->y1) / 2;
 
-    return rows < ahead->config->height ? (uint32_t)rows : ahead->config->height;
+    return rows < half ? (uint32_t)rows : half;
 }
 
 static int reserve(void *ctx, unsigned part, struct ttf_err *err)
@@ -105,7 +109,6 @@ int ttf_ahead_create(const struct ttf_quilt_config *config, struct ttf_kept *kep
     ahead->rows_max = (uint32_t)(BAND_BYTES / row_bytes(ahead));
     ahead->rows_max -= ahead->rows_max % ahead->rows_step;
     ahead->rows_max = ahead->rows_max > 0 ? ahead->rows_max : 1;
-    ahead->rows_least = least_rows(ahead);
     ahead->desks = calloc(threads, sizeof(*ahead->desks));
     for (unsigned i = 0; ahead->desks && i < threads; i++) {
         ahead->desks[i].codes = malloc(ahead->rows_max * row_bytes(ahead) + CHUNK);
@@ -182,15 +185,11 @@ static int find_runs(struct ttf_ahead *ahead, const struct ttf_quilt_map *map)
 static uint32_t strip_end(const struct ttf_ahead *ahead, uint32_t final_rows)
 {
     uint32_t height = ahead->config->height, end = final_rows;
-    uint32_t half = (height - ahead->y1) / 2;
 
     if (end == height)
         return end;
     end -= end % ahead->rows_step;
-    return end > ahead->y1 &&
-                   end - ahead->y1 >= (half < ahead->rows_least ? half : ahead->rows_least)
-               ? end
-               : ahead->y1;
+    return end > ahead->y1 && end - ahead->y1 >= least_rows(ahead) ? end : ahead->y1;
 }
 
 int ttf_ahead_take(struct ttf_ahead *ahead, const struct ttf_quilt_map *map, uint32_t final_rows,

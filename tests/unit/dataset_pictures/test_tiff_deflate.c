@@ -18,7 +18,13 @@
 #include "ttf/dataset/io.h"
 #include "ttf/dataset/tiff.h"
 
-enum { W = 100, H = 72, STRIP = 32, WRITTEN = 96, ROW = W * 3 };
+enum {
+    W = 100,
+    H = 72,
+    STRIP = 32,
+    WRITTEN = 96,
+    ROW = W * 3
+};
 
 static uint8_t rows[2][H * ROW];
 
