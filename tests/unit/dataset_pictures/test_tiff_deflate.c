@@ -119,7 +119,7 @@ static void a_last_strip_that_holds_more_rows_is_read_to_the_last_one(void **sta
 static void damage_shows_nothing_of_the_callers_memory(void **state)
 {
     static uint8_t text[64 << 10];
-    unsigned read = 0;
+    unsigned read = 0, failed = 0;
 
     for (int noise = 0; noise < 2; noise++) {
         const char *path = scratch_path(state, "long.tif"), *bad = scratch_path(state, "bad.tif");
@@ -131,8 +131,7 @@ static void damage_shows_nothing_of_the_callers_memory(void **state)
         n = f ? fread(text, 1, sizeof(text), f) : 0;
         assert_true(n > 0 && n < sizeof(text));
         assert_int_equal(fclose(f), 0);
-        for (size_t k = 0; k < 600; k++) {
-            size_t bit = k * 7919 % (n * 8);
+        for (size_t bit = 3; bit < n * 8; bit += n * 8 / 600 + 1) {
             int r[2];
 
             text[bit / 8] ^= (uint8_t)(1 << bit % 8);
@@ -145,9 +144,10 @@ static void damage_shows_nothing_of_the_callers_memory(void **state)
             if (r[0] == 0 && memcmp(rows[0], rows[1], sizeof(rows[0])) != 0)
                 fail_msg("%s, bit %zu: some bytes were not read", noise ? "noise" : "even", bit);
             read += r[0] == 0;
+            failed += r[0] < 0;
         }
     }
-    assert_true(read > 0 && read < 1200);
+    assert_true(read > 0 && failed > 0);
 }
 
 int main(void)

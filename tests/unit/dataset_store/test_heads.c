@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -59,7 +60,8 @@ static void a_head_says_what_the_line_says(void **state)
         record.due_ns = i == 2 ? -5 : INT64_C(1209600000000001) * i;
         record.middle_ns = i % 2 ? record.due_ns + 7 : TTF_NS_UNKNOWN;
         record.result = (enum ttf_result)i;
-        strcpy(record.reason, i % 3 ? "" : "\"result\":\"captured\"");
+        (void)snprintf(record.reason, sizeof(record.reason), "%s",
+                       i % 3 ? "" : "\"result\":\"captured\"");
         assert_head_is_its_json(&record, i * INT64_C(99999999999));
     }
 }
