@@ -91,7 +91,10 @@ TTF_MUST_USE int ttf_lines_scan(struct ttf_io *io, const char *path, ttf_line_fn
                                 ttf_bad_line_fn *bad, void *ctx, struct ttf_lines_tail *ret,
                                 struct ttf_err *err);
 
-/* The same without `bad`, for who looks at each line of those that `known` knows again before what it holds counts: its JSON is not looked at. */
+/*
+ * The same without `bad`; known: NULL, or for who looks again at each line that it knows before what stands there counts, as
+ * their JSON is not looked at.
+ */
 TTF_MUST_USE int ttf_lines_scan_known(struct ttf_io *io, const char *path, ttf_known_line_fn *known,
                                       ttf_line_fn *fn, void *ctx, struct ttf_lines_tail *ret,
                                       struct ttf_err *err);
