@@ -27,8 +27,7 @@ struct ttf_tiff_reader {
     size_t chunk_bytes;     /* of a strip or a tile, decoded */
     size_t chunk_row_bytes; /* of one row in it */
     unsigned char *chunk;   /* one of them; NULL: decoded into the band at once */
-    unsigned char
-        *band; /* band_rows x band_stride, unpacked; NULL until rows of a part are asked for */
+    unsigned char *band;    /* band_rows x band_stride, unpacked; NULL: none was held yet */
     size_t band_bytes, band_stride;
     uint32_t band_index; /* UINT32_MAX: none */
 
@@ -385,7 +384,7 @@ static int decode_strip(struct ttf_tiff_reader *reader, uint32_t index, unsigned
     TIFF *tiff = reader->client.tiff;
     uint32_t strip = TIFFComputeStrip(tiff, index * reader->band_rows, (uint16_t)plane);
     tmsize_t need = (tmsize_t)(rows * reader->chunk_row_bytes);
-    tmsize_t room = !reader->chunk && band != reader->band ? need : (tmsize_t)reader->chunk_bytes;
+    tmsize_t room = reader->chunk ? (tmsize_t)reader->chunk_bytes : need;
 
     if (TIFFReadEncodedStrip(tiff, strip, reader->chunk ? reader->chunk : band, room) < need)
         return fail(reader, err, -TTF_EDAMAGED, "decoding a strip");

@@ -89,10 +89,11 @@ static int read_all(const char *path, int fill, uint8_t *to)
 {
     struct ttf_tiff_reader *reader = NULL;
     int r = ttf_tiff_reader_open(ttf_io_posix(), path, &reader, NULL);
+    const struct ttf_tiff_info *info = r == 0 ? ttf_tiff_reader_info(reader) : NULL;
 
     memset(to, fill, H * ROW);
-    if (r == 0 && ttf_tiff_reader_info(reader)->height == H &&
-        ttf_tiff_reader_info(reader)->width == W && ttf_tiff_reader_info(reader)->samples == 3)
+    if (info && info->height == H && info->width == W && info->samples == 3 &&
+        info->format == TTF_SAMPLE_U8)
         r = ttf_tiff_reader_rows(reader, 0, H, to, ROW, NULL);
     else if (r == 0)
         memset(to, 0, H * ROW); /* a flipped bit made it another picture */
