@@ -19,7 +19,7 @@ uint32_t ttf_cells_side(unsigned level, uint32_t overlap)
     uint32_t best = overlap < 3 ? overlap : 3;
 
     if (level > 0)
-        return overlap < 2 ? 1 : 2;
+        return overlap < TTF_CELL_SIDE_FINE ? 1 : TTF_CELL_SIDE_FINE;
     /* of equal waste the larger side: fewer cells say as much */
     for (uint32_t side = 4; side <= TTF_CELL_SIDE_MAX && side <= overlap; side++) {
         if (overlap % side <= overlap % best)
@@ -35,7 +35,7 @@ static void gather(const struct ttf_cells *cells,
     for (uint32_t i = 0; i < cells->side * cells->side; i++) {
         const int16_t *numbers = pixel(ctx, which, i);
 
-        for (int k = 0; k < TTF_CELL_NUMBERS; k++)
+        for (uint32_t k = 0; k < cells->numbers; k++)
             *ret++ = numbers[k];
     }
 }
@@ -145,15 +145,22 @@ static double scale_for(const struct ttf_cells *cells, const double *moments, co
     return variance > 1.0 ? TTF_CELL_MAX / (4.0 * sqrt(variance)) : TTF_CELL_MAX / 4.0;
 }
 
+static uint32_t numbers_of(uint32_t side)
+{
+    return side <= TTF_CELL_SIDE_FINE ? TTF_CELL_NUMBERS_FINE : TTF_CELL_NUMBERS;
+}
+
 int ttf_cells_find(const int16_t *coefs, uint32_t width, uint32_t height, size_t stride,
                    uint32_t side, struct ttf_cells *ret)
 {
-    struct ttf_cells cells = {.side = side, .dims = (size_t)side * side * TTF_CELL_NUMBERS};
+    struct ttf_cells cells = {.side = side, .numbers = numbers_of(side)};
     struct picture picture = {coefs, width, stride, 0, side};
-    double *moments = calloc(cells.dims * cells.dims, sizeof(*moments));
-    double *vectors = calloc(2 * TTF_CELL_DIMS * cells.dims, sizeof(*vectors));
+    double *moments, *vectors;
     size_t samples = 0;
 
+    cells.dims = (size_t)side * side * cells.numbers;
+    moments = calloc(cells.dims * cells.dims, sizeof(*moments));
+    vectors = calloc(2 * TTF_CELL_DIMS * cells.dims, sizeof(*vectors));
     cells.basis = calloc(cells.dims * TTF_CELL_DIMS, sizeof(*cells.basis));
     if (!moments || !vectors || !cells.basis) {
         free(moments);
