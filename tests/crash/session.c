@@ -118,8 +118,8 @@ static void cut_at_random(struct session_cuts *cuts, const struct asked *asked, 
 {
     struct session_plan plan;
 
-    for (cuts->seed = asked->seed + cuts->part; cuts->counts.states < states;
-         cuts->seed += cuts->parts) {
+    for (cuts->seed = asked->seed + cuts->part;
+         cuts->counts.states < states && !session_cuts_stopped(cuts); cuts->seed += cuts->parts) {
         draw_seed(&cuts->draw, cuts->seed);
         plan = draw_plan(&cuts->draw);
         cuts->states_left = 60;

@@ -93,7 +93,7 @@ static void tell(struct session_boot *b)
     (void)fflush(stdout);
 }
 
-static bool stopped(const struct session_cuts *cuts)
+bool session_cuts_stopped(const struct session_cuts *cuts)
 {
     return cuts->stop_at_first && cuts->counts.broken > 0;
 }
@@ -311,7 +311,7 @@ static void judge_state(const struct session_boot *of, struct state *state)
     struct session_cuts *cuts = of->cuts;
     struct session_boot *b;
 
-    if (stopped(cuts)) {
+    if (session_cuts_stopped(cuts)) {
         disk_destroy(state->disk);
         return;
     }
@@ -376,7 +376,7 @@ static struct session_boot *go_on(struct session_boot *before, int given, bool a
 
 static bool stops_here(const struct session_boot *b)
 {
-    return b->box.broken[0] || stopped(b->cuts);
+    return b->box.broken[0] || session_cuts_stopped(b->cuts);
 }
 
 /* With two slots more, after its end. */

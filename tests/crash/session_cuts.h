@@ -77,6 +77,9 @@ struct session_plan {
     unsigned cut_permille; /* at random: of the steps */
 };
 
+/* Something was broken, and the first is to end it: states are counted no more. */
+bool session_cuts_stopped(const struct session_cuts *cuts);
+
 /* A run from an empty disk on, with all cuts on the way. */
 void session_cut_run(struct session_cuts *cuts, const struct session_plan *plan);
 
