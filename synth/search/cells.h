@@ -19,7 +19,7 @@
 
 /*
  * Of each pixel so many numbers, the strongest. Of a coarse cell's sixteen axes the weaker ones hold next to nothing; of a fine
- * one they do (simulated grass: 0.83 of E instead of 0.82, and a quarter fewer positions that pass), and it has few pixels.
+ * one they do (simulated grass: 0.83 of E instead of 0.82, and a seventh fewer positions that pass), and it has few pixels.
  */
 #define TTF_CELL_NUMBERS      8u
 #define TTF_CELL_NUMBERS_FINE 16u
