@@ -14,6 +14,11 @@
 #define ROUNDS   4
 #define DIMS_MAX (TTF_CELL_SIDE_MAX * TTF_CELL_SIDE_MAX * TTF_CELL_NUMBERS)
 
+_Static_assert(TTF_CELL_NUMBERS_FINE <= TTF_COEF_LANES,
+               "a pixel has no fewer numbers than are read");
+_Static_assert(TTF_CELL_SIDE_FINE *TTF_CELL_SIDE_FINE *TTF_CELL_NUMBERS_FINE <= DIMS_MAX,
+               "a fine cell fits");
+
 uint32_t ttf_cells_side(unsigned level, uint32_t overlap)
 {
     uint32_t best = overlap < 3 ? overlap : 3;

@@ -17,13 +17,14 @@
 
 #define TTF_CELL_SIDE_MAX 6
 
+#define TTF_CELL_SIDE_FINE 2
+
 /*
- * Of each pixel so many numbers, the strongest. Of a coarse cell's sixteen axes the weaker ones hold next to nothing; of a fine
- * one they do (simulated grass: 0.83 of E instead of 0.82, and a seventh fewer positions that pass), and it has few pixels.
+ * Of each pixel so many numbers, the strongest; of a small cell more. In a coarse cell's axes the weaker numbers have next to no part; in a
+ * fine one's they have (simulated grass: 0.83 of E instead of 0.82, and a seventh fewer positions that pass), and it has few pixels.
  */
 #define TTF_CELL_NUMBERS      8u
 #define TTF_CELL_NUMBERS_FINE 16u
-#define TTF_CELL_SIDE_FINE    2
 
 struct ttf_cells {
     uint32_t side;    /* pixels; the one that leaves least of the overlap over */
