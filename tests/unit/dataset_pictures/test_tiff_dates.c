@@ -158,8 +158,10 @@ static void what_a_camera_says_of_time_is_read_as_far_as_it_is_a_time(void **sta
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(dates_that_are_none_are_not_known, scratch_make, scratch_remove),
-        cmocka_unit_test_setup_teardown(what_a_camera_says_of_time_is_read_as_far_as_it_is_a_time, scratch_make, scratch_remove),
+        cmocka_unit_test_setup_teardown(dates_that_are_none_are_not_known, scratch_make,
+                                        scratch_remove),
+        cmocka_unit_test_setup_teardown(what_a_camera_says_of_time_is_read_as_far_as_it_is_a_time,
+                                        scratch_make, scratch_remove),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,64 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "trade_test.h"
+#include "imported.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 
 #include "ttf/dataset/export.h"
-#include "ttf/dataset/import.h"
-#include "ttf/dataset/reader.h"
-#include "ttf/dataset/sequence.h"
-#include "ttf/dataset/tiff.h"
 
 #define W 24
 #define H 17
-
-static struct ttf_import_result import_ok(const struct ttf_import_config *config)
-{
-    struct ttf_import_result result = {0};
-    struct ttf_err err = {0};
-
-    if (ttf_import(ttf_io_posix(), config, &result, &err))
-        fail_msg("%s: %s; %s", err.where, err.what, err.hint);
-    return result;
-}
-
-/* An opened dataset with its primary sequence. */
-struct opened {
-    struct ttf_reader *reader;
-    struct ttf_sequence *sequence;
-};
-
-static struct opened open_dataset(const char *path)
-{
-    struct opened opened = {0};
-    struct ttf_err err = {0};
-
-    if (ttf_reader_open(ttf_io_posix(), path, &opened.reader, &err) ||
-        ttf_sequence_of_dataset(opened.reader, NULL, &opened.sequence, &err))
-        fail_msg("%s: %s", err.where, err.what);
-    return opened;
-}
-
-static void close_dataset(struct opened *opened)
-{
-    ttf_sequence_destroy(opened->sequence);
-    ttf_reader_close(opened->reader);
-}
-
-static uint16_t *read_frame(struct ttf_sequence *s, uint32_t t)
-{
-    uint16_t *frame = malloc((size_t)s->width * s->height * 3 * sizeof(*frame));
-    struct ttf_err err = {0};
-
-    if (ttf_sequence_read_rows(s, t, 0, s->height, frame, &err))
-        fail_msg("%s: %s", err.where, err.what);
-    return frame;
-}
 
 /* Does frame t show the 8-bit sRGB picture that `seed` makes? */
 static bool shows(struct ttf_sequence *s, uint32_t t, unsigned seed)
@@ -105,7 +57,7 @@ static void pictures_come_back_to_the_bit_in_natural_order(void **state)
     picture_file(inputs[0], W, H, 10);
     picture_file(inputs[1], W, H, 2);
     picture_file(inputs[2], W, H, 1);
-    result = import_ok(&config);
+    result = import_ok(ttf_io_posix(), &config);
     assert_int_equal(result.frames, 3);
     assert_int_equal(result.missed, 0);
     assert_int_equal(strlen(result.digest), 64);
@@ -147,7 +99,7 @@ static void a_dataset_satisfies_sha256sum(void **state)
 
     picture_file(inputs[0], W, H, 10);
     picture_file(inputs[1], W, H, 2);
-    import_ok(&config);
+    import_ok(ttf_io_posix(), &config);
     snprintf(command, sizeof(command), "cd %s && sha256sum --strict -c SHA256SUMS", config.output);
     if (run_program((const char *const[]){"sh", "-c", command, NULL}, text, sizeof(text)))
         fail_msg("%s", text);
@@ -173,7 +125,7 @@ static void times_in_names_put_pictures_on_the_grid_with_missed_slots(void **sta
 
     for (unsigned i = 0; i < 3; i++)
         picture_file(inputs[i], W, H, i);
-    result = import_ok(&config);
+    result = import_ok(ttf_io_posix(), &config);
     assert_int_equal(result.frames, 3);
     assert_int_equal(result.missed, 2);
     opened = open_dataset(config.output);
@@ -207,7 +159,7 @@ static void without_an_interval_timed_pictures_are_numbered_one_by_one(void **st
 
     for (unsigned i = 0; i < 4; i++)
         picture_file(inputs[i], W, H, i);
-    result = import_ok(&config);
+    result = import_ok(ttf_io_posix(), &config);
     assert_int_equal(result.missed, 0);
     assert_true(result.interval_ns == TTF_NS_PER_MIN);
 }
@@ -270,7 +222,7 @@ static void colour_after_grey_is_refused_but_grey_after_colour_is_widened(void *
     refused(state, &config, -EINVAL, inputs[1], "colour");
     picture_file(inputs[0], W, H, 2);
     save_png(inputs[1], &grey);
-    import_ok(&config);
+    import_ok(ttf_io_posix(), &config);
     opened = open_dataset(config.output);
     frame = read_frame(opened.sequence, 1);
     assert_int_equal(frame[4], frame[3]);
@@ -366,7 +318,7 @@ static void pages_of_stacks_come_one_after_the_other(void **state)
 
     stack_file(inputs[0], 4);
     stack_file(inputs[1], 2);
-    result = import_ok(&config);
+    result = import_ok(ttf_io_posix(), &config);
     assert_int_equal(result.frames, 6);
     opened = open_dataset(config.output);
     for (uint32_t t = 0; t < 6; t++) {
@@ -406,137 +358,8 @@ static void an_existing_dataset_is_left_alone(void **state)
                                        .interval_ns = TTF_NS_PER_MIN};
 
     picture_file(inputs[0], W, H, 1);
-    import_ok(&config);
+    import_ok(ttf_io_posix(), &config);
     refused(state, &config, -EEXIST, config.output, "not empty");
-}
-
-static void a_float_stack_keeps_its_values(void **state)
-{
-    const char *const inputs[] = {in_folder(state, "f.tif")};
-    struct ttf_import_config config = {.inputs = inputs,
-                                       .n_inputs = 1,
-                                       .output = in_folder(state, "data"),
-                                       .interval_ns = TTF_NS_PER_S};
-    struct ttf_pixbuf pixels = make_picture(W, H, 1, TTF_SAMPLE_F32, 9);
-    struct ttf_tiff_spec spec = {.times = {.start_utc_ns = TTF_NS_UNKNOWN}};
-    struct ttf_io *io = ttf_io_posix();
-    struct ttf_import_result result;
-    struct opened opened;
-    double lo = INFINITY, hi = -INFINITY;
-    uint16_t *frame;
-    int file;
-
-    ((float *)pixels.data)[5] = NAN;
-    file = io->ops->open(io, inputs[0], TTF_IO_CREATE_NEW);
-    assert_int_equal(ttf_tiff_write(io, file, &pixels, &spec, NULL), 0);
-    io->ops->close(io, file);
-    for (size_t i = 0; i < (size_t)W * H; i++) {
-        float value = ((float *)pixels.data)[i];
-
-        if (isfinite(value)) {
-            lo = fmin(lo, (double)value);
-            hi = fmax(hi, (double)value);
-        }
-    }
-    result = import_ok(&config);
-    assert_int_equal(result.samples, 1);
-    opened = open_dataset(config.output);
-    frame = read_frame(opened.sequence, 0);
-    for (size_t i = 0; i < (size_t)W * H; i++) {
-        const struct ttf_encoding *encoding = &opened.sequence->encoding;
-        double value = (frame[3 * i] - encoding->pedestal) / encoding->scale;
-
-        if (i != 5)
-            assert_true(fabs(value - (double)((float *)pixels.data)[i]) <=
-                        (hi - lo) / 65535.0 * 0.51);
-    }
-    free(frame);
-    close_dataset(&opened);
-    ttf_pixbuf_free(&pixels);
-}
-
-/* A grey picture of floats with a profile; even: of this value everywhere (0: -2 to 2). */
-static void write_floats(const char *path, float even, enum ttf_icc icc)
-{
-    struct ttf_pixbuf pixels = make_picture(W, H, 1, TTF_SAMPLE_F32, 9);
-    struct ttf_tiff_spec spec = {.times = {.start_utc_ns = TTF_NS_UNKNOWN}, .icc = icc};
-    struct ttf_io *io = ttf_io_posix();
-    int file;
-
-    for (size_t i = 0; i < (size_t)W * H; i++)
-        ((float *)pixels.data)[i] = even != 0 ? even : (float)(i % 5) - 2;
-    (void)io->ops->unlink(io, path);
-    file = io->ops->open(io, path, TTF_IO_CREATE_NEW);
-    assert_int_equal(ttf_tiff_write(io, file, &pixels, &spec, NULL), 0);
-    io->ops->close(io, file);
-    ttf_pixbuf_free(&pixels);
-}
-
-/* The scale of what such a picture is kept with. */
-static struct ttf_encoding encoding_of_floats(void **state, float even,
-                                              struct ttf_image_range range, const char *output)
-{
-    const char *const inputs[] = {in_folder(state, "range.tif")};
-    struct ttf_import_config config = {.inputs = inputs,
-                                       .n_inputs = 1,
-                                       .output = in_folder(state, "%s", output),
-                                       .range = range,
-                                       .interval_ns = TTF_NS_PER_S};
-    struct ttf_encoding encoding;
-    struct opened opened;
-
-    write_floats(inputs[0], even, TTF_ICC_NONE);
-    import_ok(&config);
-    opened = open_dataset(config.output);
-    encoding = opened.sequence->encoding;
-    close_dataset(&opened);
-    return encoding;
-}
-
-static void floats_are_kept_in_the_range_asked_for_or_their_own(void **state)
-{
-    struct ttf_encoding e = encoding_of_floats(state, 0, (struct ttf_image_range){0}, "own");
-
-    assert_float_equal(e.scale, 65535.0 / 4, 1e-6);
-    assert_float_equal(e.pedestal, 65535.0 / 2, 1e-6);
-    e = encoding_of_floats(state, 0, (struct ttf_image_range){-4, 4}, "asked");
-    assert_float_equal(e.scale, 65535.0 / 8, 1e-6);
-    assert_float_equal(e.pedestal, 65535.0 / 2, 1e-6);
-    /* One value has no range: from it to 1 above. */
-    e = encoding_of_floats(state, 3, (struct ttf_image_range){0}, "even/");
-    assert_float_equal(e.scale, 65535, 1e-6);
-    assert_float_equal(e.pedestal, -3 * 65535.0, 1e-6);
-    /* ... or as far above as numbers of its size are told apart. */
-    e = encoding_of_floats(state, 1e20f, (struct ttf_image_range){0}, "large");
-    assert_float_equal((0.0 - e.pedestal) / e.scale / (double)1e20f, 1, 1e-6);
-}
-
-/* Floats are light, whatever a profile says of codes; and numbers beyond 1 are no codes of a curve. */
-static void floats_are_linear_by_themselves(void **state)
-{
-    const char *const inputs[] = {in_folder(state, "curved.tif")};
-    struct ttf_import_config config = {.inputs = inputs,
-                                       .n_inputs = 1,
-                                       .output = in_folder(state, "curved"),
-                                       .range = {-2, 2},
-                                       .interval_ns = TTF_NS_PER_S};
-    struct ttf_import_result result;
-    struct ttf_err err = {0};
-    struct opened opened;
-    uint16_t row[W * 3];
-
-    write_floats(inputs[0], 0, TTF_ICC_SRGB);
-    import_ok(&config);
-    opened = open_dataset(config.output);
-    assert_int_equal(ttf_sequence_read_rows(opened.sequence, 0, 0, 1, row, NULL), 0);
-    for (unsigned i = 0; i < 5; i++)
-        assert_int_equal(row[3 * i], (i * 65535 + 2) / 4);
-    close_dataset(&opened);
-    config.output = in_folder(state, "asked-curve");
-    config.range = (struct ttf_image_range){0};
-    config.transfer = TTF_TRANSFER_SRGB;
-    assert_int_equal(ttf_import(ttf_io_posix(), &config, &result, &err), -EINVAL);
-    assert_non_null(strstr(err.what, "no sRGB codes"));
 }
 
 static void an_origin_that_is_given_is_the_first_slots(void **state)
@@ -551,7 +374,7 @@ static void an_origin_that_is_given_is_the_first_slots(void **state)
     struct opened opened;
 
     picture_file(inputs[0], W, H, 1);
-    import_ok(&config);
+    import_ok(ttf_io_posix(), &config);
     opened = open_dataset(config.output);
     assert_int_equal(ttf_reader_segment(opened.reader, 0, &segment), 0);
     assert_true(segment.origin_utc_ns == config.origin_utc_ns);
@@ -571,7 +394,7 @@ static void a_region_is_cut_out(void **state)
     uint16_t *frame;
 
     picture_file(inputs[0], W, H, 1);
-    import_ok(&config);
+    import_ok(ttf_io_posix(), &config);
     opened = open_dataset(config.output);
     assert_int_equal(opened.sequence->width, 8);
     assert_int_equal(opened.sequence->height, 5);
@@ -586,16 +409,6 @@ static void a_region_is_cut_out(void **state)
     ttf_pixbuf_free(&want);
 }
 
-static bool have_ffmpeg(void)
-{
-    char text[64];
-
-    if (run_program((const char *const[]){"ffprobe", "-version", NULL}, text, sizeof(text)) == 0)
-        return true;
-    print_message("skipped: there is no ffmpeg here\n");
-    return false;
-}
-
 static void a_video_comes_in_through_ffmpeg(void **state)
 {
     const char *const inputs[] = {in_folder(state, "v.mkv")};
@@ -606,7 +419,7 @@ static void a_video_comes_in_through_ffmpeg(void **state)
     char text[512];
     int files;
 
-    if (!have_ffmpeg())
+    if (!have_program("ffprobe"))
         skip();
     for (unsigned i = 0; i < 4; i++)
         picture_file(in_folder(state, "v%u.png", i), W, H, i);
@@ -615,15 +428,15 @@ static void a_video_comes_in_through_ffmpeg(void **state)
                                                        "ffv1", "-pix_fmt", "bgr0", inputs[0], NULL},
                                  text, sizeof(text)),
                      0);
-    files = count_entries("/proc/self/fd");
-    result = import_ok(&config);
+    files = open_files();
+    result = import_ok(ttf_io_posix(), &config);
     assert_int_equal(result.frames, 4);
     assert_true(result.interval_ns == TTF_NS_PER_S / 5);
     opened = open_dataset(config.output);
     for (unsigned t = 0; t < 4; t++)
         assert_true(shows(opened.sequence, t, t));
     close_dataset(&opened);
-    assert_int_equal(count_entries("/proc/self/fd"), files);
+    assert_int_equal(open_files(), files);
     assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
     config.output = in_folder(state, "other");
     config.ffmpeg = "no-such-program-at-all";
@@ -633,7 +446,7 @@ static void a_video_comes_in_through_ffmpeg(void **state)
     config.ffmpeg = NULL;
     write_bytes(inputs[0], "this is not a film at all", 25);
     refused(state, &config, -ENOTSUP, inputs[0], "neither a picture nor a video");
-    assert_int_equal(count_entries("/proc/self/fd"), files);
+    assert_int_equal(open_files(), files);
     assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
 }
 
@@ -711,9 +524,6 @@ int main(void)
         IN_FOLDER(pages_of_stacks_come_one_after_the_other),
         IN_FOLDER(times_that_lie_centuries_apart_are_refused_by_name),
         IN_FOLDER(an_existing_dataset_is_left_alone),
-        IN_FOLDER(a_float_stack_keeps_its_values),
-        IN_FOLDER(floats_are_kept_in_the_range_asked_for_or_their_own),
-        IN_FOLDER(floats_are_linear_by_themselves),
         IN_FOLDER(an_origin_that_is_given_is_the_first_slots),
         IN_FOLDER(a_region_is_cut_out),
         IN_FOLDER(a_video_comes_in_through_ffmpeg),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Real sequences that nobody here made: imported, exported, compared with their sources. */
-#include "trade_test.h"
+#include "imported.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -79,16 +79,6 @@ static void free_inputs(struct inputs *inputs)
         free(inputs->path[i]);
 }
 
-static struct ttf_import_result import_ok(const struct ttf_import_config *config)
-{
-    struct ttf_import_result result = {0};
-    struct ttf_err err = {0};
-
-    if (ttf_import(quick_io(), config, &result, &err))
-        fail_msg("%s: %s; %s", err.where, err.what, err.hint);
-    return result;
-}
-
 static struct ttf_sequence *open_sequence(const char *path, struct ttf_reader **ret_reader)
 {
     struct ttf_sequence *sequence = NULL;
@@ -116,7 +106,7 @@ static void comes_back_to_the_bit(void **state, const char *which)
     inputs = list_inputs(folder, ".png");
     config.inputs = (const char *const *)inputs.path;
     config.n_inputs = inputs.n;
-    result = import_ok(&config);
+    result = import_ok(quick_io(), &config);
     assert_int_equal(result.frames, inputs.n);
     sequence = open_sequence(config.output, &reader);
     assert_int_equal(ttf_export(sequence, quick_io(), &out, NULL, NULL), 0);
@@ -165,7 +155,7 @@ static void ice_lies_a_minute_apart_by_camera_time_and_by_name(void **state)
     inputs = list_inputs(folder, ".jpg");
     config.inputs = (const char *const *)inputs.path;
     config.n_inputs = inputs.n;
-    result = import_ok(&config);
+    result = import_ok(quick_io(), &config);
     assert_int_equal(result.frames, 70);
     assert_true(result.interval_ns == TTF_NS_PER_MIN);
     assert_false(result.foreign_profile); /* they carry one, of sRGB */
@@ -177,7 +167,7 @@ static void ice_lies_a_minute_apart_by_camera_time_and_by_name(void **state)
     config.order = TTF_IMPORT_NAME_TIME;
     config.interval_ns = TTF_NS_PER_MIN;
     config.output = in_folder(state, "name");
-    result = import_ok(&config);
+    result = import_ok(quick_io(), &config);
     assert_int_equal(result.frames, 70);
     free_inputs(&inputs);
 }
@@ -197,7 +187,7 @@ static void banana_lies_on_a_grid_of_days_with_missed_ones(void **state)
     inputs = list_inputs(folder, ".png");
     config.inputs = (const char *const *)inputs.path;
     config.n_inputs = inputs.n;
-    result = import_ok(&config);
+    result = import_ok(quick_io(), &config);
     assert_int_equal(result.frames, 20);
     assert_int_equal(result.missed, 1); /* nobody photographed it on 31 May */
     assert_true(result.alpha_dropped);
@@ -222,7 +212,7 @@ static void golgi_is_a_stack_of_floats(void **state)
 
     if (!path)
         skip();
-    result = import_ok(&config);
+    result = import_ok(quick_io(), &config);
     assert_int_equal(result.frames, 30);
     assert_int_equal(result.width, 147);
     assert_int_equal(result.samples, 1);

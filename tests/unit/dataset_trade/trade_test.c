@@ -235,3 +235,18 @@ const char *real_data(const char *inside)
     print_message("skipped: there is no %s (optional real data, see CONTRIBUTING.md)\n", path);
     return NULL;
 }
+
+bool have_program(const char *program)
+{
+    char text[64];
+
+    if (run_program((const char *const[]){program, "-version", NULL}, text, sizeof(text)) == 0)
+        return true;
+    print_message("skipped: there is no %s here\n", program);
+    return false;
+}
+
+int open_files(void)
+{
+    return count_entries("/proc/self/fd");
+}

@@ -54,6 +54,12 @@ void picture_file(const char *path, uint32_t width, uint32_t height, unsigned se
 /* Runs a program (argv ends in NULL) and hands back its exit code; what it printed (cut) in ret, size bytes. */
 int run_program(const char *const argv[], char *ret, size_t size);
 
+/* Is there such a program (that knows -version)? If not, says so. */
+bool have_program(const char *program);
+
+/* Of this process: before and after, to see that none is left open. */
+int open_files(void);
+
 /* The folder of optional real data, or NULL: then says so and the test should skip(). */
 const char *real_data(const char *inside);
 
