@@ -61,7 +61,7 @@ static const struct cfg_field SENSOR[] = {
     {"black_level", cfg_u32, S(black_level), 0, 65535, "codes", 0, 0},
     {"full_well", cfg_double, S(full_well_e), 100, 1e7, "electrons at saturation", 0, 0},
     {"read_noise", cfg_double, S(read_noise_e), 0, 1e4, "electrons, rms", 0, 0},
-    {"prnu", cfg_double_ratio, S(prnu), 0, 0.5, "response non-uniformity, rms", 0, 0},
+    {"prnu", cfg_double_ratio, S(prnu), 0, 0.3, "response non-uniformity, rms", 0, 0},
     {"dark_current", cfg_double, S(dark_e_per_s), 0, 1e6, "electrons/s at 25 degC", 0, 0},
     {"dark_doubling", cfg_double_degc, S(dark_doubling_degc), 1, 100, "degC to double it", 0, 0},
     {"hot_fraction", cfg_double_ratio, S(hot_fraction), 0, 0.1, "share of hot pixels", 0, 0},

@@ -3,7 +3,7 @@
  * Snow settling on slate: single flakes first, then layer upon layer; it lies unevenly, softens the
  * stone's steps, stays thin where the wind sweeps, and is shaded by its own relief.
  *
- * Every flake that ever falls has a place, a size and a moment. Six layers' arrival
+ * Every flake that ever falls has a place, a size and a moment. Five layers' arrival
  * fields say when each pixel is first hit by that layer; the height of the snow is
  * the sum of the layers that have come, so old relief is buried and new appears.
  */

@@ -19,7 +19,7 @@
         V4L2_PIX_FMT_SBGGR##suffix, packing, TTF_CFA_BGGR, bits    \
     }
 
-/* By preference: linear before encoded, more bits before fewer, a word a sample before packed. */
+/* By preference: colour before grey, linear before encoded, more bits before fewer, a word a sample before packed. */
 static const struct v4l2_pixels PIXELS[] = {
     BAYER(16, TTF_PACKING_RAW16, 16),
     BAYER(14, TTF_PACKING_RAW16, 14),

@@ -45,7 +45,8 @@ HEADER_ROOM = {"ttf/hal/sim.h": "hal_sim", "ttf/hal/gpiod.h": "hal_gpiod",
 # hal as a whole owns sim.h's contract; only these may include it.
 CLOCK_FILES = re.compile(r"^hal/real/")
 TIME_CALLS = re.compile(r"\b(clock_gettime|gettimeofday|nanosleep|clock_nanosleep|usleep|sleep|"
-                        r"pthread_cond_timedwait|timer_create|timerfd_create|time)\s*\(")
+                        r"pthread_cond_timedwait|timer_create|timerfd_create|time|"
+                        r"sleep_for|sleep_until|(?:steady|system|high_resolution)_clock::now)\s*\(")
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\])*\"", re.S)
 
 
@@ -83,7 +84,7 @@ def check_sources(root, complain):
     count = 0
     for folder in ("base", "hal", "dataset", "capture", "synth", "firmware"):
         for file in sorted((root / folder).rglob("*")):
-            if file.suffix not in (".c", ".h", ".cc"):
+            if file.suffix not in (".c", ".h", ".cpp", ".hpp"):
                 continue
             count += 1
             path = file.relative_to(root).as_posix()
