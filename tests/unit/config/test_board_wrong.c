@@ -25,6 +25,7 @@ static const struct {
     {HEAD "sim: {outage: 5}\n", "dir/b.yaml:4:15", "has no unit", "5s"},
     {HEAD "sim: {optics: {blur: nan}}\n", "dir/b.yaml:4:22", "sim.optics.blur: 'nan'", ""},
     {HEAD "sim: {sensor: {width: 4px}}\n", "dir/b.yaml:4:23", "out of its range", "from 16"},
+    {HEAD "sim: {sensor: {prnu: 0.4}}\n", "dir/b.yaml:4:22", "out of its range", "0.3"},
     {HEAD "sim: {mains: 55Hz}\n", "dir/b.yaml:4:14", "no mains has 55Hz", ""},
     {HEAD "sim: {mains: none}\n", "dir/b.yaml:4:14", "none", "50Hz"},
     {HEAD "sim: {scene: gras}\n", "dir/b.yaml:4:14", "no scene 'gras'", "'grass'"},
