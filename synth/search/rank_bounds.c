@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
 #include "search/rank_private.h"
+
+/* Coarse cells are not worth their time where less than one in so many positions is excluded by them: fine ones, of a whole row, cost so much more. */
+#define SAMPLE_SHARE 8u
 
 uint32_t ttf_rank_cell_limit(const struct ttf_rank_workspace *w, unsigned level)
 {
@@ -48,7 +52,7 @@ static void aim_at_view(struct ttf_rank_workspace *w, const struct ttf_view *vie
     }
 }
 
-static void bound_view(struct ttf_rank_workspace *w, unsigned index, uint32_t limit,
+static void bound_view(struct ttf_rank_workspace *w, unsigned index, bool sampled, uint32_t limit,
                        uint32_t *bounds)
 {
     const struct ttf_view *view = &w->search->views->list[index];
@@ -56,10 +60,12 @@ static void bound_view(struct ttf_rank_workspace *w, unsigned index, uint32_t li
 
     ttf_rank_grid(view, w->query, &columns, &rows);
     aim_at_view(w, view);
-    for (uint32_t y = 0; y < rows; y++)
-        w->search->kernels->bound_cells(view->cells[0] + (size_t)y * view->width * TTF_CELL_DIMS,
-                                        w->targets, w->template.n_cells[0], columns, limit,
-                                        bounds + (size_t)y * columns);
+    for (uint32_t y = 0; y < rows; y++) {
+        if ((y % TTF_RANK_SAMPLE == 0) == sampled)
+            w->search->kernels->bound_cells(
+                view->cells[0] + (size_t)y * view->width * TTF_CELL_DIMS, w->targets,
+                w->template.n_cells[0], columns, limit, bounds + (size_t)y * columns);
+    }
     exclude(w, index, columns, rows, bounds);
 }
 
@@ -101,6 +107,49 @@ static void wait_for_others(const struct ttf_rank_workspace *w, uint32_t limit,
         refine_waiting(w, limit, waiting);
 }
 
+/* Of a row's places so many are to be left, so that it is worth comparing with all. */
+#define ROW_LEFT 10
+
+/* Bounds of a row of places, if enough of them are left. */
+static bool refine_row(const struct ttf_rank_workspace *w, const int16_t *cells,
+                       uint32_t coarse_limit, uint32_t limit, uint32_t *bounds)
+{
+    uint64_t sums[TTF_ROW_PLACES];
+    unsigned left = 0;
+
+    for (unsigned i = 0; i < TTF_ROW_PLACES; i++)
+        left += bounds[i] <= coarse_limit;
+    if (left < ROW_LEFT)
+        return false;
+    w->search->kernels->ssd_at_row(cells, w->fine_at, w->template.fine, w->template.n_cells[1],
+                                   limit, sums);
+    for (unsigned i = 0; i < TTF_ROW_PLACES; i++) {
+        uint32_t sum = sums[i] < TTF_BOUND_MAX ? (uint32_t)sums[i] : TTF_BOUND_MAX;
+
+        bounds[i] = bounds[i] <= coarse_limit ? sum : TTF_RANK_EXCLUDED;
+    }
+    return true;
+}
+
+/* Pairs of places, those that are left. */
+static void refine_pairs(const struct ttf_rank_workspace *w, const int16_t *cells, uint32_t n,
+                         uint32_t coarse_limit, uint32_t limit, uint32_t *bounds,
+                         struct waiting *waiting)
+{
+    for (uint32_t x = 0; x < n; x += 2) {
+        bool here = bounds[x] <= coarse_limit;
+        bool next = x + 1 < n && bounds[x + 1] <= coarse_limit;
+
+        if (!here)
+            bounds[x] = TTF_RANK_EXCLUDED;
+        if (!next && x + 1 < n)
+            bounds[x + 1] = TTF_RANK_EXCLUDED;
+        if (here || next)
+            wait_for_others(w, limit, cells + (size_t)x * TTF_CELL_DIMS, bounds + x, here, next,
+                            waiting);
+    }
+}
+
 /* Bounds by fine cells in place of those by coarse ones; those that are out already stay so. */
 static void refine_view(struct ttf_rank_workspace *w, unsigned index, uint32_t coarse_limit,
                         uint32_t limit, uint32_t *bounds)
@@ -115,36 +164,76 @@ static void refine_view(struct ttf_rank_workspace *w, unsigned index, uint32_t c
     for (uint32_t y = 0; y < rows; y++) {
         const int16_t *row = view->cells[1] + (size_t)y * view->width * TTF_CELL_DIMS;
 
-        for (uint32_t x = 0; x < columns; x += 2) {
-            bool here = bounds[x] <= coarse_limit;
-            bool next = x + 1 < columns && bounds[x + 1] <= coarse_limit;
+        for (uint32_t x = 0, n; x < columns; x += n) {
+            const int16_t *cells = row + (size_t)x * TTF_CELL_DIMS;
 
-            if (!here)
-                bounds[x] = TTF_RANK_EXCLUDED;
-            if (!next && x + 1 < columns)
-                bounds[x + 1] = TTF_RANK_EXCLUDED;
-            if (here || next)
-                wait_for_others(w, limit, row + (size_t)x * TTF_CELL_DIMS, bounds + x, here, next,
-                                &waiting);
+            n = columns - x < TTF_ROW_PLACES ? columns - x : TTF_ROW_PLACES;
+            if (n < TTF_ROW_PLACES || !refine_row(w, cells, coarse_limit, limit, bounds + x))
+                refine_pairs(w, cells, n, coarse_limit, limit, bounds + x, &waiting);
         }
         bounds += columns;
     }
     refine_waiting(w, limit, &waiting);
 }
 
-void ttf_rank_bound_all(struct ttf_rank_workspace *w, unsigned level)
+void ttf_rank_bound_coarse(struct ttf_rank_workspace *w, bool sampled)
 {
-    uint32_t coarse_limit = ttf_rank_cell_limit(w, 0), limit = ttf_rank_cell_limit(w, level);
+    uint32_t limit = ttf_rank_cell_limit(w, 0), *bounds = w->bounds;
+
+    for (unsigned i = 0; i < w->search->views->n; i++) {
+        uint32_t columns, rows;
+
+        ttf_rank_grid(&w->search->views->list[i], w->query, &columns, &rows);
+        bound_view(w, i, sampled, limit, bounds);
+        bounds += (size_t)columns * rows;
+    }
+}
+
+bool ttf_rank_most_of_sample_pass(const struct ttf_rank_workspace *w)
+{
+    uint32_t limit = ttf_rank_cell_limit(w, 0), *bounds = w->bounds;
+    size_t within = 0, all = 0;
+
+    for (unsigned i = 0; i < w->search->views->n; i++) {
+        uint32_t columns, rows;
+
+        ttf_rank_grid(&w->search->views->list[i], w->query, &columns, &rows);
+        for (uint32_t y = 0; y < rows; y += TTF_RANK_SAMPLE, all += columns) {
+            for (uint32_t x = 0; x < columns; x++)
+                within += bounds[(size_t)y * columns + x] <= limit;
+        }
+        bounds += (size_t)columns * rows;
+    }
+    return within > all / SAMPLE_SHARE * (SAMPLE_SHARE - 1);
+}
+
+void ttf_rank_set_unsampled(struct ttf_rank_workspace *w, bool pass)
+{
     uint32_t *bounds = w->bounds;
 
     for (unsigned i = 0; i < w->search->views->n; i++) {
         uint32_t columns, rows;
 
         ttf_rank_grid(&w->search->views->list[i], w->query, &columns, &rows);
-        if (level == 0)
-            bound_view(w, i, limit, bounds);
-        else
-            refine_view(w, i, coarse_limit, limit, bounds);
+        for (uint32_t y = 0; y < rows; y++) {
+            if (y % TTF_RANK_SAMPLE != 0)
+                memset(bounds + (size_t)y * columns, pass ? 0 : 0xff, columns * sizeof(*bounds));
+        }
+        exclude(w, i, columns, rows, bounds);
+        bounds += (size_t)columns * rows;
+    }
+}
+
+void ttf_rank_bound_fine(struct ttf_rank_workspace *w)
+{
+    uint32_t coarse_limit = ttf_rank_cell_limit(w, 0), limit = ttf_rank_cell_limit(w, 1);
+    uint32_t *bounds = w->bounds;
+
+    for (unsigned i = 0; i < w->search->views->n; i++) {
+        uint32_t columns, rows;
+
+        ttf_rank_grid(&w->search->views->list[i], w->query, &columns, &rows);
+        refine_view(w, i, coarse_limit, limit, bounds);
         bounds += (size_t)columns * rows;
     }
 }

@@ -42,6 +42,12 @@ static void ssd_at_pairs(const int16_t *const a[4], const uint32_t *offsets, con
     }
 }
 
+static void ssd_at_row(const int16_t *a, const uint32_t *offsets, const int16_t *b, size_t n,
+                       uint64_t limit, uint64_t ret[TTF_ROW_PLACES])
+{
+    ttf_row_by_pairs(ssd_at_pairs, a, offsets, b, n, limit, ret);
+}
+
 static void bound_cells(const int16_t *cells, const struct ttf_cell_target *targets,
                         size_t n_targets, size_t n, uint32_t limit, uint32_t *bounds)
 {
@@ -83,6 +89,7 @@ const struct ttf_rank_kernels *ttf_rank_kernels_scalar(void)
         .ssd_i16 = ssd_i16,
         .ssd_at4 = ssd_at4,
         .ssd_at_pairs = ssd_at_pairs,
+        .ssd_at_row = ssd_at_row,
         .bound_cells = bound_cells,
         .rotate4 = rotate4_plain,
     };
@@ -97,6 +104,7 @@ const struct ttf_rank_kernels *ttf_rank_kernels_best(void)
         .ssd_i16 = ssd_i16,
         .ssd_at4 = ssd_at4,
         .ssd_at_pairs = ssd_at_pairs,
+        .ssd_at_row = ssd_at_row,
         .bound_cells = bound_cells,
         .rotate4 = rotate4,
     };

@@ -15,6 +15,7 @@
 #define TTF_CELL_MAX   1023        /* of a cell's values */
 #define TTF_CELL_DIMS  16          /* values of a cell */
 #define TTF_CELLS_MAX  512         /* of an overlap */
+#define TTF_ROW_PLACES 16          /* neighbours that are compared at once */
 #define TTF_BOUND_MAX  0x7fffffffu /* sums are clipped to this */
 
 /* What a cell of the overlap is to look like, and where it lies from the block's corner, in cells of the view. */
@@ -37,6 +38,12 @@ struct ttf_rank_kernels {
     void (*ssd_at_pairs)(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b,
                          size_t n, uint64_t limit, uint64_t ret[8]);
     /*
+     * The same at sixteen neighbours, a[16 k] on into ret[k], of values within TTF_CELL_MAX. Meant for offsets that go on by two, as those of cells of two pixels do: what lies at
+     * a place is then read once for all of the vectors that meet it.
+     */
+    void (*ssd_at_row)(const int16_t *a, const uint32_t *offsets, const int16_t *b, size_t n,
+                       uint64_t limit, uint64_t ret[TTF_ROW_PLACES]);
+    /*
      * Of n neighbouring positions: sum over cells of squared differences, clipped at TTF_BOUND_MAX. cells: the view's values
      * from the first position's corner on. Of a position beyond `limit`, any number beyond it.
      * At most TTF_CELLS_MAX targets, values within TTF_CELL_MAX.
@@ -56,6 +63,23 @@ static inline void ttf_places_of_pairs(const int16_t *const pairs[2], const int1
 {
     for (int k = 0; k < 4; k++)
         ret[k] = pairs[k / 2] + (k % 2) * TTF_COEF_LANES;
+}
+
+typedef void ttf_rank_pairs_fn(const int16_t *const a[4], const uint32_t *offsets, const int16_t *b,
+                               size_t n, uint64_t limit, uint64_t ret[8]);
+
+/* A row by pairs, for kernels that do not go through it as a whole. */
+static inline void ttf_row_by_pairs(ttf_rank_pairs_fn *ssd_at_pairs, const int16_t *a,
+                                    const uint32_t *offsets, const int16_t *b, size_t n,
+                                    uint64_t limit, uint64_t ret[TTF_ROW_PLACES])
+{
+    for (size_t half = 0; half < 2; half++) {
+        const int16_t *pairs[4];
+
+        for (size_t k = 0; k < 4; k++)
+            pairs[k] = a + (8 * half + 2 * k) * TTF_COEF_LANES;
+        ssd_at_pairs(pairs, offsets, b, n, limit, ret + 8 * half);
+    }
 }
 
 /* The reference. */

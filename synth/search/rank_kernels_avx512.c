@@ -10,6 +10,9 @@
 #define CELLS_AT_ONCE 16
 #define CELLS_FIRST   8
 
+/* Vectors of a row that are compared together, at most: they stay in registers, with sixteen places' sums. */
+#define FOLLOWERS 8
+
 static __m512i load(const int16_t *p)
 {
     return _mm512_loadu_si512((const void *)p);
@@ -217,6 +220,84 @@ static void ssd_at_pairs(const int16_t *const a[4], const uint32_t *offsets, con
     _mm512_storeu_si512((void *)ret, sums);
 }
 
+/* Vectors that follow one another at sixteen places, two to a vector of 512 bits; n is known to the compiler. */
+static inline __attribute__((always_inline)) void add_followers(__m512i sums[8], const int16_t *a,
+                                                                const int16_t *b, const int n)
+{
+    __m512i own[FOLLOWERS];
+
+#pragma GCC unroll 8
+    for (int i = 0; i < n; i++)
+        own[i] = _mm512_broadcast_i64x4(load_16(b + i * 16));
+#pragma GCC unroll 16
+    for (int at = 0; at < n + 7; at++) {
+        __m512i there = load(a + at * 32);
+
+#pragma GCC unroll 8
+        for (int i = 0; i < n; i++) {
+            if (at - i >= 0 && at - i < 8)
+                sums[at - i] = add_squares(sums[at - i], own[i], there);
+        }
+    }
+}
+
+/* How many of n vectors follow one another, two places apart. */
+static size_t count_followers(const uint32_t *offsets, size_t n)
+{
+    size_t i = 1;
+
+    n = n < FOLLOWERS ? n : FOLLOWERS;
+    while (i < n && offsets[i] == offsets[i - 1] + 2)
+        i++;
+    return i;
+}
+
+static inline __attribute__((always_inline)) void add_vectors_of_row(__m512i sums[8],
+                                                                     const int16_t *a,
+                                                                     const uint32_t *offsets,
+                                                                     const int16_t *b, size_t n)
+{
+    for (size_t i = 0, m; i < n; i += m) {
+        const int16_t *at = a + (size_t)offsets[i] * 16, *own = b + i * 16;
+
+        m = count_followers(offsets + i, n - i);
+        if (m == 8)
+            add_followers(sums, at, own, 8);
+        else if (m >= 5)
+            add_followers(sums, at, own, (int)(m = 5));
+        else if (m >= 2)
+            add_followers(sums, at, own, (int)(m = 2));
+        else
+            add_followers(sums, at, own, 1);
+    }
+}
+
+/* A lane holds the squares of TOGETHER cells' pairs of numbers: 64 times two times 2046^2. */
+static void ssd_at_row(const int16_t *a, const uint32_t *offsets, const int16_t *b, size_t n,
+                       uint64_t limit, uint64_t ret[TTF_ROW_PLACES])
+{
+    const __m512i low = _mm512_set1_epi64(0xffffffff), most = _mm512_set1_epi64((int64_t)limit);
+    __m512i wide[8], first = _mm512_setzero_si512(), second = first;
+
+    for (int k = 0; k < 8; k++)
+        wide[k] = first;
+    for (size_t i = 0; i < n; i += TOGETHER) {
+        __m512i sums[8];
+
+        for (int k = 0; k < 8; k++)
+            sums[k] = _mm512_setzero_si512();
+        add_vectors_of_row(sums, a, offsets + i, b + i * 16, n - i < TOGETHER ? n - i : TOGETHER);
+        for (int k = 0; k < 8; k++)
+            wide[k] = widen_lanes(wide[k], sums[k], low);
+        first = sums_of_halves(wide);
+        second = sums_of_halves(wide + 4);
+        if (_mm512_cmple_epu64_mask(first, most) == 0 && _mm512_cmple_epu64_mask(second, most) == 0)
+            break;
+    }
+    _mm512_storeu_si512((void *)ret, first);
+    _mm512_storeu_si512((void *)(ret + 8), second);
+}
+
 typedef float rotate_v16 __attribute__((vector_size(64)));
 
 /* Sixteen numbers of four pixels. */
@@ -282,6 +363,7 @@ const struct ttf_rank_kernels *ttf_rank_kernels_avx512(void)
         .ssd_i16 = ssd_i16,
         .ssd_at4 = ssd_at4,
         .ssd_at_pairs = ssd_at_pairs,
+        .ssd_at_row = ssd_at_row,
         .bound_cells = bound_cells,
         .rotate4 = rotate4_wide,
     };

@@ -52,8 +52,20 @@ uint32_t ttf_rank_cell_limit(const struct ttf_rank_workspace *w, unsigned level)
 /* What the cells that a bound is of have of E at least. */
 double ttf_rank_least_of_cells(const struct ttf_rank_workspace *w, unsigned level, uint32_t bound);
 
-/* Bounds of all views: by coarse cells (level 0), or by fine ones where those let a position pass. */
-void ttf_rank_bound_all(struct ttf_rank_workspace *w, unsigned level);
+/* Of each view every so manyth row is sampled. */
+#define TTF_RANK_SAMPLE 8u
+
+/* Bounds of all views by coarse cells: of the sampled rows, or of the others. */
+void ttf_rank_bound_coarse(struct ttf_rank_workspace *w, bool sampled);
+
+/* Do the coarse cells let nearly all of the sampled rows' positions pass? */
+bool ttf_rank_most_of_sample_pass(const struct ttf_rank_workspace *w);
+
+/* The rows that are not sampled are let pass as they are, or left out. */
+void ttf_rank_set_unsampled(struct ttf_rank_workspace *w, bool pass);
+
+/* By fine cells, of the positions that the coarse ones let pass; the others are excluded. */
+void ttf_rank_bound_fine(struct ttf_rank_workspace *w);
 
 /* ---- rank_compare.c ---- */
 

@@ -213,6 +213,29 @@ static size_t count_within(const uint32_t *bounds, size_t n, uint32_t limit)
     return within;
 }
 
+/* Of the sampled rows' positions: do coarse cells let so many pass, with a limit near its last value, that they are not worth the time for the others? */
+static bool coarse_ones_are_in_vain(struct ttf_rank_workspace *w, size_t positions)
+{
+    if (!ttf_rank_most_of_sample_pass(w))
+        return false;
+    ttf_rank_set_unsampled(w, false);
+    look_at_seeds(w, positions, 0);
+    return ttf_rank_most_of_sample_pass(w);
+}
+
+/* Bounds by coarse cells, and a limit near its last value; returns how many positions are left. */
+static size_t bound_coarsely(struct ttf_rank_workspace *w, size_t positions)
+{
+    ttf_rank_bound_coarse(w, true);
+    if (coarse_ones_are_in_vain(w, positions)) {
+        ttf_rank_set_unsampled(w, true);
+    } else {
+        ttf_rank_bound_coarse(w, false);
+        look_at_seeds(w, positions, 0);
+    }
+    return count_within(w->bounds, positions, ttf_rank_cell_limit(w, 0));
+}
+
 static int run(struct ttf_rank_workspace *w, size_t positions)
 {
     size_t within;
@@ -221,9 +244,7 @@ static int run(struct ttf_rank_workspace *w, size_t positions)
     w->limit = (double)UINT64_MAX;
     w->on_ground = false;
     look_at_hints(w);
-    ttf_rank_bound_all(w, 0);
-    look_at_seeds(w, positions, 0);
-    within = count_within(w->bounds, positions, ttf_rank_cell_limit(w, 0));
+    within = bound_coarsely(w, positions);
     w->counts.positions += positions;
     w->counts.survived_cells += within;
     if (look_for_ground(w, positions, within) < 0)
@@ -233,7 +254,7 @@ static int run(struct ttf_rank_workspace *w, size_t positions)
     ttf_rank_template_refine(&w->template, w->search, w->query);
     if (ttf_rank_place_vectors(w) < 0)
         return -ENOMEM;
-    ttf_rank_bound_all(w, 1);
+    ttf_rank_bound_fine(w);
     look_at_seeds(w, positions, 1);
     return ttf_rank_compare_survivors(w, 1);
 }

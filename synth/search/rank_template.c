@@ -70,10 +70,9 @@ static bool is_free(const struct ttf_rank_template *template, const struct ttf_r
     return true;
 }
 
-static void take_cell(struct ttf_rank_template *template, const struct ttf_rank_query *query,
-                      unsigned level, uint32_t cell, uint32_t x, uint32_t y)
+static void take_pixels(struct ttf_rank_template *template, const struct ttf_rank_query *query,
+                        uint32_t cell, uint32_t x, uint32_t y)
 {
-    template->cells[level][template->n_cells[level]++] = (struct ttf_rank_cell){.dx = x, .dy = y};
     for (uint32_t i = 0; i < cell * cell; i++)
         template->taken[(size_t)(y + i / cell) * query->width + x + i % cell] = 1;
 }
@@ -114,15 +113,20 @@ static void project_cells(struct ttf_rank_template *template, const struct ttf_r
     }
 }
 
-/* Evenly fewer of very many: fewer cells bound less, never wrongly. */
-static void thin_out(struct ttf_rank_template *template, unsigned level)
+/* Evenly fewer of very many: fewer cells bound less, never wrongly. The pixels of those that are left out are in none. */
+static void thin_out(struct ttf_rank_template *template, const struct ttf_rank_query *query,
+                     unsigned level, uint32_t cell)
 {
+    struct ttf_rank_cell *list = template->cells[level];
     size_t n = template->n_cells[level];
 
     if (n <= TTF_CELLS_MAX)
         return;
-    for (size_t i = 0; i < TTF_CELLS_MAX; i++)
-        template->cells[level][i] = template->cells[level][i * n / TTF_CELLS_MAX];
+    memset(template->taken, 0, (size_t)query->width * query->height);
+    for (size_t i = 0; i < TTF_CELLS_MAX; i++) {
+        list[i] = list[i * n / TTF_CELLS_MAX];
+        take_pixels(template, query, cell, list[i].dx, list[i].dy);
+    }
     template->n_cells[level] = TTF_CELLS_MAX;
 }
 
@@ -135,11 +139,14 @@ static void gather_cells(struct ttf_rank_template *template, const struct ttf_ra
     template->n_cells[level] = 0;
     for (uint32_t y = 0; y + cell <= query->height; y++) {
         for (uint32_t x = 0; x + cell <= query->width; x++) {
-            if (is_free(template, query, cell, x, y))
-                take_cell(template, query, level, cell, x, y);
+            if (!is_free(template, query, cell, x, y))
+                continue;
+            template->cells[level][template->n_cells[level]++] =
+                (struct ttf_rank_cell){.dx = x, .dy = y};
+            take_pixels(template, query, cell, x, y);
         }
     }
-    thin_out(template, level);
+    thin_out(template, query, level, cell);
     project_cells(template, search, query, level);
 }
 

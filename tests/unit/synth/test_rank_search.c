@@ -82,6 +82,33 @@ static void same_at_pairs_as_scalar(const struct ttf_rank_kernels *kernels, cons
     }
 }
 
+/* Rows of cells, of any length, and vectors that lie anywhere. */
+static void same_in_a_row_as_scalar(const struct ttf_rank_kernels *kernels, const int16_t *a,
+                                    const int16_t *b, size_t most)
+{
+    uint32_t offsets[TTF_CELLS_MAX];
+    uint64_t want[TTF_ROW_PLACES], got[TTF_ROW_PLACES];
+
+    for (uint32_t i = 0; i < TTF_CELLS_MAX; i++)
+        offsets[i] = i > 0 && offsets[i - 1] < 220 && texture_hash(i, 6, 1) % 12 != 0
+                         ? offsets[i - 1] + 2
+                         : texture_hash(i, 5, 1) % 220;
+    for (size_t n = 1; n <= most; n += n < 80 ? 1 : 37) {
+        for (size_t k = 0; k < TTF_ROW_PLACES; k++) {
+            want[k] = 0;
+            for (size_t i = 0; i < n; i++)
+                want[k] +=
+                    ttf_rank_kernels_scalar()->ssd_i16(a + 16 * (offsets[i] + k), b + i * 16, 16);
+        }
+        for (int k = -1; k < TTF_ROW_PLACES; k++) {
+            uint64_t limit = k < 0 ? UINT64_MAX : want[k] - (k % 3 == 2);
+
+            kernels->ssd_at_row(a, offsets, b, n, limit, got);
+            within_limit_the_same(want, got, TTF_ROW_PLACES, limit);
+        }
+    }
+}
+
 /* As far apart as numbers can be, in every lane, as many at once as there can be. */
 static void no_lane_overflows(const struct ttf_rank_kernels *kernels)
 {
@@ -110,6 +137,26 @@ static void no_lane_overflows(const struct ttf_rank_kernels *kernels)
     }
 }
 
+static void no_lane_of_a_row_overflows(const struct ttf_rank_kernels *kernels)
+{
+    static int16_t a[16 * (2 * TTF_CELLS_MAX + TTF_ROW_PLACES)], b[16 * TTF_CELLS_MAX];
+    uint32_t offsets[TTF_CELLS_MAX];
+    uint64_t got[TTF_ROW_PLACES];
+
+    for (size_t i = 0; i < sizeof(a) / sizeof(*a); i++)
+        a[i] = TTF_CELL_MAX;
+    for (uint32_t i = 0; i < TTF_CELLS_MAX; i++) {
+        offsets[i] = 2 * i;
+        for (size_t k = 0; k < 16; k++)
+            b[16 * i + k] = -TTF_CELL_MAX;
+    }
+    for (size_t n = 1; n <= TTF_CELLS_MAX; n += n < 70 ? 1 : 31) {
+        kernels->ssd_at_row(a, offsets, b, n, UINT64_MAX, got);
+        for (int i = 0; i < TTF_ROW_PLACES; i++)
+            assert_true(got[i] == 16 * n * (2 * TTF_CELL_MAX) * (2 * TTF_CELL_MAX));
+    }
+}
+
 static void same_as_scalar(const struct ttf_rank_kernels *kernels)
 {
     const struct ttf_rank_kernels *scalar = ttf_rank_kernels_scalar();
@@ -128,11 +175,13 @@ static void same_as_scalar(const struct ttf_rank_kernels *kernels)
     same_at_four_as_scalar(kernels, a, b);
     same_at_pairs_as_scalar(kernels, a, b, 256);
     no_lane_overflows(kernels);
+    no_lane_of_a_row_overflows(kernels);
     for (uint32_t i = 0; i < 4096; i++)
         a[i] = value(i + 77, TTF_CELL_MAX);
     for (uint32_t i = 0; i < 16 * TTF_CELLS_MAX; i++)
         cells_of_b[i] = value(i + 7, TTF_CELL_MAX);
     same_at_pairs_as_scalar(kernels, a, cells_of_b, TTF_CELLS_MAX);
+    same_in_a_row_as_scalar(kernels, a, cells_of_b, TTF_CELLS_MAX);
     for (uint32_t i = 0; i < TTF_CELLS_MAX; i++) {
         for (int d = 0; d < TTF_CELL_DIMS; d++)
             targets[i].value[d] = value(i * 8 + (uint32_t)d + 55, TTF_CELL_MAX);
@@ -182,12 +231,13 @@ struct bed {
     struct ttf_rank_workspace *room;
 };
 
-static void bed_make(struct bed *bed, enum texture texture, unsigned inputs, unsigned turns,
-                     uint32_t overlap, const struct ttf_rank_kernels *kernels)
+static void bed_make_sized(struct bed *bed, enum texture texture, uint32_t width, uint32_t height,
+                           unsigned inputs, unsigned turns, uint32_t overlap,
+                           const struct ttf_rank_kernels *kernels)
 {
     memset(bed, 0, sizeof(*bed));
     ttf_quilt_defaults(&bed->config);
-    bed->texture[0] = texture_make(texture, W, H, N);
+    bed->texture[0] = texture_make(texture, width, height, N);
     bed->texture[1] = texture_make(TEXTURE_STRIPES, H, W - 3, N);
     bed->config.more = &bed->texture[1].sequence;
     bed->config.n_more = inputs - 1;
@@ -199,6 +249,12 @@ static void bed_make(struct bed *bed, enum texture texture, unsigned inputs, uns
         ttf_views_create(&bed->sources, &bed->matching, turns, overlap, NULL, &bed->views), 0);
     bed->search = (struct ttf_rank_search){&bed->matching, &bed->views, kernels, 0.1};
     assert_int_equal(ttf_rank_workspace_create(&bed->room), 0);
+}
+
+static void bed_make(struct bed *bed, enum texture texture, unsigned inputs, unsigned turns,
+                     uint32_t overlap, const struct ttf_rank_kernels *kernels)
+{
+    bed_make_sized(bed, texture, W, H, inputs, turns, overlap, kernels);
 }
 
 static void bed_free(struct bed *bed)
@@ -238,12 +294,12 @@ static void plain(const struct bed *bed, const struct ttf_rank_query *query,
     for (unsigned v = 0; v < bed->views.n; v++) {
         const struct ttf_view *view = &bed->views.list[v];
 
-        for (uint32_t y0 = 0; y0 + BH <= view->height; y0++) {
-            for (uint32_t x0 = 0; x0 + BW <= view->width; x0++) {
+        for (uint32_t y0 = 0; y0 + query->height <= view->height; y0++) {
+            for (uint32_t x0 = 0; x0 + query->width <= view->width; x0++) {
                 uint64_t sum = 0;
 
-                for (uint32_t i = 0; i < BW * BH; i++) {
-                    uint32_t own = ttf_view_id(view, x0 + i % BW, y0 + i / BW);
+                for (uint32_t i = 0; i < query->width * query->height; i++) {
+                    uint32_t own = ttf_view_id(view, x0 + i % query->width, y0 + i / query->width);
 
                     for (unsigned k = 0; query->known[i] != TTF_UNKNOWN_ID && k < m->k; k++) {
                         int64_t d = m->coefs[(size_t)query->known[i] * m->stride + k] -
@@ -279,8 +335,8 @@ static void compare(const struct bed *bed, const struct ttf_rank_query *query)
     for (unsigned v = 0; v < bed->views.n; v++) {
         const struct ttf_view *view = &bed->views.list[v];
 
-        for (uint32_t y = 0; y + BH <= view->height; y++) {
-            for (uint32_t x = 0; x + BW <= view->width; x++, at++) {
+        for (uint32_t y = 0; y + query->height <= view->height; y++) {
+            for (uint32_t x = 0; x + query->width <= view->width; x++, at++) {
                 const struct ttf_rank_candidate *c = &result.list[n];
 
                 if ((double)errors[at] > ttf_rank_limit(&bed->search, result.overlap_pixels, best))
@@ -326,6 +382,32 @@ static void all_candidates_of_all_positions_are_found(void **state)
     search_texture(TEXTURE_CONSTANT, 1, 1, 4, ttf_rank_kernels_best());
 }
 
+#define LARGE_W     90u
+#define LARGE_H     74u
+#define LARGE_BLOCK 56u
+
+/* Of so many fine cells some are left out: their pixels are compared all the same. */
+static void an_overlap_of_more_cells_than_are_kept_is_searched_as_well(void **state)
+{
+    static uint32_t known[LARGE_BLOCK * LARGE_BLOCK];
+    const struct ttf_rank_query query = {
+        .width = LARGE_BLOCK, .height = LARGE_BLOCK, .known = known};
+    struct bed bed;
+
+    (void)state;
+    bed_make_sized(&bed, TEXTURE_SPOTS, LARGE_W, LARGE_H, 1, 1, 4, ttf_rank_kernels_best());
+    for (uint32_t key = 0; key < 3; key++) {
+        for (uint32_t i = 0; i < LARGE_BLOCK * LARGE_BLOCK; i++) {
+            uint32_t x = i % LARGE_BLOCK + (i / LARGE_BLOCK < 30 ? 0 : LARGE_W - LARGE_BLOCK);
+
+            known[i] =
+                i < 53 * LARGE_BLOCK ? (i / LARGE_BLOCK + 5 * key) * LARGE_W + x : TTF_UNKNOWN_ID;
+        }
+        compare(&bed, &query);
+    }
+    bed_free(&bed);
+}
+
 static void turned_blocks_and_further_inputs_are_looked_for_as_well(void **state)
 {
     (void)state;
@@ -361,39 +443,63 @@ static void a_turned_view_shows_each_pixel_once_and_neighbours_stay_neighbours(v
     }
 }
 
-static void excluded_positions_are_left_out_unless_nothing_else_is_left(void **state)
+static void leave_out_positions(enum texture texture, const struct ttf_position_rect *some,
+                                unsigned n)
 {
-    const struct ttf_position_rect some[] = {{0, 0, 0, 20, 12}, {0, 5, 9, 9000, 9000}};
-    const struct ttf_position_rect all = {0, 0, 0, 9000, 9000};
+    const struct ttf_rank_position hint = {0, 6, 10}; /* excluded: must not leak in */
     uint32_t known[BW * BH];
-    struct ttf_rank_query query = {.width = BW, .height = BH, .known = known};
-    struct ttf_rank_result result, free_result;
+    const struct ttf_rank_query query = {.width = BW,
+                                         .height = BH,
+                                         .known = known,
+                                         .excluded = some,
+                                         .n_excluded = n,
+                                         .hints = &hint,
+                                         .n_hints = 1};
     struct bed bed;
+
+    bed_make(&bed, texture, 1, 1, 4, ttf_rank_kernels_best());
+    for (uint32_t key = 0; key < 4; key++) {
+        make_query(key, false, known);
+        compare(&bed, &query);
+    }
+    /* what fits exactly is among them, in a row that is not sampled */
+    for (uint32_t i = 0; i < BW * BH; i++)
+        known[i] = i < 5 * BW ? (10 + i / BW) * W + 7 + i % BW : TTF_UNKNOWN_ID;
+    compare(&bed, &query);
+    bed_free(&bed);
+}
+
+static void excluded_positions_are_left_out(void **state)
+{
+    const struct ttf_position_rect most[] = {{0, 0, 0, 20, 12}, {0, 5, 9, 9000, 9000}};
+    const struct ttf_position_rect few = {0, 5, 9, 9, 14};
+
+    (void)state;
+    leave_out_positions(TEXTURE_SPOTS, most, 2);
+    leave_out_positions(TEXTURE_NOISE, most, 2);
+    leave_out_positions(TEXTURE_NOISE, &few, 1); /* coarse cells let all others pass */
+}
+
+static void exclusions_that_leave_nothing_are_not_heeded(void **state)
+{
+    const struct ttf_position_rect all = {0, 0, 0, 9000, 9000};
+    uint32_t known[BW * BH], n;
+    struct ttf_rank_query query = {.width = BW, .height = BH, .known = known};
+    struct ttf_rank_result result;
+    struct bed bed;
+    uint64_t best;
 
     (void)state;
     bed_make(&bed, TEXTURE_SPOTS, 1, 1, 4, ttf_rank_kernels_best());
-    for (uint32_t key = 0; key < 4; key++) {
-        const struct ttf_rank_position hint = {0, 6, 10}; /* excluded: must not leak in */
-
-        make_query(key, false, known);
-        query.excluded = some;
-        query.n_excluded = 2;
-        query.hints = &hint;
-        query.n_hints = 1;
-        compare(&bed, &query);
-    }
-    query.n_excluded = query.n_hints = 0;
-    assert_int_equal(ttf_rank_search_run(&bed.search, bed.room, &query, &free_result), 0);
+    make_query(3, false, known);
+    assert_int_equal(ttf_rank_search_run(&bed.search, bed.room, &query, &result), 0);
+    best = result.best;
+    n = result.n;
     query.excluded = &all;
     query.n_excluded = 1;
-    {
-        uint64_t best = free_result.best;
-        uint32_t n = free_result.n;
-
-        assert_int_equal(ttf_rank_search_run(&bed.search, bed.room, &query, &result), 0);
-        assert_int_equal(result.best, best);
-        assert_int_equal(result.n, n);
-    }
+    assert_int_equal(ttf_rank_search_run(&bed.search, bed.room, &query, &result), 0);
+    assert_int_equal(result.best, best);
+    assert_int_equal(result.n, n);
     bed_free(&bed);
 }
 
@@ -419,9 +525,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_kernels_come_to_what_the_scalar_ones_do),
         cmocka_unit_test(all_candidates_of_all_positions_are_found),
+        cmocka_unit_test(an_overlap_of_more_cells_than_are_kept_is_searched_as_well),
         cmocka_unit_test(turned_blocks_and_further_inputs_are_looked_for_as_well),
         cmocka_unit_test(a_turned_view_shows_each_pixel_once_and_neighbours_stay_neighbours),
-        cmocka_unit_test(excluded_positions_are_left_out_unless_nothing_else_is_left),
+        cmocka_unit_test(excluded_positions_are_left_out),
+        cmocka_unit_test(exclusions_that_leave_nothing_are_not_heeded),
         cmocka_unit_test(a_query_without_known_pixels_or_too_large_is_refused),
     };
 
