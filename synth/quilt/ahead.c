@@ -20,7 +20,8 @@
 #define FIRST_SOURCES 1u
 
 /* That the room for all rows is asked for in: each is short beside a frame's reading. */
-#define PARTS 4096u
+#define PARTS          4096u
+#define PARTS_OF_PIECE 4u
 
 /* Bands end between pages of the file where they can. */
 #define PAGE 4096u
@@ -45,6 +46,8 @@ struct ttf_ahead {
     struct ttf_quilt_sink sink;
     struct ttf_aside aside;
     uint32_t rows_step, rows_max; /* of a band */
+    unsigned reserved;            /* parts */
+    bool reserving;
     /* the strip */
     uint32_t y0, y1;
     uint32_t next; /* frame */
@@ -87,11 +90,13 @@ static uint32_t least_rows(const struct ttf_ahead *ahead)
     return rows < half ? (uint32_t)rows : half;
 }
 
-static int reserve(void *ctx, unsigned part, struct ttf_err *err)
+static int reserve_next(void *ctx, struct ttf_err *err)
 {
-    const struct ttf_ahead *ahead = ctx;
+    struct ttf_ahead *ahead = ctx;
+    int r = ahead->sink.reserve(ahead->sink.ctx, ahead->reserved, PARTS, err);
 
-    return ahead->sink.reserve(ahead->sink.ctx, part, PARTS, err);
+    ahead->reserved++;
+    return r < 0 ? r : ahead->reserved < PARTS;
 }
 
 int ttf_ahead_create(const struct ttf_quilt_config *config, struct ttf_kept *kept,
@@ -102,8 +107,9 @@ int ttf_ahead_create(const struct ttf_quilt_config *config, struct ttf_kept *kep
     if (!ahead)
         return -ENOMEM;
     *ahead = (struct ttf_ahead){.config = config, .kept = kept, .sink = *sink, .n_desks = threads};
-    ahead->aside = (struct ttf_aside){
-        .kept = kept, .part = sink->reserve ? reserve : NULL, .ctx = ahead, .parts = PARTS};
+    ahead->reserved = sink->reserve ? 0 : PARTS;
+    ahead->aside =
+        (struct ttf_aside){.kept = kept, .next = sink->reserve ? reserve_next : NULL, .ctx = ahead};
     ahead->next = kept->frames;
     ahead->rows_step = rows_of_pages(row_bytes(ahead));
     ahead->rows_max = (uint32_t)(BAND_BYTES / row_bytes(ahead));
@@ -192,14 +198,13 @@ static uint32_t strip_end(const struct ttf_ahead *ahead, uint32_t final_rows)
     return end > ahead->y1 && end - ahead->y1 >= least_rows(ahead) ? end : ahead->y1;
 }
 
-int ttf_ahead_take(struct ttf_ahead *ahead, const struct ttf_quilt_map *map, uint32_t final_rows,
-                   bool alone, struct ttf_ahead_piece *ret)
+/* Of the strip, or of the next one. */
+static int take_rows(struct ttf_ahead *ahead, const struct ttf_quilt_map *map, uint32_t final_rows,
+                     struct ttf_ahead_piece *ret)
 {
     uint32_t frames = ahead->kept->frames, end;
     int r;
 
-    if (alone && ahead->working > 0)
-        return 0;
     if (ahead->next == frames) {
         end = strip_end(ahead, final_rows);
         if (ahead->working > 0 || end == ahead->y1)
@@ -211,16 +216,32 @@ int ttf_ahead_take(struct ttf_ahead *ahead, const struct ttf_quilt_map *map, uin
             return r;
         ahead->next = 0;
     }
-    ret->from = ahead->next;
+    *ret = (struct ttf_ahead_piece){.from = ahead->next};
     ret->to = frames - ret->from < PIECE_FRAMES ? frames : ret->from + PIECE_FRAMES;
     ahead->next = ret->to;
     ahead->working++;
     return 1;
 }
 
-void ttf_ahead_done(struct ttf_ahead *ahead)
+int ttf_ahead_take(struct ttf_ahead *ahead, const struct ttf_quilt_map *map, uint32_t final_rows,
+                   bool alone, struct ttf_ahead_piece *ret)
 {
-    ahead->working--;
+    int r = alone && ahead->working > 0 ? 0 : take_rows(ahead, map, final_rows, ret);
+
+    if (r != 0 || ahead->working > 0 || ahead->reserving || ahead->reserved == PARTS)
+        return r;
+    /* nobody is at the file: the next rows find their room */
+    *ret = (struct ttf_ahead_piece){.room = true};
+    ahead->reserving = true;
+    return 1;
+}
+
+void ttf_ahead_done(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece)
+{
+    if (piece->room)
+        ahead->reserving = false;
+    else
+        ahead->working--;
 }
 
 bool ttf_ahead_finished(const struct ttf_ahead *ahead)
@@ -271,6 +292,15 @@ static int hand_on(const struct ttf_ahead *ahead, uint32_t t, struct desk *desk,
     return r;
 }
 
+static int make_room(struct ttf_ahead *ahead, struct ttf_err *err)
+{
+    int r = 1;
+
+    for (unsigned i = 0; i < PARTS_OF_PIECE && r > 0; i++)
+        r = reserve_next(ahead, err);
+    return r < 0 ? r : 0;
+}
+
 int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece, unsigned worker,
                   struct ttf_err *err)
 {
@@ -278,6 +308,8 @@ int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece, 
     int64_t start_ns = now_ns(ahead);
     int r = 0;
 
+    if (piece->room)
+        return make_room(ahead, err);
     for (uint32_t t = piece->from; t < piece->to && r == 0; t++)
         r = hand_on(ahead, t, desk, err);
     desk->render_ns += now_ns(ahead) - start_ns;

@@ -4,7 +4,8 @@
  * one thread at a time; so one thread writes what is final already while the others search.
  *
  * A strip is some rows that are final, of all kept frames; a piece is a strip of some frames, the work of one thread at a time. A band is
- * what of a strip's frame is put together and handed on at once.
+ * what of a strip's frame is put together and handed on at once. Where no strip is there yet, a piece is some of the room that the rows will
+ * take, as long as not all of it was asked for while frames were read: who writes does not wait for that, either.
  *
  * Threads: take and done under one lock of the caller's; `run` from any, each piece once.
  */
@@ -23,6 +24,7 @@
 struct ttf_ahead;
 
 struct ttf_ahead_piece {
+    bool room;         /* the next of it; else rows, of */
     uint32_t from, to; /* frames */
 };
 
@@ -36,7 +38,7 @@ void ttf_ahead_destroy(struct ttf_ahead *ahead); /* NULL allowed */
 const struct ttf_aside *ttf_ahead_aside(const struct ttf_ahead *ahead);
 
 /*
- * Is there a piece to hand on, of the map's first final_rows rows? alone: only if no other thread is at one. -ENOMEM; 0: there is none now;
+ * Is there a piece to hand on, of the map's first final_rows rows, or of room? alone: only if no other thread is at one of rows. -ENOMEM; 0: there is none now;
  * 1: *ret, to be run and reported as done.
  */
 TTF_MUST_USE int ttf_ahead_take(struct ttf_ahead *ahead, const struct ttf_quilt_map *map,
@@ -45,7 +47,7 @@ TTF_MUST_USE int ttf_ahead_take(struct ttf_ahead *ahead, const struct ttf_quilt_
 /* The sink's errors. */
 TTF_MUST_USE int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece,
                                unsigned worker, struct ttf_err *err);
-void ttf_ahead_done(struct ttf_ahead *ahead);
+void ttf_ahead_done(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece);
 
 /* Are all rows handed on? */
 bool ttf_ahead_finished(const struct ttf_ahead *ahead);

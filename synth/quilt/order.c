@@ -130,7 +130,7 @@ static void hand_on(struct order *order, const struct ttf_ahead_piece *piece, un
     pthread_mutex_unlock(&order->mutex);
     code = ttf_ahead_run(order->ahead, piece, worker, &err);
     pthread_mutex_lock(&order->mutex);
-    ttf_ahead_done(order->ahead);
+    ttf_ahead_done(order->ahead, piece);
     if (code < 0)
         fail(order, code, &err);
 }

@@ -31,15 +31,14 @@ struct work {
     struct batch batches[2];
     const struct ttf_kept *kept; /* where the codes of the first frames go; NULL: none */
     const struct ttf_aside *aside;
-    unsigned part;         /* of what goes on besides: the next */
-    atomic_uint own_tiles; /* of the running step that are not begun */
+    atomic_uint own_tiles; /* of the running step that are not done */
     uint8_t *block;        /* both batches' codes */
     uint16_t *scratch;
     /* of one round: learn this, read that */
     const struct batch *learn;
     struct batch *read;
     uint32_t read_from;
-    struct result results[TTF_FACTORS_BATCH], besides;
+    struct result results[TTF_FACTORS_BATCH], besides; /* besides: 1 while there is more */
 };
 
 /* Tiles of a step that come before those of its own: the longest first. */
@@ -77,46 +76,46 @@ static const uint8_t *const *frames_of(const struct batch *batch)
     return (const uint8_t *const *)batch->codes;
 }
 
-/* As long as the other threads have something to do: none waits for what can as well be done in the next step. */
+/* As long as the other threads have something to do: none waits for what can as well be done later. */
 static void do_besides(struct work *work)
 {
     struct result *result = &work->besides;
 
-    if (!work->aside || !work->aside->part)
-        return;
-    while (result->code == 0 && work->part < work->aside->parts && !ttf_cancelled(work->cancel) &&
+    while (result->code > 0 && !ttf_cancelled(work->cancel) &&
            atomic_load_explicit(&work->own_tiles, memory_order_relaxed) > 0)
-        result->code = work->aside->part(work->aside->ctx, work->part++, &result->err);
+        result->code = work->aside->next(work->aside->ctx, &result->err);
 }
 
-static void begin_tile(struct work *work)
+static void end_tile(struct work *work)
 {
     atomic_fetch_sub_explicit(&work->own_tiles, 1, memory_order_relaxed);
 }
 
-static void read_tile(void *ctx, unsigned tile, unsigned worker)
+static void read_frame(struct work *work, unsigned tile, unsigned worker)
 {
-    struct work *work = ctx;
-    struct result *result;
+    struct result *result = &work->results[tile];
 
-    if (tile != BESIDES)
-        begin_tile(work);
-    if (tile == LEARN) {
-        for (unsigned i = 0; work->learn && i < work->learner->n_factors; i++)
-            ttf_factors_learn(&work->learner->factors[i], frames_of(work->learn), work->learn->n);
-        return;
-    }
-    if (tile == BESIDES) {
-        do_besides(work);
-        return;
-    }
-    tile -= READ;
-    result = &work->results[tile];
     result->code = ttf_cancelled(work->cancel)
                        ? ttf_err_set(&result->err, -ECANCELED, NULL, "cancelled")
                        : ttf_sources_read_codes(work->sources, work->read_from + tile, work->table,
                                                 work->scratch + worker * TTF_SOURCES_PIECE,
                                                 work->read->codes[tile], &result->err);
+}
+
+static void read_tile(void *ctx, unsigned tile, unsigned worker)
+{
+    struct work *work = ctx;
+
+    if (tile == BESIDES) {
+        do_besides(work);
+        return;
+    }
+    if (tile >= READ)
+        read_frame(work, tile - READ, worker);
+    else if (work->learn)
+        for (unsigned i = 0; i < work->learner->n_factors; i++)
+            ttf_factors_learn(&work->learner->factors[i], frames_of(work->learn), work->learn->n);
+    end_tile(work);
 }
 
 static void rotate_tile(void *ctx, unsigned tile, unsigned worker)
@@ -126,19 +125,20 @@ static void rotate_tile(void *ctx, unsigned tile, unsigned worker)
     unsigned tiles = ttf_factors_tiles(&work->learner->factors[0]);
 
     (void)worker;
-    if (tile != BESIDES)
-        begin_tile(work);
+    if (tile == BESIDES) {
+        do_besides(work);
+        return;
+    }
     if (tile == NOISE) {
         for (unsigned i = 0; i < learn->n; i++)
             ttf_second_differences_add(&work->learner->noise, learn->codes[i],
                                        work->sources->pixels);
-    } else if (tile == BESIDES) {
-        do_besides(work);
     } else {
         tile -= ROTATE;
         ttf_factors_rotate(&work->learner->factors[tile / tiles], frames_of(learn), learn->n,
                            tile % tiles);
     }
+    end_tile(work);
 }
 
 /* Where the codes of a batch from frame `from` on go: what is kept is read into its place. */
@@ -217,6 +217,7 @@ int ttf_learner_add(struct ttf_learner *learner, const struct ttf_sources *sourc
                         .table = table,
                         .aside = aside,
                         .kept = from == 0 && aside ? aside->kept : NULL,
+                        .besides = {.code = aside && aside->next},
                         .cancel = cancel,
                         .pool = pool};
     const struct batch *learn = NULL;

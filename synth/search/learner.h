@@ -31,12 +31,11 @@ struct ttf_aside {
     struct ttf_kept *
         kept; /* gets the codes of its frames, where the first of all is read; NULL: none are kept */
     /*
-     * Called with 0, 1, .. up to parts-1, one after another, from any thread of the pool, while the others are busy with frames: as many as there
-     * is time for, in small pieces. Errors end it all. NULL: nothing.
+     * The next small piece of it: called from any thread of the pool, one at a time, while the others are busy with frames, as often as there is
+     * time for. 1: there is more; 0: that was all; errors end the learning. NULL: nothing.
      */
-    int (*part)(void *ctx, unsigned part, struct ttf_err *err);
+    int (*next)(void *ctx, struct ttf_err *err);
     void *ctx;
-    unsigned parts;
 };
 
 /* Zeroed factors for so many pixels. -ENOMEM. */

@@ -124,6 +124,7 @@ static void long_strips_are_handed_on_band_by_band(void **state)
 struct reserving {
     struct quilt_taker taker;
     unsigned asked, rows; /* parts so far; calls of rows8 */
+    unsigned asking;      /* threads that are at it */
     unsigned fail_at, cancel_at;
     int cancel;
     bool out_of_order;
@@ -137,14 +138,16 @@ static int reserve_part(void *ctx, unsigned part, unsigned parts, struct ttf_err
         return ttf_err_set(err, -ENOSPC, "disk", "is full");
     if (part == r->cancel_at)
         r->cancel = 1;
-    if (part != r->asked || part >= parts || __atomic_load_n(&r->rows, __ATOMIC_RELAXED) > 0)
+    if (__atomic_fetch_add(&r->asking, 1, __ATOMIC_RELAXED) > 0 || part != r->asked ||
+        part >= parts)
         r->out_of_order = true;
     r->asked = part + 1;
+    __atomic_fetch_sub(&r->asking, 1, __ATOMIC_RELAXED);
     return 0;
 }
 
-static int rows_after_room(void *ctx, uint32_t t, uint32_t y0, uint32_t y1, const uint8_t *codes,
-                           struct ttf_err *err)
+static int count_rows(void *ctx, uint32_t t, uint32_t y0, uint32_t y1, const uint8_t *codes,
+                      struct ttf_err *err)
 {
     struct reserving *r = ctx;
     const struct ttf_quilt_sink sink = quilt_sink(&r->taker, true);
@@ -153,7 +156,7 @@ static int rows_after_room(void *ctx, uint32_t t, uint32_t y0, uint32_t y1, cons
     return sink.rows8(&r->taker, t, y0, y1, codes, err);
 }
 
-static void room_is_asked_for_in_order_before_rows_come(void **state)
+static void room_is_asked_for_in_order_by_one_thread_at_a_time(void **state)
 {
     struct texture_sequence input = texture_make(TEXTURE_NOISE, W, H, N);
     struct ttf_quilt_config config = small_config();
@@ -167,7 +170,7 @@ static void room_is_asked_for_in_order_before_rows_come(void **state)
         struct ttf_pool *pool = ttf_pool_create(threads);
         struct ttf_err err = {0};
 
-        sink.rows8 = rows_after_room;
+        sink.rows8 = count_rows;
         sink.reserve = reserve_part;
         sink.ctx = &r;
         assert_int_equal(ttf_quilt_run(&config, input.sequence, pool, &sink, NULL, NULL, NULL), 0);
@@ -199,7 +202,7 @@ static void who_cancels_does_not_wait_for_room(void **state)
     r = (struct reserving){
         .taker = quilt_taker_make(&config, N), .fail_at = UINT32_MAX, .cancel_at = 4};
     sink = quilt_sink(&r.taker, true);
-    sink.rows8 = rows_after_room;
+    sink.rows8 = count_rows;
     sink.reserve = reserve_part;
     sink.ctx = &r;
     config.cancel = &r.cancel;
@@ -490,7 +493,7 @@ int main(void)
         cmocka_unit_test(eight_bit_frames_are_the_16_bit_ones_as_display_codes),
         cmocka_unit_test(rows_that_go_ahead_are_those_of_the_whole),
         cmocka_unit_test(long_strips_are_handed_on_band_by_band),
-        cmocka_unit_test(room_is_asked_for_in_order_before_rows_come),
+        cmocka_unit_test(room_is_asked_for_in_order_by_one_thread_at_a_time),
         cmocka_unit_test(who_cancels_does_not_wait_for_room),
         cmocka_unit_test(what_is_kept_stays_within_the_memory_allowed),
         cmocka_unit_test(blends_and_times_between_frames_stay_16_bit),

@@ -29,8 +29,9 @@ struct ttf_quilt_sink {
     int (*rows8)(void *ctx, uint32_t t, uint32_t y0, uint32_t y1, const uint8_t *codes,
                  struct ttf_err *err);
     /*
-     * Part `part` of `parts` of the room that all rows will take, one after another and before the first rows8, while other threads compute: what
-     * a file system does for one thread at a time is done the sooner. As many parts as there is time for; perhaps none. NULL: nothing to do.
+     * Part `part` of `parts` of the room that all rows will take, one after another, from one thread at a time, while others compute: what a file
+     * system does for one thread at a time is done the sooner. Most come before the first rows8, some perhaps between them or at the same time, as
+     * many as there is time for; perhaps none. NULL: nothing to do.
      */
     int (*reserve)(void *ctx, unsigned part, unsigned parts, struct ttf_err *err);
     void *ctx;
