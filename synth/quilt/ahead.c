@@ -46,7 +46,7 @@ struct ttf_ahead {
     struct ttf_quilt_sink sink;
     struct ttf_aside aside;
     uint32_t rows_step, rows_max; /* of a band */
-    unsigned reserved;            /* parts */
+    unsigned reserved;            /* parts: the learner's, then that thread's that is */
     bool reserving;
     /* the strip */
     uint32_t y0, y1;
@@ -93,8 +93,11 @@ static uint32_t least_rows(const struct ttf_ahead *ahead)
 static int reserve_next(void *ctx, struct ttf_err *err)
 {
     struct ttf_ahead *ahead = ctx;
-    int r = ahead->sink.reserve(ahead->sink.ctx, ahead->reserved, PARTS, err);
+    int r;
 
+    if (ahead->reserved == PARTS)
+        return 0;
+    r = ahead->sink.reserve(ahead->sink.ctx, ahead->reserved, PARTS, err);
     ahead->reserved++;
     return r < 0 ? r : ahead->reserved < PARTS;
 }
@@ -292,13 +295,15 @@ static int hand_on(const struct ttf_ahead *ahead, uint32_t t, struct desk *desk,
     return r;
 }
 
-static int make_room(struct ttf_ahead *ahead, struct ttf_err *err)
+static int make_room(struct ttf_ahead *ahead, struct desk *desk, struct ttf_err *err)
 {
+    int64_t start_ns = now_ns(ahead);
     int r = 1;
 
     for (unsigned i = 0; i < PARTS_OF_PIECE && r > 0; i++)
         r = reserve_next(ahead, err);
-    return r < 0 ? r : 0;
+    desk->sink_ns += now_ns(ahead) - start_ns;
+    return r;
 }
 
 int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece, unsigned worker,
@@ -309,8 +314,8 @@ int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece, 
     int r = 0;
 
     if (piece->room)
-        return make_room(ahead, err);
-    for (uint32_t t = piece->from; t < piece->to && r == 0; t++)
+        r = make_room(ahead, desk, err);
+    for (uint32_t t = piece->from; t < piece->to && r >= 0; t++)
         r = hand_on(ahead, t, desk, err);
     desk->render_ns += now_ns(ahead) - start_ns;
     return r < 0 ? r : 0;

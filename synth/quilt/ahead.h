@@ -4,10 +4,10 @@
  * one thread at a time; so one thread writes what is final already while the others search.
  *
  * A strip is some rows that are final, of all kept frames; a piece is a strip of some frames, the work of one thread at a time. A band is
- * what of a strip's frame is put together and handed on at once. Where no strip is there yet, a piece is some of the room that the rows will
- * take, as long as not all of it was asked for while frames were read: who writes does not wait for that, either.
+ * what of a strip's frame is put together and handed on at once. Where there are no rows to hand on, and nobody is at any, a piece is some of the
+ * room that the rows will take, as long as not all of it was asked for while frames were read: who writes does not wait for that, either.
  *
- * Threads: take and done under one lock of the caller's; `run` from any, each piece once.
+ * Threads: take and done under one lock of the caller's; `run` from any, each piece once. What goes on while frames are read is over before.
  */
 #ifndef TTF_SYNTH_QUILT_AHEAD_H
 #define TTF_SYNTH_QUILT_AHEAD_H

@@ -126,7 +126,8 @@ static void hand_on(struct order *order, const struct ttf_ahead_piece *piece, un
     struct ttf_err err = {0};
     int code;
 
-    wake_others(order); /* there may be further pieces */
+    if (!piece->room)
+        wake_others(order); /* there may be further pieces */
     pthread_mutex_unlock(&order->mutex);
     code = ttf_ahead_run(order->ahead, piece, worker, &err);
     pthread_mutex_lock(&order->mutex);
@@ -135,7 +136,7 @@ static void hand_on(struct order *order, const struct ttf_ahead_piece *piece, un
         fail(order, code, &err);
 }
 
-/* One thing, if there is any. What is final goes first, but by one thread while others can search. */
+/* One thing, if there is any. What is final goes first, but by one thread while others can search; then room for it, by one thread, too. */
 static bool do_something(struct order *order, unsigned worker)
 {
     struct ttf_ahead_piece piece;

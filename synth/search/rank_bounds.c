@@ -198,9 +198,14 @@ bool ttf_rank_most_of_sample_pass(const struct ttf_rank_workspace *w)
         uint32_t columns, rows;
 
         ttf_rank_grid(&w->search->views->list[i], w->query, &columns, &rows);
-        for (uint32_t y = 0; y < rows; y += TTF_RANK_SAMPLE, all += columns) {
-            for (uint32_t x = 0; x < columns; x++)
-                within += bounds[(size_t)y * columns + x] <= limit;
+        for (uint32_t y = 0; y < rows; y += TTF_RANK_SAMPLE) {
+            for (uint32_t x = 0; x < columns; x++) {
+                uint32_t bound = bounds[(size_t)y * columns + x];
+
+                within += bound <= limit;
+                all +=
+                    bound != TTF_RANK_EXCLUDED; /* those that the query leaves out do not count */
+            }
         }
         bounds += (size_t)columns * rows;
     }

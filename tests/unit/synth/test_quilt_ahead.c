@@ -109,6 +109,7 @@ static void all_of_the_room_is_asked_for_once(void **state)
     while (ttf_ahead_take(ahead, &bed.map, 0, true, &piece) > 0)
         assert_int_equal(run(ahead, &piece), 0);
     assert_true(bed.parts > 0);
+    assert_int_equal(aside->next(aside->ctx, NULL), 0); /* and no more of it */
     assert_int_equal(bed.asked, bed.parts);
     ttf_ahead_destroy(ahead);
 }

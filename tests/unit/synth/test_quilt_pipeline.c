@@ -182,7 +182,8 @@ static void room_is_asked_for_in_order_by_one_thread_at_a_time(void **state)
         assert_int_equal(ttf_quilt_run(&config, input.sequence, pool, &sink, NULL, NULL, &err),
                          -ENOSPC);
         assert_string_equal(err.where, "disk");
-        assert_int_equal(r.rows, 0);
+        if (threads == 1) /* others may be at the first rows already */
+            assert_int_equal(r.rows, 0);
         ttf_pool_destroy(pool);
         quilt_taker_free(&r.taker);
     }

@@ -386,16 +386,17 @@ static void all_candidates_of_all_positions_are_found(void **state)
 #define LARGE_H     74u
 #define LARGE_BLOCK 56u
 
-/* Of so many fine cells some are left out: their pixels are compared all the same. */
-static void an_overlap_of_more_cells_than_are_kept_is_searched_as_well(void **state)
+/* A block's upper 53 rows, four at a time of any place of the input: no place fits all well, so bounds have to be tight. */
+static void search_large(enum texture texture)
 {
     static uint32_t known[LARGE_BLOCK * LARGE_BLOCK];
     const struct ttf_rank_query query = {
         .width = LARGE_BLOCK, .height = LARGE_BLOCK, .known = known};
+    struct ttf_rank_counts counts;
     struct bed bed;
 
-    (void)state;
-    bed_make_sized(&bed, TEXTURE_SPOTS, LARGE_W, LARGE_H, 1, 1, 4, ttf_rank_kernels_best());
+    bed_make_sized(&bed, texture, LARGE_W, LARGE_H, 1, 1, 4, ttf_rank_kernels_best());
+    bed.search.tolerance = 0.5; /* enough pass by coarse cells for fine ones to be asked */
     for (uint32_t key = 0; key < 3; key++) {
         for (uint32_t i = 0; i < LARGE_BLOCK * LARGE_BLOCK; i++) {
             uint32_t x = i % LARGE_BLOCK + (i / LARGE_BLOCK < 30 ? 0 : LARGE_W - LARGE_BLOCK);
@@ -405,7 +406,17 @@ static void an_overlap_of_more_cells_than_are_kept_is_searched_as_well(void **st
         }
         compare(&bed, &query);
     }
+    counts = ttf_rank_workspace_counts(bed.room);
+    assert_true(counts.survived_cells > counts.positions / 64); /* so fine cells were asked */
     bed_free(&bed);
+}
+
+/* Of so many fine cells some are left out: their pixels are compared all the same. */
+static void an_overlap_of_more_cells_than_are_kept_is_searched_as_well(void **state)
+{
+    (void)state;
+    search_large(TEXTURE_SPOTS);
+    search_large(TEXTURE_NOISE);
 }
 
 static void turned_blocks_and_further_inputs_are_looked_for_as_well(void **state)

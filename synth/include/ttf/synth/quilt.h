@@ -150,7 +150,7 @@ struct ttf_quilt_rank_figures {
 /* What a search cost and met: for the report. */
 struct ttf_quilt_search_figures {
     uint64_t positions;      /* all blocks together */
-    uint64_t survived_cells; /* not excluded by the first bound (sums over cells of pixels) */
+    uint64_t survived_cells; /* not excluded by, or not held against, cells of pixels */
     uint64_t survived_rank;  /* full-time search: nor by the second (few coefficients per pixel) */
     uint64_t exact;          /* compared pixel by pixel */
     double noise_variance;   /* of one 8-bit sample, codes squared */
