@@ -48,6 +48,10 @@ struct ttf_ahead {
     uint32_t rows_step, rows_max; /* of a band */
     unsigned reserved;            /* parts: the learner's, then that thread's that is */
     bool reserving;
+    /* the map, when it is whole */
+    struct ttf_quilt_map *map; /* NULL: nobody was at it yet */
+    bool summed;
+    struct ttf_ahead_sums sums;
     /* the strip */
     uint32_t y0, y1;
     uint32_t next; /* frame */
@@ -226,31 +230,50 @@ static int take_rows(struct ttf_ahead *ahead, const struct ttf_quilt_map *map, u
     return 1;
 }
 
-int ttf_ahead_take(struct ttf_ahead *ahead, const struct ttf_quilt_map *map, uint32_t final_rows,
+int ttf_ahead_take(struct ttf_ahead *ahead, struct ttf_quilt_map *map, uint32_t final_rows,
                    bool alone, struct ttf_ahead_piece *ret)
 {
-    int r = alone && ahead->working > 0 ? 0 : take_rows(ahead, map, final_rows, ret);
+    int r;
 
+    /* first: while another thread is at rows that were final before, this one would mostly wait for the file */
+    if (final_rows == ahead->config->height && !ahead->map) {
+        ahead->map = map;
+        *ret = (struct ttf_ahead_piece){.kind = TTF_AHEAD_MAP};
+        return 1;
+    }
+    r = alone && ahead->working > 0 ? 0 : take_rows(ahead, map, final_rows, ret);
     if (r != 0 || ahead->working > 0 || ahead->reserving || ahead->reserved == PARTS)
         return r;
     /* nobody is at the file: the next rows find their room */
-    *ret = (struct ttf_ahead_piece){.room = true};
+    *ret = (struct ttf_ahead_piece){.kind = TTF_AHEAD_ROOM};
     ahead->reserving = true;
     return 1;
 }
 
 void ttf_ahead_done(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece)
 {
-    if (piece->room)
-        ahead->reserving = false;
-    else
+    switch (piece->kind) {
+    case TTF_AHEAD_ROWS:
         ahead->working--;
+        break;
+    case TTF_AHEAD_ROOM:
+        ahead->reserving = false;
+        break;
+    case TTF_AHEAD_MAP:
+        ahead->summed = true;
+        break;
+    }
 }
 
 bool ttf_ahead_finished(const struct ttf_ahead *ahead)
 {
     return ahead->y1 == ahead->config->height && ahead->next == ahead->kept->frames &&
-           ahead->working == 0;
+           ahead->working == 0 && ahead->summed;
+}
+
+const struct ttf_ahead_sums *ttf_ahead_sums(const struct ttf_ahead *ahead)
+{
+    return &ahead->sums;
 }
 
 /* ---- pieces ---- */
@@ -306,6 +329,28 @@ static int make_room(struct ttf_ahead *ahead, struct desk *desk, struct ttf_err 
     return r;
 }
 
+static int hand_on_rows(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece,
+                        struct desk *desk, struct ttf_err *err)
+{
+    int r = 0;
+
+    for (uint32_t t = piece->from; t < piece->to && r == 0; t++)
+        r = hand_on(ahead, t, desk, err);
+    return r;
+}
+
+static int sum_up(struct ttf_ahead *ahead, struct ttf_err *err)
+{
+    int r = ttf_quilt_map_index(ahead->map);
+
+    ahead->sums.digest = ttf_quilt_map_digest(ahead->map);
+    if (r == 0)
+        r = ttf_repetition_of_map(ahead->map, &ahead->sums.repetition);
+    return r < 0 ? ttf_err_set(err, r, NULL, "no memory for a map of %u x %u pixels",
+                               ahead->map->width, ahead->map->height)
+                 : 0;
+}
+
 int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece, unsigned worker,
                   struct ttf_err *err)
 {
@@ -313,10 +358,17 @@ int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece, 
     int64_t start_ns = now_ns(ahead);
     int r = 0;
 
-    if (piece->room)
+    switch (piece->kind) {
+    case TTF_AHEAD_ROWS:
+        r = hand_on_rows(ahead, piece, desk, err);
+        break;
+    case TTF_AHEAD_ROOM:
         r = make_room(ahead, desk, err);
-    for (uint32_t t = piece->from; t < piece->to && r >= 0; t++)
-        r = hand_on(ahead, t, desk, err);
+        break;
+    case TTF_AHEAD_MAP:
+        r = sum_up(ahead, err);
+        break;
+    }
     desk->render_ns += now_ns(ahead) - start_ns;
     return r < 0 ? r : 0;
 }

@@ -6,6 +6,7 @@
  * A strip is some rows that are final, of all kept frames; a piece is a strip of some frames, the work of one thread at a time. A band is
  * what of a strip's frame is put together and handed on at once. Where there are no rows to hand on, and nobody is at any, a piece is some of the
  * room that the rows will take, as long as not all of it was asked for while frames were read: who writes does not wait for that, either.
+ * When the last block lies, what is to be known of the whole map is a piece, too: one thread reckons it while another writes the last rows.
  *
  * Threads: take and done under one lock of the caller's; `run` from any, each piece once. What goes on while frames are read is over before.
  */
@@ -19,13 +20,26 @@
 #include "search/learner.h"
 #include "ttf/base/attr.h"
 #include "ttf/base/err.h"
+#include "ttf/synth/metrics.h"
 #include "ttf/synth/run.h"
 
 struct ttf_ahead;
 
+enum ttf_ahead_kind {
+    TTF_AHEAD_ROWS, /* of a strip */
+    TTF_AHEAD_ROOM, /* the next of it */
+    TTF_AHEAD_MAP   /* whole: its runs, its sums */
+};
+
 struct ttf_ahead_piece {
-    bool room;         /* the next of it; else rows, of */
-    uint32_t from, to; /* frames */
+    enum ttf_ahead_kind kind;
+    uint32_t from, to; /* frames of rows */
+};
+
+/* Of the whole map. */
+struct ttf_ahead_sums {
+    uint64_t digest; /* ttf_quilt_map_digest */
+    struct ttf_repetition_figures repetition;
 };
 
 /* All borrowed; kept: read before the first piece. -ENOMEM. */
@@ -38,19 +52,22 @@ void ttf_ahead_destroy(struct ttf_ahead *ahead); /* NULL allowed */
 const struct ttf_aside *ttf_ahead_aside(const struct ttf_ahead *ahead);
 
 /*
- * Is there a piece to hand on, of the map's first final_rows rows, or of room? alone: only if no other thread is at one of rows. -ENOMEM; 0: there is none now;
- * 1: *ret, to be run and reported as done.
+ * Is there a piece to hand on, of the map's first final_rows rows, or of room, or the map itself, when all rows are final? alone: only if no other
+ * thread is at one of rows. The map is borrowed, the same each time. -ENOMEM; 0: there is none now; 1: *ret, to be run and reported as done.
  */
-TTF_MUST_USE int ttf_ahead_take(struct ttf_ahead *ahead, const struct ttf_quilt_map *map,
+TTF_MUST_USE int ttf_ahead_take(struct ttf_ahead *ahead, struct ttf_quilt_map *map,
                                 uint32_t final_rows, bool alone, struct ttf_ahead_piece *ret);
 
-/* The sink's errors. */
+/* -ENOMEM, the sink's errors. */
 TTF_MUST_USE int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece,
                                unsigned worker, struct ttf_err *err);
 void ttf_ahead_done(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece);
 
-/* Are all rows handed on? */
+/* Are all rows handed on, and is the map summed up? */
 bool ttf_ahead_finished(const struct ttf_ahead *ahead);
+
+/* When it is finished. */
+const struct ttf_ahead_sums *ttf_ahead_sums(const struct ttf_ahead *ahead);
 
 /* ttf_quilt_plan, which hands rows on as they become final (in k-space and not tileable: only there are there any before the end). */
 TTF_MUST_USE int ttf_plan_ahead(const struct ttf_quilt_config *config, struct ttf_sequence *input,

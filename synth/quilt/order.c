@@ -126,7 +126,7 @@ static void hand_on(struct order *order, const struct ttf_ahead_piece *piece, un
     struct ttf_err err = {0};
     int code;
 
-    if (!piece->room)
+    if (piece->kind != TTF_AHEAD_ROOM)
         wake_others(order); /* there may be further pieces */
     pthread_mutex_unlock(&order->mutex);
     code = ttf_ahead_run(order->ahead, piece, worker, &err);

@@ -199,7 +199,7 @@ static int plan_range(const struct ttf_quilt_config *config, struct ttf_sequence
                                      : ttf_order_rows(&plan, ahead, err);
     if (r == 0 && (config->feather_px > 1 ? ttf_paste_all(&plan.map) : 0) < 0)
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory to blend seams");
-    if (r == 0 && ttf_quilt_map_index(&plan.map) < 0)
+    if (r == 0 && !plan.map.runs && ttf_quilt_map_index(&plan.map) < 0)
         r = ttf_err_set(err, -ENOMEM, NULL, "no memory for a map of %u x %u pixels", config->width,
                         config->height);
     if (r == 0 && config->jitter_frames > 0 &&

@@ -28,6 +28,7 @@ struct run {
     struct ttf_kept kept;        /* frames whose rows are handed on while blocks are looked for */
     uint32_t handed_on;          /* so many, the first, were handed on that way */
     struct ttf_ahead *ahead;     /* NULL: none are */
+    struct ttf_ahead_sums sums;  /* of the map, where some were */
     struct ttf_quilt_report report;
 };
 
@@ -98,7 +99,9 @@ static int take_map(struct run *run, struct ttf_err *err)
     to->noise_variance = from->noise_variance;
     to->matching_bytes = from->matching_bytes;
     run->report.rank = run->map.rank;
-    run->report.map_digest = ttf_mix64(run->report.map_digest) ^ ttf_quilt_map_digest(&run->map);
+    run->report.map_digest =
+        ttf_mix64(run->report.map_digest) ^
+        (run->handed_on > 0 ? run->sums.digest : ttf_quilt_map_digest(&run->map));
     if (run->figures && ttf_figures_map(run->figures, &run->map) < 0)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory for the seams' figures");
     return 0;
@@ -206,6 +209,7 @@ static int search_map(struct run *run, struct ttf_err *err)
                            err);
     if (r == 0 && run->ahead) {
         ttf_ahead_costs(run->ahead, &run->report);
+        run->sums = *ttf_ahead_sums(run->ahead);
         run->handed_on = run->kept.frames;
         free_kept(run); /* the other frames need the room */
     }
@@ -278,8 +282,10 @@ static int sum_up(struct run *run, const struct ttf_quilt_map *map, struct ttf_r
     ttf_render_costs(render, report);
     if (run->figures)
         report->frame_bytes += ttf_figures_bytes(run->figures);
-    if ((run->figures ? ttf_figures_finish(run->figures, map, report)
-                      : ttf_repetition_of_map(map, &report->repetition)) < 0)
+    if (run->handed_on > 0) /* and so without figures */
+        report->repetition = run->sums.repetition;
+    else if ((run->figures ? ttf_figures_finish(run->figures, map, report)
+                           : ttf_repetition_of_map(map, &report->repetition)) < 0)
         return ttf_err_set(err, -ENOMEM, NULL, "no memory for the figures of repetition");
     return 0;
 }

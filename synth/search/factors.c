@@ -63,7 +63,7 @@ int ttf_factors_create(size_t pixels, unsigned room, int channel, struct ttf_fac
 
 void ttf_factors_free(struct ttf_factors *factors)
 {
-    free(factors->coefs);
+    ttf_lanes_free(factors->coefs);
     free(factors->singular);
     free(factors->w);
     free(factors->gram);

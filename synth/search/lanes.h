@@ -6,7 +6,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* n numbers, all 0, to be freed with free(). NULL: no memory. */
+/* n numbers, all 0. NULL: no memory. */
 int16_t *ttf_lanes_alloc(size_t n);
+
+/* Of ttf_lanes_alloc, as whatever they were used; NULL allowed. */
+void ttf_lanes_free(void *numbers);
 
 #endif

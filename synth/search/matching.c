@@ -303,7 +303,7 @@ int ttf_matching_build(const struct ttf_quilt_config *config, const struct ttf_s
 
 void ttf_matching_free(struct ttf_matching *matching)
 {
-    free(matching->coefs);
+    ttf_lanes_free(matching->coefs);
     free(matching->missed);
     memset(matching, 0, sizeof(*matching));
 }

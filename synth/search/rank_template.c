@@ -185,8 +185,8 @@ void ttf_rank_template_free(struct ttf_rank_template *template)
     free(template->runs);
     for (int level = 0; level < TTF_CELL_LEVELS; level++)
         free(template->cells[level]);
-    free(template->coefs);
+    ttf_lanes_free(template->coefs);
     free(template->taken);
-    free(template->fine);
+    ttf_lanes_free(template->fine);
     memset(template, 0, sizeof(*template));
 }

@@ -188,9 +188,9 @@ int ttf_views_create(const struct ttf_sources *sources, const struct ttf_matchin
 void ttf_views_free(struct ttf_views *views)
 {
     for (unsigned i = 0; views->list && i < views->n; i++) {
-        free(views->list[i].own);
+        ttf_lanes_free(views->list[i].own);
         for (unsigned level = 0; level < TTF_CELL_LEVELS; level++)
-            free(views->list[i].cells[level]);
+            ttf_lanes_free(views->list[i].cells[level]);
     }
     free(views->list);
     for (unsigned level = 0; level < TTF_CELL_LEVELS; level++)

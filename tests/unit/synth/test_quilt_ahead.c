@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "quilt/ahead.h"
@@ -59,9 +60,17 @@ static struct ttf_ahead *make(struct bed *bed, bool with_room)
     bed->kept = (struct ttf_kept){FRAMES, SIDE * SIDE * 3, bed->codes};
     ttf_quilt_defaults(&bed->config);
     bed->config.width = bed->config.height = SIDE;
-    bed->map = (struct ttf_quilt_map){.width = SIDE, .height = SIDE, .source = bed->source};
+    bed->map = (struct ttf_quilt_map){
+        .width = SIDE, .height = SIDE, .source_pixels = SIDE * SIDE, .source = bed->source};
     assert_int_equal(ttf_ahead_create(&bed->config, &bed->kept, &sink, 2, &ahead), 0);
     return ahead;
+}
+
+/* What summing it up left. */
+static void free_map(const struct bed *bed)
+{
+    free(bed->map.runs);
+    free(bed->map.row_runs);
 }
 
 static int run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece)
@@ -80,17 +89,55 @@ static void room_is_asked_for_while_there_is_nothing_to_write(void **state)
 
     (void)state;
     assert_int_equal(ttf_ahead_take(ahead, &bed.map, 0, true, &room), 1);
-    assert_true(room.room);
+    assert_int_equal(room.kind, TTF_AHEAD_ROOM);
     /* one thread is at it already */
     assert_int_equal(ttf_ahead_take(ahead, &bed.map, 0, true, &other), 0);
     assert_int_equal(run(ahead, &room), 0);
     assert_true(bed.asked > 0 && bed.asked < bed.parts);
-    /* rows go first, and while they are written nobody asks */
+    /* rows go first (behind the map, which is whole here), and while they are written nobody asks */
     assert_int_equal(ttf_ahead_take(ahead, &bed.map, SIDE, true, &other), 1);
-    assert_false(other.room);
+    assert_int_equal(run(ahead, &other), 0);
+    assert_int_equal(ttf_ahead_take(ahead, &bed.map, SIDE, true, &other), 1);
+    assert_int_equal(other.kind, TTF_AHEAD_ROWS);
     assert_int_equal(ttf_ahead_take(ahead, &bed.map, SIDE, true, &room), 0);
     assert_int_equal(run(ahead, &other), 0);
     assert_int_equal(bed.rows, FRAMES * SIDE);
+    free_map(&bed);
+    ttf_ahead_destroy(ahead);
+}
+
+static void a_whole_map_is_summed_up_once_beside_the_last_rows(void **state)
+{
+    struct bed bed;
+    struct ttf_ahead *ahead = make(&bed, false);
+    struct ttf_ahead_piece map, rows, none;
+    struct ttf_repetition_figures repetition;
+
+    (void)state;
+    bed.source[SIDE] = 0; /* a pixel that comes twice, and one that does not come */
+    memcpy(bed.codes + (size_t)SIDE * 3, bed.codes, 3);
+    for (uint32_t t = 1; t < FRAMES; t++)
+        memcpy(bed.codes + (size_t)(t * SIDE * SIDE + SIDE) * 3,
+               bed.codes + (size_t)(t * SIDE * SIDE) * 3, 3);
+    assert_int_equal(ttf_ahead_take(ahead, &bed.map, SIDE, false, &map), 1);
+    assert_int_equal(map.kind, TTF_AHEAD_MAP);
+    /* meanwhile by another thread */
+    assert_int_equal(ttf_ahead_take(ahead, &bed.map, SIDE, false, &rows), 1);
+    assert_int_equal(rows.kind, TTF_AHEAD_ROWS);
+    assert_int_equal(run(ahead, &rows), 0);
+    assert_int_equal(bed.rows, FRAMES * SIDE);
+    assert_int_equal(ttf_ahead_take(ahead, &bed.map, SIDE, false, &none), 0);
+    assert_false(ttf_ahead_finished(ahead));
+    assert_int_equal(run(ahead, &map), 0);
+    assert_true(ttf_ahead_finished(ahead));
+    assert_true(ttf_ahead_sums(ahead)->digest == ttf_quilt_map_digest(&bed.map));
+    assert_int_equal(ttf_repetition_of_map(&bed.map, &repetition), 0);
+    assert_int_equal(repetition.max_uses, 2);
+    assert_int_equal(ttf_ahead_sums(ahead)->repetition.max_uses, 2);
+    assert_true(ttf_ahead_sums(ahead)->repetition.mean_uses == repetition.mean_uses);
+    assert_true(ttf_ahead_sums(ahead)->repetition.source_coverage == repetition.source_coverage);
+    assert_int_equal(bed.map.row_runs[SIDE], SIDE + 1); /* a row each, and row 1 of two pieces */
+    free_map(&bed);
     ttf_ahead_destroy(ahead);
 }
 
@@ -138,6 +185,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(room_is_asked_for_while_there_is_nothing_to_write),
+        cmocka_unit_test(a_whole_map_is_summed_up_once_beside_the_last_rows),
         cmocka_unit_test(all_of_the_room_is_asked_for_once),
         cmocka_unit_test(a_full_disk_ends_it_and_no_sink_need_reserve),
     };
