@@ -25,7 +25,7 @@ compile() { # ARCH CMAKE-ARGUMENTS...
 
 programs() { # COMPONENT: below the folder that is built into
     case $1 in
-    tools) echo bin/ttfbox ;;
+    tools) echo bin/ttfbox lib/ttfbox/ttfbox-full ;;
     box) echo bin/ttfboxd bin/ttfbox-lampd bin/ttfbox-usbd bin/ttfbox-preview bin/ttfbox-alertd ;;
     libcamera) echo lib/ttfbox/ttfbox-libcamera.so lib/ttfbox/ttfbox-libcamera-host ;;
     esac

@@ -31,6 +31,7 @@ struct cli_command;
 
 struct cli {
     const struct cli_command *command;
+    char *const *words; /* as typed, the program's name first, NULL behind the last */
     struct cli_options opt;
     struct ttf_io *io;
     struct ttf_err err;  /* what a command that returns an error leaves */

@@ -10,6 +10,7 @@
 #include "board_findings.h"
 #include "box.h"
 #include "commands.h"
+#include "hand_over.h"
 
 /* Counts the devices that do not answer. */
 struct probe {
@@ -253,11 +254,15 @@ static int ask_devices(struct probe *p)
 
 int cmd_board_probe(struct cli *cli)
 {
-    struct ttf_board *board = calloc(1, sizeof *board);
-    struct probe p = {.cli = cli, .board = board};
+    struct ttf_board *board;
+    struct probe p = {.cli = cli};
     unsigned problems = 0;
-    int r = board ? cli_load_board(cli, board) : -ENOMEM;
+    int r;
 
+    if (cli->opt.bundle && !cli_is_full())
+        return cli_hand_over(cli);
+    p.board = board = calloc(1, sizeof *board);
+    r = board ? cli_load_board(cli, board) : -ENOMEM;
     /* Another machine's files have no devices to ask. */
     if (r == 0 && !cli->opt.root)
         r = ask_devices(&p);

@@ -202,10 +202,20 @@ static int no_command(int argc, char **argv, bool group)
     return CLI_WRONG_INPUT;
 }
 
+/* Before options are read, which changes them. NULL: no memory. */
+static char **copy_words(int argc, char *const *argv)
+{
+    char **words = calloc((size_t)argc + 1, sizeof *words);
+
+    if (words)
+        memcpy(words, argv, (size_t)argc * sizeof *words);
+    return words;
+}
+
 int main(int argc, char **argv)
 {
     struct cli cli = {.io = ttf_io_posix()};
-    char name[64];
+    char name[64], **given;
     bool group = false;
     int words = 0, code;
 
@@ -214,10 +224,13 @@ int main(int argc, char **argv)
     cli.command = cli_command_find(argc - 1, argv + 1, &words, &group);
     if (!cli.command)
         return no_command(argc, argv, group);
+    given = copy_words(argc, argv);
+    cli.words = given;
     (void)snprintf(name, sizeof name, "ttfbox %s", cli.command->name);
     argv[words] = name;
-    code = run(&cli, parse_options(&cli, argc - words, argv + words));
+    code = run(&cli, given ? parse_options(&cli, argc - words, argv + words) : -ENOMEM);
     free((void *)cli.opt.args);
+    free(given);
     cli_options_free(&cli.opt);
     return code;
 }

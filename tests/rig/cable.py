@@ -28,7 +28,7 @@ BOX, PC = "/run/http.sock", "unix:/run/pc"
 FILES = "/datasets/grass/files/"
 
 
-PROGRAMS = ["ttfbox", "ttfbox-usbd", "ttfbox-gadget", "rig_usb", "rig_uvc", "rig_camera"]
+PROGRAMS = ["ttfbox", "ttfbox-full", "ttfbox-usbd", "ttfbox-gadget", "rig_usb", "rig_uvc", "rig_camera"]
 
 
 class Board(Machine):
@@ -41,7 +41,7 @@ class Board(Machine):
 
     def meet(self):
         super().meet()
-        must(self, "mkdir /run/bin && cd /share && cp %s /run/bin/ && cat $(ldd ttfbox rig_usb rig_camera | grep -o '/[^ :]*') >/dev/null" %
+        must(self, "mkdir /run/bin && cd /share && cp %s /run/bin/ && cat $(ldd ttfbox-full rig_usb rig_camera | grep -o '/[^ :]*') >/dev/null" %
              " ".join(PROGRAMS))
 
     def begin(self, command):

@@ -34,7 +34,7 @@ from machine import Machine
 RIG = ROOT + "/build-rig"
 LOCK_S = {None: 1800, "smoke": 300}
 ARM64 = Cross(RIG + "/system/tree", RIG + "/arm64")
-PROGRAMS = ["ttfbox", "ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "lampd_child", "capture_child", "rig_camera", "rig_usb", "rig_uvc", "strike", "test_lines", "test_sysfs",
+PROGRAMS = ["ttfbox", "ttfbox-full", "ttfboxd", "ttfbox-lampd", "ttfbox-usbd", "lampd_child", "capture_child", "rig_camera", "rig_usb", "rig_uvc", "strike", "test_lines", "test_sysfs",
             "test_conformance_lampd", "ttfbox-libcamera", "ttfbox-libcamera-host"]
 # What no machine here has; said, so that nobody takes silence for a pass.
 NOT_HERE = ["exposure control of a camera behind libcamera", "a Raspberry Pi's own PWM and under-voltage alarm"]
@@ -58,8 +58,8 @@ def build(programs, share):
     os.makedirs(share)
     for name in programs:
         folder = "/bin/" if name.startswith("ttfbox") else "/tests/"
-        if name.startswith("ttfbox-libcamera"):  # a module and what loads it, that programs find beside them
-            folder, name = "/lib/ttfbox/", name if name.endswith("host") else name + ".so"
+        if name.startswith(("ttfbox-full", "ttfbox-libcamera")):  # that programs find beside them
+            folder, name = "/lib/ttfbox/", name + ".so" if name == "ttfbox-libcamera" else name
         shutil.copy(out + folder + name, share)
     shutil.copy(ROOT + "/firmware/gadget/ttfbox-gadget", share)
     shutil.copy(ROOT + "/boards/sim-small/board.yaml", share + "/sim-small.yaml")
