@@ -115,8 +115,11 @@ int ttf_ahead_create(const struct ttf_quilt_config *config, struct ttf_kept *kep
         return -ENOMEM;
     *ahead = (struct ttf_ahead){.config = config, .kept = kept, .sink = *sink, .n_desks = threads};
     ahead->reserved = sink->reserve ? 0 : PARTS;
-    ahead->aside =
-        (struct ttf_aside){.kept = kept, .next = sink->reserve ? reserve_next : NULL, .ctx = ahead};
+    ahead->aside = (struct ttf_aside){.kept = kept,
+                                      .next = sink->reserve ? reserve_next : NULL,
+                                      .ctx = ahead,
+                                      .now_ns = config->now_ns,
+                                      .now_ctx = config->now_ctx};
     ahead->next = kept->frames;
     ahead->rows_step = rows_of_pages(row_bytes(ahead));
     ahead->rows_max = (uint32_t)(BAND_BYTES / row_bytes(ahead));

@@ -29,7 +29,7 @@ struct work {
     struct ttf_pool *pool;
     unsigned batch_frames;
     struct batch batches[2];
-    const struct ttf_kept *kept; /* where the codes of the first frames go; NULL: none */
+    struct ttf_kept *kept; /* where the codes of the first frames go; NULL: none */
     const struct ttf_aside *aside;
     atomic_uint own_tiles; /* of the running step that are not done */
     uint8_t *block;        /* both batches' codes */
@@ -46,7 +46,8 @@ struct work {
 #define BESIDES 1u
 #define READ    2u /* and so on, a frame each */
 #define NOISE   0u
-#define ROTATE  2u /* and so on */
+#define TOUCH   2u
+#define ROTATE  3u /* and so on */
 
 int ttf_learner_create(size_t pixels, unsigned room, bool per_channel, struct ttf_learner *ret)
 {
@@ -118,6 +119,13 @@ static void read_tile(void *ctx, unsigned tile, unsigned worker)
     end_tile(work);
 }
 
+/* Memory for the batch behind the one that was read last. */
+static void touch(const struct work *work, uint32_t frames)
+{
+    if (work->kept)
+        ttf_kept_touch(work->kept, frames, work->aside->now_ns, work->aside->now_ctx);
+}
+
 static void rotate_tile(void *ctx, unsigned tile, unsigned worker)
 {
     struct work *work = ctx;
@@ -133,6 +141,8 @@ static void rotate_tile(void *ctx, unsigned tile, unsigned worker)
         for (unsigned i = 0; i < learn->n; i++)
             ttf_second_differences_add(&work->learner->noise, learn->codes[i],
                                        work->sources->pixels);
+    } else if (tile == TOUCH) {
+        touch(work, work->read_from + work->read->n + work->batch_frames);
     } else {
         tile -= ROTATE;
         ttf_factors_rotate(&work->learner->factors[tile / tiles], frames_of(learn), learn->n,
@@ -183,6 +193,7 @@ static int one_round(struct work *work, const struct batch *learn, struct batch 
     read->n = n;
     place_codes(work, read, from);
     memset(work->results, 0, sizeof(work->results));
+    touch(work, from + n); /* of the first batches: nobody did before */
     run_step(work, READ + n, read_tile);
     r = first_error(work, n, err);
     if (r < 0 || !learn)

@@ -36,6 +36,8 @@ struct ttf_aside {
      */
     int (*next)(void *ctx, struct ttf_err *err);
     void *ctx;
+    int64_t (*now_ns)(void *ctx); /* that kept's memory is taken by (ttf_kept_touch); NULL: none */
+    void *now_ctx;
 };
 
 /* Zeroed factors for so many pixels. -ENOMEM. */

@@ -246,6 +246,46 @@ static void few_frames_are_represented_exactly(void **state)
     texture_free(&texture);
 }
 
+static int64_t next_ns(void *ctx)
+{
+    int64_t *now_ns = ctx;
+
+    return ++*now_ns;
+}
+
+static void frames_are_kept_in_memory_that_was_asked_for_before(void **state)
+{
+    struct texture_sequence texture = texture_make(TEXTURE_SPOTS, 256, 192, N);
+    struct ttf_sources sources = sources_of(&texture);
+    struct ttf_pool *pool = ttf_pool_create(2);
+    uint16_t *scratch = malloc(TTF_SOURCES_PIECE * sizeof(*scratch));
+    struct ttf_learner learner;
+    struct ttf_kept kept;
+    int64_t now_ns = 0;
+    struct ttf_aside aside = {.kept = &kept, .now_ns = next_ns, .now_ctx = &now_ns};
+    uint8_t *codes;
+
+    (void)state;
+    assert_int_equal(ttf_kept_create(sources.pixels, N, SIZE_MAX, &kept), 0);
+    codes = malloc(kept.frame);
+    assert_true(pool && scratch && codes && kept.frames == N);
+    assert_int_equal(ttf_learner_create(sources.pixels, 24, false, &learner), 0);
+    assert_int_equal(
+        ttf_learner_add(&learner, &sources, 0, N, table_of_display(), &aside, NULL, pool, NULL), 0);
+    assert_true(kept.touched >= N * kept.frame);
+    for (uint32_t t = 0; t < N; t++) {
+        assert_int_equal(
+            ttf_sources_read_codes(&sources, t, table_of_display(), scratch, codes, NULL), 0);
+        assert_memory_equal(kept.codes + t * kept.frame, codes, kept.frame);
+    }
+    ttf_kept_free(&kept);
+    ttf_learner_free(&learner);
+    ttf_pool_destroy(pool);
+    free(codes);
+    free(scratch);
+    texture_free(&texture);
+}
+
 static void a_grown_dataset_is_gone_on_with(void **state)
 {
     struct texture_sequence texture = texture_make(TEXTURE_SPOTS, W, H, N);
@@ -396,6 +436,7 @@ int main(void)
         cmocka_unit_test(streamed_factors_are_nearly_as_good_as_the_whole_decomposition),
         cmocka_unit_test(distances_between_factors_never_exceed_those_between_trajectories),
         cmocka_unit_test(few_frames_are_represented_exactly),
+        cmocka_unit_test(frames_are_kept_in_memory_that_was_asked_for_before),
         cmocka_unit_test(a_grown_dataset_is_gone_on_with),
         cmocka_unit_test(foreign_or_damaged_factors_are_refused),
         cmocka_unit_test(threads_change_no_bit_of_the_numbers),

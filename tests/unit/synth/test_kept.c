@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Memory for frames that are kept: in large pages as long as these are quick. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "search/kept.h"
+
+#define PIXELS ((size_t)1 << 20)
+#define FRAMES 4u
+#define LARGE  ((size_t)2 << 20)
+
+/* Each look at it takes so long. */
+struct slow_clock {
+    int64_t now_ns, step_ns;
+};
+
+static int64_t look(void *ctx)
+{
+    struct slow_clock *clock = ctx;
+
+    return clock->now_ns += clock->step_ns;
+}
+
+static struct ttf_kept make(void)
+{
+    struct ttf_kept kept;
+
+    assert_int_equal(ttf_kept_create(PIXELS, FRAMES, 10 * PIXELS * FRAMES, &kept), 0);
+    assert_int_equal(kept.frames, FRAMES);
+    return kept;
+}
+
+/* Does the system say of an address that its memory is to be in small pages? */
+static bool is_small(const void *address)
+{
+    FILE *f = fopen("/proc/self/smaps", "re");
+    bool inside = false, small = false;
+    char line[512], *end;
+
+    assert_non_null(f);
+    while (fgets(line, sizeof(line), f)) {
+        uintptr_t from = strtoul(line, &end, 16);
+
+        if (*end == '-') /* of the next mapping: FROM-TO ... */
+            inside = (uintptr_t)address >= from && (uintptr_t)address < strtoul(end + 1, NULL, 16);
+        else if (inside && strncmp(line, "VmFlags:", 8) == 0)
+            small = strstr(line, " nh") != NULL;
+    }
+    assert_int_equal(fclose(f), 0);
+    return small;
+}
+
+static void quick_pages_are_large_to_the_end(void **state)
+{
+    struct slow_clock clock = {.step_ns = 200000};
+    struct ttf_kept kept = make();
+    size_t first;
+
+    (void)state;
+    ttf_kept_touch(&kept, 1, look, &clock);
+    first = kept.touched;
+    assert_true(first >= kept.frame && first < 2 * kept.frame);
+    /* what was read is left as it is, also where nothing was asked for */
+    memset(kept.codes, 0x5a, first + 1);
+    ttf_kept_touch(&kept, 1, look, &clock);
+    assert_int_equal(kept.touched, first);
+    ttf_kept_touch(&kept, FRAMES + 7, look, &clock); /* more than there are */
+    assert_true(kept.touched >= FRAMES * kept.frame && kept.touched < FRAMES * kept.frame + LARGE);
+    for (size_t i = 0; i <= first; i++)
+        assert_int_equal(kept.codes[i], 0x5a);
+    assert_false(kept.small);
+    assert_false(is_small(kept.codes + FRAMES * kept.frame - 1));
+    ttf_kept_free(&kept);
+}
+
+static void after_a_slow_one_the_rest_are_small(void **state)
+{
+    struct slow_clock clock = {.step_ns = 4400000};
+    struct ttf_kept kept = make();
+
+    (void)state;
+    ttf_kept_touch(&kept, FRAMES, look, &clock);
+    assert_true(kept.small);
+    assert_int_equal(kept.touched, LARGE);
+    if (access("/sys/kernel/mm/transparent_hugepage", F_OK) == 0)
+        assert_true(is_small(kept.codes + LARGE));
+    clock.step_ns = 1; /* and remain so */
+    ttf_kept_touch(&kept, FRAMES, look, &clock);
+    assert_int_equal(kept.touched, LARGE);
+    memset(kept.codes, 1, FRAMES * kept.frame + TTF_KEPT_SLACK);
+    ttf_kept_free(&kept);
+}
+
+static void without_a_clock_nothing_is_asked_for(void **state)
+{
+    struct ttf_kept kept = make(), none = {0};
+    struct slow_clock clock = {.step_ns = 1};
+
+    (void)state;
+    ttf_kept_touch(&kept, FRAMES, NULL, NULL);
+    assert_int_equal(kept.touched, 0);
+    ttf_kept_free(&kept);
+    ttf_kept_touch(&none, FRAMES, look, &clock);
+    assert_int_equal(none.touched, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(quick_pages_are_large_to_the_end),
+        cmocka_unit_test(after_a_slow_one_the_rest_are_small),
+        cmocka_unit_test(without_a_clock_nothing_is_asked_for),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
