@@ -19,18 +19,19 @@ bool cli_is_full(void)
 int cli_hand_over(struct cli *cli)
 {
     char program[TTF_PROGRAM_PATH_MAX];
-    int r;
+    int r = ttf_program_find(FULL, program);
 
-    if (ttf_program_find(FULL, program) < 0) {
-        ttf_err_set(&cli->err, -ENOPKG, FULL,
-                    "this program does the command, and is neither beside ttfbox nor in "
-                    "../lib/ttfbox from there");
-        ttf_err_hint(&cli->err, "it comes with ttfbox: copy it along, or reinstall");
-        return -ENOPKG;
+    if (r == 0) {
+        execv(program, cli->words);
+        ttf_err_set(&cli->err, -ENOPKG, program,
+                    "this program does the command, and cannot be run: %s", strerrordesc_np(errno));
+    } else {
+        ttf_err_set(&cli->err, -ENOPKG, FULL, "this program does the command, and %s",
+                    r == -EACCES ? "may not be run"
+                                 : "is neither beside ttfbox nor in ../lib/ttfbox from there");
     }
-    execv(program, cli->words);
-    r = -errno;
-    return ttf_err_set(&cli->err, r, program, "cannot be run: %s", strerrordesc_np(-r));
+    ttf_err_hint(&cli->err, "it comes with ttfbox: copy it along, or reinstall");
+    return -ENOPKG;
 }
 
 int cmd_pull(struct cli *cli)

@@ -14,8 +14,8 @@
 bool cli_is_full(void);
 
 /*
- * Runs ttfbox-full in this process's place with the words that were typed: it returns only if that cannot be. -ENOPKG: it is not there; as execv. Of
- * ttfbox-full itself: -ENOTSUP.
+ * Runs ttfbox-full in this process's place with the words that were typed: it returns only if that cannot be. -ENOPKG with its
+ * reason. Of ttfbox-full itself: -ENOTSUP.
  */
 TTF_MUST_USE int cli_hand_over(struct cli *cli);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* bundle_none.c: a build without libarchive. */
+/* bundle_none.c: a program without libarchive: ttfbox, which hands that option over, and a build that has none. */
 #include <errno.h>
 
 #include "probe.h"

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define LONGEST 80 /* a place and a name */
@@ -28,13 +29,18 @@ int ttf_program_find(const char *name, char ret[TTF_PROGRAM_PATH_MAX])
 {
     static const char *const places[] = {"/", "/../lib/ttfbox/"};
     char folder[TTF_PROGRAM_PATH_MAX - LONGEST];
+    struct stat st;
+    int r = -ENOENT;
 
     if (own_folder(folder, sizeof(folder)) < 0)
         return -ENOENT;
     for (unsigned i = 0; i < TTF_COUNT_OF(places); i++) {
         (void)snprintf(ret, TTF_PROGRAM_PATH_MAX, "%s%s%s", folder, places[i], name);
+        if (stat(ret, &st) < 0 || !S_ISREG(st.st_mode))
+            continue;
         if (access(ret, X_OK) == 0)
             return 0;
+        r = -EACCES;
     }
-    return -ENOENT;
+    return r;
 }

@@ -274,6 +274,11 @@ bool ttf_ahead_finished(const struct ttf_ahead *ahead)
            ahead->working == 0 && ahead->summed;
 }
 
+size_t ttf_ahead_sums_bytes(size_t source_pixels)
+{
+    return source_pixels * sizeof(uint32_t); /* repetition counts uses */
+}
+
 const struct ttf_ahead_sums *ttf_ahead_sums(const struct ttf_ahead *ahead)
 {
     return &ahead->sums;
@@ -369,8 +374,7 @@ int ttf_ahead_run(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece, 
         r = make_room(ahead, desk, err);
         break;
     case TTF_AHEAD_MAP:
-        r = sum_up(ahead, err);
-        break;
+        return sum_up(ahead, err); /* no part of rendering */
     }
     desk->render_ns += now_ns(ahead) - start_ns;
     return r < 0 ? r : 0;

@@ -27,7 +27,7 @@ struct ttf_ahead;
 
 enum ttf_ahead_kind {
     TTF_AHEAD_ROWS, /* of a strip */
-    TTF_AHEAD_ROOM, /* the next of it */
+    TTF_AHEAD_ROOM, /* the next part of the file's room */
     TTF_AHEAD_MAP   /* whole: its runs, its sums */
 };
 
@@ -53,7 +53,7 @@ const struct ttf_aside *ttf_ahead_aside(const struct ttf_ahead *ahead);
 
 /*
  * Is there a piece to hand on, of the map's first final_rows rows, or of room, or the map itself, when all rows are final? alone: only if no other
- * thread is at one of rows. The map is borrowed, the same each time. -ENOMEM; 0: there is none now; 1: *ret, to be run and reported as done.
+ * thread is at one of rows. The map is borrowed, the same each time; its runs are filled in the end. -ENOMEM; 0: there is none now; 1: *ret, to be run and reported as done.
  */
 TTF_MUST_USE int ttf_ahead_take(struct ttf_ahead *ahead, struct ttf_quilt_map *map,
                                 uint32_t final_rows, bool alone, struct ttf_ahead_piece *ret);
@@ -65,6 +65,9 @@ void ttf_ahead_done(struct ttf_ahead *ahead, const struct ttf_ahead_piece *piece
 
 /* Are all rows handed on, and is the map summed up? */
 bool ttf_ahead_finished(const struct ttf_ahead *ahead);
+
+/* Memory that summing up a map of so many source pixels takes meanwhile. */
+size_t ttf_ahead_sums_bytes(size_t source_pixels);
 
 /* When it is finished. */
 const struct ttf_ahead_sums *ttf_ahead_sums(const struct ttf_ahead *ahead);

@@ -136,7 +136,7 @@ static void hand_on(struct order *order, const struct ttf_ahead_piece *piece, un
         fail(order, code, &err);
 }
 
-/* One thing, if there is any. What is final goes first, but by one thread while others can search; then room for it, by one thread, too. */
+/* One thing, if there is any. The whole map goes first, when it is, then rows that are final, but by one thread while others can search; then room for it, by one thread, too. */
 static bool do_something(struct order *order, unsigned worker)
 {
     struct ttf_ahead_piece piece;

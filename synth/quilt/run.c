@@ -190,7 +190,9 @@ static int go_ahead(struct run *run, struct ttf_err *err)
     if (config->memory_bytes > 0) {
         size_t left = config->memory_bytes -
                       ttf_quilt_matching_bytes(config, (uint32_t)pixels, run->sources.frames);
+        size_t sums = ttf_ahead_sums_bytes(pixels);
 
+        left -= left < sums ? left : sums;
         bytes = left < bytes ? left : bytes;
     }
     r = ttf_kept_create(pixels, run->sources.frames, bytes, &run->kept);

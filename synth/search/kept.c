@@ -15,7 +15,8 @@
 #define LARGE_PAGE ((size_t)2 << 20)
 
 /* What one takes at most that is the machine's: 0.2 ms on a server, 1 ms on a small board. */
-#define SLOW_NS 2000000
+#define SLOW_NS  2000000
+#define SLOW_MAX 2u
 
 size_t ttf_kept_bytes(const struct ttf_kept *kept)
 {
@@ -45,17 +46,21 @@ int ttf_kept_create(size_t pixels, uint32_t frames, size_t bytes_max, struct ttf
     return 0;
 }
 
-void ttf_kept_touch(struct ttf_kept *kept, uint32_t frames, int64_t (*now_ns)(void *ctx), void *ctx)
+void ttf_kept_touch(struct ttf_kept *kept, uint32_t from, uint32_t to, int64_t (*now_ns)(void *ctx),
+                    void *ctx)
 {
     size_t bytes = ttf_kept_bytes(kept);
-    size_t end = (frames < kept->frames ? frames : kept->frames) * kept->frame;
+    size_t end = (to < kept->frames ? to : kept->frames) * kept->frame;
+    size_t begin = (from * kept->frame + LARGE_PAGE - 1) / LARGE_PAGE * LARGE_PAGE;
 
+    if (kept->touched < begin)
+        kept->touched = begin;
     while (now_ns && !kept->small && kept->touched < end) {
-        volatile uint8_t *first = kept->codes + kept->touched;
         int64_t start_ns = now_ns(ctx);
 
-        *first = *first;
-        kept->small = now_ns(ctx) - start_ns > SLOW_NS;
+        *(volatile uint8_t *)(kept->codes + kept->touched) = 0;
+        kept->slow = now_ns(ctx) - start_ns > SLOW_NS ? kept->slow + 1 : 0;
+        kept->small = kept->slow == SLOW_MAX;
         kept->touched += LARGE_PAGE;
         if (kept->small && kept->touched < bytes)
             (void)madvise(kept->codes + kept->touched, bytes - kept->touched, MADV_NOHUGEPAGE);

@@ -19,7 +19,8 @@ struct ttf_kept {
     uint32_t frames; /* the first so many */
     size_t frame;    /* bytes of one: pixels x 3 */
     uint8_t *codes;  /* frames x frame, and slack */
-    size_t touched;  /* bytes of them whose memory was asked for, in large pages */
+    size_t touched;  /* bytes of them whose memory was asked for or read into, in large pages */
+    unsigned slow;   /* so many of them, the last, were slow */
     bool small;      /* the rest is better taken in small ones */
 };
 
@@ -28,12 +29,13 @@ TTF_MUST_USE int ttf_kept_create(size_t pixels, uint32_t frames, size_t bytes_ma
                                  struct ttf_kept *ret);
 
 /*
- * Asks for the memory of the first so many of them before anything is read into it, by one thread alone: large pages cost least where they are the
+ * Asks for the memory of frames up to `to`, of which those from `from` on are read into later, by one thread at a time, also while others read those before: large pages cost least where they are the
  * machine's already; a virtual machine's may have been given back to its host, and then each takes twenty times as long (4.4 ms of 2 MiB instead of
- * 0.2), while small ones, which are not given back, cost no more than ever. So after one that is slow by the clock the rest are small.
- * now_ns NULL: nothing is asked for. What was read is left as it is.
+ * 0.2), while small ones are less often: what is given back is large blocks. So after two in a row that are slow by the clock (one may be a thread that had
+ * to wait) the rest are small. It is reckoned in large pages of 2 MiB; where a machine's are larger, no two in a row are slow, and all stay as they are.
+ * now_ns NULL: nothing is asked for.
  */
-void ttf_kept_touch(struct ttf_kept *kept, uint32_t frames, int64_t (*now_ns)(void *ctx),
+void ttf_kept_touch(struct ttf_kept *kept, uint32_t from, uint32_t to, int64_t (*now_ns)(void *ctx),
                     void *ctx);
 
 void ttf_kept_free(struct ttf_kept *kept); /* a zeroed one is fine */

@@ -11,7 +11,7 @@
 #define LARGE_PAGE ((size_t)2 << 20)
 
 /*
- * Not written to here: much memory comes from the system as zeros, at the first touch of each page, which is by whichever thread needs it.
+ * Not written to here: large blocks come fresh from the system, as zeros at the first touch of each page, which is by whichever thread needs it.
  * (posix_memalign would leave it to this thread to write zeros.) Before the numbers lies where their memory begins.
  */
 int16_t *ttf_lanes_alloc(size_t n)

@@ -44,10 +44,10 @@ struct work {
 /* Tiles of a step that come before those of its own: the longest first. */
 #define LEARN   0u
 #define BESIDES 1u
-#define READ    2u /* and so on, a frame each */
-#define NOISE   0u
 #define TOUCH   2u
-#define ROTATE  3u /* and so on */
+#define READ    3u /* and so on, a frame each */
+#define NOISE   0u
+#define ROTATE  2u /* and so on */
 
 int ttf_learner_create(size_t pixels, unsigned room, bool per_channel, struct ttf_learner *ret)
 {
@@ -103,6 +103,16 @@ static void read_frame(struct work *work, unsigned tile, unsigned worker)
                                                 work->read->codes[tile], &result->err);
 }
 
+/* Memory for the batch behind the one that is read now. */
+static void touch_next(const struct work *work)
+{
+    uint32_t from = work->read_from + work->read->n;
+
+    if (work->kept)
+        ttf_kept_touch(work->kept, from, from + work->batch_frames, work->aside->now_ns,
+                       work->aside->now_ctx);
+}
+
 static void read_tile(void *ctx, unsigned tile, unsigned worker)
 {
     struct work *work = ctx;
@@ -113,17 +123,12 @@ static void read_tile(void *ctx, unsigned tile, unsigned worker)
     }
     if (tile >= READ)
         read_frame(work, tile - READ, worker);
+    else if (tile == TOUCH)
+        touch_next(work);
     else if (work->learn)
         for (unsigned i = 0; i < work->learner->n_factors; i++)
             ttf_factors_learn(&work->learner->factors[i], frames_of(work->learn), work->learn->n);
     end_tile(work);
-}
-
-/* Memory for the batch behind the one that was read last. */
-static void touch(const struct work *work, uint32_t frames)
-{
-    if (work->kept)
-        ttf_kept_touch(work->kept, frames, work->aside->now_ns, work->aside->now_ctx);
 }
 
 static void rotate_tile(void *ctx, unsigned tile, unsigned worker)
@@ -141,8 +146,6 @@ static void rotate_tile(void *ctx, unsigned tile, unsigned worker)
         for (unsigned i = 0; i < learn->n; i++)
             ttf_second_differences_add(&work->learner->noise, learn->codes[i],
                                        work->sources->pixels);
-    } else if (tile == TOUCH) {
-        touch(work, work->read_from + work->read->n + work->batch_frames);
     } else {
         tile -= ROTATE;
         ttf_factors_rotate(&work->learner->factors[tile / tiles], frames_of(learn), learn->n,
@@ -193,7 +196,6 @@ static int one_round(struct work *work, const struct batch *learn, struct batch 
     read->n = n;
     place_codes(work, read, from);
     memset(work->results, 0, sizeof(work->results));
-    touch(work, from + n); /* of the first batches: nobody did before */
     run_step(work, READ + n, read_tile);
     r = first_error(work, n, err);
     if (r < 0 || !learn)

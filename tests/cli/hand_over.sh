@@ -6,7 +6,7 @@
 FULL=$(dirname "$TTFBOX")/../lib/ttfbox/ttfbox-full
 needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p'; }
 needs "$FULL" >full.needs
-needs "$TTFBOX" >own.needs
+ldd "$TTFBOX" | tr -d '\t' >own.needs # those behind the first ones, too
 for library in libcurl libmicrohttpd libusb; do
     grep -q "^$library" full.needs || fail "ttfbox-full does not need $library: what does it do?"
     grep "^$library" own.needs && fail "ttfbox loads $library at each start"
@@ -18,7 +18,9 @@ expect 0 "$TTFBOX" usb list --json
 json boxes >/dev/null
 expect 2 "$TTFBOX" serve "no such folder"
 said err "ttfbox serve: no such folder: "
-expect 2 "$TTFBOX" serve "no such folder" --json
+expect 2 "$TTFBOX" serve "no such folder" --js --listen=127.0.0.1:0
+is exit 2
+expect 2 "$TTFBOX" serve --json -- "no such folder"
 is exit 2
 is where "no such folder"
 expect 2 "$TTFBOX" pull --no-such-option
@@ -42,7 +44,7 @@ said err "ttfbox-full"
 # A file of that name that cannot be run is none.
 touch alone/ttfbox-full
 expect 1 alone/ttfbox usb list
-said err "neither beside"
+said err "ttfbox-full: this program does the command, and may not be run"
 # Beside it, and as it is installed.
 rm alone/ttfbox-full
 cp "$FULL" alone

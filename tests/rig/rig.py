@@ -58,7 +58,7 @@ def build(programs, share):
     os.makedirs(share)
     for name in programs:
         folder = "/bin/" if name.startswith("ttfbox") else "/tests/"
-        if name.startswith(("ttfbox-full", "ttfbox-libcamera")):  # that programs find beside them
+        if name.startswith(("ttfbox-full", "ttfbox-libcamera")):  # that programs find beside them; built into a folder of their own
             folder, name = "/lib/ttfbox/", name + ".so" if name == "ttfbox-libcamera" else name
         shutil.copy(out + folder + name, share)
     shutil.copy(ROOT + "/firmware/gadget/ttfbox-gadget", share)

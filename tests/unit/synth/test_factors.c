@@ -246,11 +246,20 @@ static void few_frames_are_represented_exactly(void **state)
     texture_free(&texture);
 }
 
+struct before {
+    const struct ttf_kept *kept;
+    int64_t now_ns;
+};
+
+/* Asked for the time before and after each large page is asked for: nothing was read into what lies behind it. */
 static int64_t next_ns(void *ctx)
 {
-    int64_t *now_ns = ctx;
+    struct before *before = ctx;
+    const struct ttf_kept *kept = before->kept;
 
-    return ++*now_ns;
+    for (size_t i = kept->touched; i < kept->touched + 4096 && i < kept->frames * kept->frame; i++)
+        assert_int_equal(kept->codes[i], 0);
+    return ++before->now_ns;
 }
 
 static void frames_are_kept_in_memory_that_was_asked_for_before(void **state)
@@ -261,8 +270,8 @@ static void frames_are_kept_in_memory_that_was_asked_for_before(void **state)
     uint16_t *scratch = malloc(TTF_SOURCES_PIECE * sizeof(*scratch));
     struct ttf_learner learner;
     struct ttf_kept kept;
-    int64_t now_ns = 0;
-    struct ttf_aside aside = {.kept = &kept, .now_ns = next_ns, .now_ctx = &now_ns};
+    struct before before = {.kept = &kept};
+    struct ttf_aside aside = {.kept = &kept, .now_ns = next_ns, .now_ctx = &before};
     uint8_t *codes;
 
     (void)state;

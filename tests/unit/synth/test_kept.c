@@ -65,37 +65,76 @@ static void quick_pages_are_large_to_the_end(void **state)
     size_t first;
 
     (void)state;
-    ttf_kept_touch(&kept, 1, look, &clock);
+    ttf_kept_touch(&kept, 0, 1, look, &clock);
     first = kept.touched;
     assert_true(first >= kept.frame && first < 2 * kept.frame);
-    /* what was read is left as it is, also where nothing was asked for */
-    memset(kept.codes, 0x5a, first + 1);
-    ttf_kept_touch(&kept, 1, look, &clock);
+    ttf_kept_touch(&kept, 0, 1, look, &clock);
     assert_int_equal(kept.touched, first);
-    ttf_kept_touch(&kept, FRAMES + 7, look, &clock); /* more than there are */
+    ttf_kept_touch(&kept, 1, FRAMES + 7, look, &clock); /* more than there are */
     assert_true(kept.touched >= FRAMES * kept.frame && kept.touched < FRAMES * kept.frame + LARGE);
-    for (size_t i = 0; i <= first; i++)
-        assert_int_equal(kept.codes[i], 0x5a);
     assert_false(kept.small);
     assert_false(is_small(kept.codes + FRAMES * kept.frame - 1));
     ttf_kept_free(&kept);
 }
 
-static void after_a_slow_one_the_rest_are_small(void **state)
+static void after_two_slow_ones_the_rest_are_small(void **state)
 {
     struct slow_clock clock = {.step_ns = 4400000};
     struct ttf_kept kept = make();
 
     (void)state;
-    ttf_kept_touch(&kept, FRAMES, look, &clock);
+    ttf_kept_touch(&kept, 0, FRAMES, look, &clock);
     assert_true(kept.small);
-    assert_int_equal(kept.touched, LARGE);
+    assert_int_equal(kept.touched, 2 * LARGE);
     if (access("/sys/kernel/mm/transparent_hugepage", F_OK) == 0)
-        assert_true(is_small(kept.codes + LARGE));
+        assert_true(is_small(kept.codes + 2 * LARGE));
     clock.step_ns = 1; /* and remain so */
-    ttf_kept_touch(&kept, FRAMES, look, &clock);
-    assert_int_equal(kept.touched, LARGE);
+    ttf_kept_touch(&kept, 0, FRAMES, look, &clock);
+    assert_int_equal(kept.touched, 2 * LARGE);
     memset(kept.codes, 1, FRAMES * kept.frame + TTF_KEPT_SLACK);
+    ttf_kept_free(&kept);
+}
+
+/* A frame ends in the middle of a large page: that one is the reader's. */
+static void what_is_read_is_left_alone(void **state)
+{
+    struct slow_clock clock = {.step_ns = 200000};
+    struct ttf_kept kept = make();
+
+    (void)state;
+    assert_true(kept.frame % LARGE != 0);
+    memset(kept.codes, 0x5a, FRAMES * kept.frame);
+    ttf_kept_touch(&kept, 1, 2, look, &clock);
+    ttf_kept_touch(&kept, 3, FRAMES, look, &clock);
+    for (size_t i = 0; i < FRAMES * kept.frame; i++) {
+        bool next = i >= kept.frame && i < 2 * kept.frame;
+
+        if (!next && i < 3 * kept.frame)
+            assert_int_equal(kept.codes[i], 0x5a);
+    }
+    assert_int_equal(kept.codes[2 * LARGE], 0); /* the second frame's, of which nothing was read */
+    ttf_kept_free(&kept);
+}
+
+/* Every fourth look is late: the second one at each second page. */
+static int64_t look_late(void *ctx)
+{
+    struct slow_clock *clock = ctx;
+
+    clock->step_ns += 1;
+    return clock->now_ns += clock->step_ns % 4 == 0 ? 4400000 : 1000;
+}
+
+static void one_that_is_slow_by_itself_changes_nothing(void **state)
+{
+    struct slow_clock clock = {.step_ns = 0};
+    struct ttf_kept kept = make();
+
+    (void)state;
+    ttf_kept_touch(&kept, 0, FRAMES, look_late, &clock); /* each second page */
+    assert_true(clock.now_ns > 2 * 4400000);
+    assert_false(kept.small);
+    assert_true(kept.touched >= FRAMES * kept.frame);
     ttf_kept_free(&kept);
 }
 
@@ -105,10 +144,10 @@ static void without_a_clock_nothing_is_asked_for(void **state)
     struct slow_clock clock = {.step_ns = 1};
 
     (void)state;
-    ttf_kept_touch(&kept, FRAMES, NULL, NULL);
+    ttf_kept_touch(&kept, 0, FRAMES, NULL, NULL);
     assert_int_equal(kept.touched, 0);
     ttf_kept_free(&kept);
-    ttf_kept_touch(&none, FRAMES, look, &clock);
+    ttf_kept_touch(&none, 0, FRAMES, look, &clock);
     assert_int_equal(none.touched, 0);
 }
 
@@ -116,7 +155,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quick_pages_are_large_to_the_end),
-        cmocka_unit_test(after_a_slow_one_the_rest_are_small),
+        cmocka_unit_test(after_two_slow_ones_the_rest_are_small),
+        cmocka_unit_test(what_is_read_is_left_alone),
+        cmocka_unit_test(one_that_is_slow_by_itself_changes_nothing),
         cmocka_unit_test(without_a_clock_nothing_is_asked_for),
     };
 

@@ -57,7 +57,7 @@ static struct ttf_ahead *make(struct bed *bed, bool with_room)
         bed->codes[i] = (uint8_t)(i * 7 + i / 256);
     for (uint32_t i = 0; i < SIDE * SIDE; i++)
         bed->source[i] = i;
-    bed->kept = (struct ttf_kept){FRAMES, SIDE * SIDE * 3, bed->codes};
+    bed->kept = (struct ttf_kept){.frames = FRAMES, .frame = SIDE * SIDE * 3, .codes = bed->codes};
     ttf_quilt_defaults(&bed->config);
     bed->config.width = bed->config.height = SIDE;
     bed->map = (struct ttf_quilt_map){

@@ -29,6 +29,22 @@ static struct ttf_quilt_config small_config(void)
 
 /* ---- 8-bit sinks ---- */
 
+/* Of the map, however it was summed up. */
+static void says_the_same(const struct ttf_quilt_report *a, const struct ttf_quilt_report *b)
+{
+    assert_true(a->map_digest == b->map_digest);
+    assert_int_equal(a->repetition.max_uses, b->repetition.max_uses);
+    assert_true(a->repetition.mean_uses == b->repetition.mean_uses &&
+                a->repetition.source_coverage == b->repetition.source_coverage &&
+                a->repetition.verbatim_share == b->repetition.verbatim_share);
+}
+
+static void has_the_same_runs(const struct ttf_quilt_map *a, const struct ttf_quilt_map *b)
+{
+    assert_memory_equal(a->row_runs, b->row_runs, (a->height + 1) * sizeof(*a->row_runs));
+    assert_memory_equal(a->runs, b->runs, a->row_runs[a->height] * sizeof(*a->runs));
+}
+
 static void is_the_16_bit_run_as_display_codes(const struct ttf_quilt_config *config,
                                                struct ttf_sequence *input)
 {
@@ -37,22 +53,28 @@ static void is_the_16_bit_run_as_display_codes(const struct ttf_quilt_config *co
     const struct ttf_quilt_sink sink = quilt_sink(&narrow, true);
     static uint8_t table[65536];
     uint8_t *want = malloc(n * wide.frame);
+    struct ttf_quilt_report report, own;
+    struct ttf_quilt_map map, own_map;
 
     assert_non_null(want);
     ttf_display8_table(&texture_encoding, table);
-    quilt_run_ok(config, input, NULL, &wide, NULL, NULL);
+    quilt_run_ok(config, input, NULL, &wide, &report, &map);
     for (size_t i = 0; i < n * wide.frame; i++)
         want[i] = table[wide.codes[i]];
     for (unsigned threads = 1; threads <= 5; threads += 2) {
         struct ttf_pool *pool = ttf_pool_create(threads);
 
         quilt_taker_reset(&narrow);
-        assert_int_equal(ttf_quilt_run(config, input, pool, &sink, NULL, NULL, NULL), 0);
+        assert_int_equal(ttf_quilt_run(config, input, pool, &sink, &own, &own_map, NULL), 0);
         assert_true(quilt_taker_has_all_rows(&narrow));
         assert_int_equal(narrow.next, 0); /* nothing as 16 bits */
         assert_memory_equal(narrow.codes8, want, n * wide.frame);
+        says_the_same(&own, &report);
+        has_the_same_runs(&own_map, &map);
+        ttf_quilt_map_free(&own_map);
         ttf_pool_destroy(pool);
     }
+    ttf_quilt_map_free(&map);
     free(want);
     quilt_taker_free(&wide);
     quilt_taker_free(&narrow);
@@ -102,6 +124,47 @@ static void rows_that_go_ahead_are_those_of_the_whole(void **state)
     config.height = 20;
     is_the_16_bit_run_as_display_codes(&config, input.sequence);
     texture_free(&input);
+}
+
+/* Each look at it takes 1 ns, from the `slow_from`th on 4.4 ms. By any thread. */
+struct looks {
+    int64_t now_ns;
+    unsigned looks, slow_from;
+};
+
+static int64_t look(void *ctx)
+{
+    struct looks *l = ctx;
+    bool slow = __atomic_add_fetch(&l->looks, 1, __ATOMIC_RELAXED) >= l->slow_from;
+
+    return __atomic_add_fetch(&l->now_ns, slow ? 4400000 : 1, __ATOMIC_RELAXED);
+}
+
+/* Memory of frames that are kept is taken by the clock, whatever that says: of batches of 16 and of few frames, all or some of them kept. */
+static void how_long_memory_takes_changes_no_bit(void **state)
+{
+    struct texture_sequence input = texture_make(TEXTURE_NOISE, 400, 300, 40);
+    struct texture_sequence large = texture_make(TEXTURE_SPOTS, 1000, 800, 6);
+    struct ttf_quilt_config config = small_config();
+    const unsigned slow_from[] = {1, 7, 30, UINT32_MAX};
+
+    (void)state;
+    config.measure = false;
+    config.width = 256;
+    config.height = 150;
+    config.now_ns = look;
+    for (size_t i = 0; i < sizeof(slow_from) / sizeof(slow_from[0]); i++) {
+        struct looks looks = {.slow_from = slow_from[i]};
+
+        config.now_ctx = &looks;
+        config.keep_bytes = (i % 2 ? 17u : 40u) * 360000u + 64;
+        is_the_16_bit_run_as_display_codes(&config, input.sequence);
+        looks.looks = 0;
+        config.keep_bytes = (i % 2 ? 4u : 6u) * 2400000u + 64;
+        is_the_16_bit_run_as_display_codes(&config, large.sequence);
+    }
+    texture_free(&input);
+    texture_free(&large);
 }
 
 /* Several times the input's pixels are handed on at once, in pieces that a core has near. */
@@ -228,7 +291,8 @@ static void what_is_kept_stays_within_the_memory_allowed(void **state)
     (void)state;
     config.measure = false;
     assert_int_equal(ttf_quilt_run(&config, input.sequence, NULL, &sink, &all, NULL, NULL), 0);
-    config.memory_bytes = matching + 5 * frame + 64;
+    config.memory_bytes =
+        matching + 5 * frame + 64 + (size_t)W * H * 4; /* and what its uses are counted in */
     assert_int_equal(ttf_quilt_run(&config, input.sequence, NULL, &sink, &some, NULL, NULL), 0);
     config.memory_bytes = matching;
     assert_int_equal(ttf_quilt_run(&config, input.sequence, NULL, &sink, &tight, NULL, NULL), 0);
@@ -493,6 +557,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(eight_bit_frames_are_the_16_bit_ones_as_display_codes),
         cmocka_unit_test(rows_that_go_ahead_are_those_of_the_whole),
+        cmocka_unit_test(how_long_memory_takes_changes_no_bit),
         cmocka_unit_test(long_strips_are_handed_on_band_by_band),
         cmocka_unit_test(room_is_asked_for_in_order_by_one_thread_at_a_time),
         cmocka_unit_test(who_cancels_does_not_wait_for_room),

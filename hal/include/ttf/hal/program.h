@@ -9,7 +9,7 @@
 
 /*
  * Where the program of that name is (without a slash, shorter than 64): beside the running one, as in a folder that was copied, else where one in
- * PREFIX/bin has it, in PREFIX/lib/ttfbox. -ENOENT: it is at neither, or may not be run.
+ * PREFIX/bin has it, in PREFIX/lib/ttfbox. -ENOENT: it is at neither, or nobody can tell where this one lies; -EACCES: it is there, and may not be run.
  */
 TTF_MUST_USE int ttf_program_find(const char *name, char ret[TTF_PROGRAM_PATH_MAX]);
 

@@ -89,7 +89,7 @@ struct ttf_quilt_config {
     bool jitter_round;               /* whole frames only; default: interpolated */
     const struct ttf_rate_map *rate; /* M, of the output's size; NULL: 1 everywhere. Borrowed */
 
-    /* for the report's times, from any of the pool's threads, several at once; NULL: no times */
+    /* for the report's times and the pages that kept frames are taken in, from any of the pool's threads, several at once; NULL: no times */
     int64_t (*now_ns)(void *ctx);
     void *now_ctx;
     void (*progress)(
