@@ -14,7 +14,7 @@
 /* Pages of this size, where the system has them, cost one fault each instead of 512. */
 #define LARGE_PAGE ((size_t)2 << 20)
 
-/* What one takes at most that is the machine's: 0.2 ms on a server, 1 ms on a small board. */
+/* What one takes at most that is the machine's: 0.2 ms on a server, and ten times that for slower memory. */
 #define SLOW_NS  2000000
 #define SLOW_MAX 2u
 

@@ -29,8 +29,8 @@ TTF_MUST_USE int ttf_kept_create(size_t pixels, uint32_t frames, size_t bytes_ma
                                  struct ttf_kept *ret);
 
 /*
- * Asks for the memory of frames up to `to`, of which those from `from` on are read into later, by one thread at a time, also while others read those before: large pages cost least where they are the
- * machine's already; a virtual machine's may have been given back to its host, and then each takes twenty times as long (4.4 ms of 2 MiB instead of
+ * Asks for the memory of frames up to `to`, of which those from `from` on are read into later: by one thread at a time, also while others read those
+ * before. Large pages cost least where they are the machine's already; a virtual machine's may have been given back to its host, and then each takes twenty times as long (4.4 ms of 2 MiB instead of
  * 0.2), while small ones are less often: what is given back is large blocks. So after two in a row that are slow by the clock (one may be a thread that had
  * to wait) the rest are small. It is reckoned in large pages of 2 MiB; where a machine's are larger, no two in a row are slow, and all stay as they are.
  * now_ns NULL: nothing is asked for.

@@ -41,7 +41,7 @@ is where ttfbox-full
 expect 1 alone/ttfbox board probe --board sim-small --bundle report.tar.gz
 said err "ttfbox-full"
 [ -e report.tar.gz ] && fail "a report of nothing"
-# A file of that name that cannot be run is none.
+# A file of that name that may not be run is told from none.
 touch alone/ttfbox-full
 expect 1 alone/ttfbox usb list
 said err "ttfbox-full: this program does the command, and may not be run"

@@ -143,7 +143,8 @@ static int64_t look(void *ctx)
 /* Memory of frames that are kept is taken by the clock, whatever that says, all or some of them kept. */
 static void how_long_memory_takes_changes_no_bit(void **state)
 {
-    struct texture_sequence input = texture_make(TEXTURE_NOISE, 200, 150, 40);
+    struct texture_sequence input =
+        texture_make(TEXTURE_NOISE, 200, 150, 100); /* five large pages */
     struct ttf_quilt_config config = small_config();
     const unsigned slow_from[] = {1, UINT32_MAX};
 
@@ -154,9 +155,9 @@ static void how_long_memory_takes_changes_no_bit(void **state)
         struct looks looks = {.slow_from = slow_from[i]};
 
         config.now_ctx = &looks;
-        config.width = 128;
-        config.height = 96;
-        config.keep_bytes = (i == 0 ? 40u : 30u) * 90000u + 64;
+        config.width = 64;
+        config.height = 48;
+        config.keep_bytes = (i == 0 ? 100u : 80u) * 90000u + 64;
         is_the_16_bit_run_as_display_codes(&config, input.sequence);
     }
     texture_free(&input);
